@@ -59,9 +59,7 @@ impl Input {
         let mut sections: Vec<(String, Vec<&str>)> = Vec::new();
         let mut words = Vec::new();
         for line in text.split('\n').skip(1) {
-            let name = line
-                .strip_prefix(FILE.0)
-                .and_then(|l| l.strip_suffix(FILE.1));
+            let name = line.strip_prefix(FILE.0).and_then(|l| l.strip_suffix(FILE.1));
             match (name, sections.last_mut()) {
                 (Some(name), _) => sections.push((name.to_string(), Vec::new())),
                 (None, Some((_, lines))) => lines.push(line),
@@ -69,12 +67,7 @@ impl Input {
             }
         }
         let files = sections.into_iter();
-        Input::Command {
-            words,
-            files: files
-                .map(|(name, lines)| (name, lines.join("\n")))
-                .collect(),
-        }
+        Input::Command { words, files: files.map(|(name, lines)| (name, lines.join("\n"))).collect() }
     }
 }
 
@@ -86,10 +79,7 @@ mod tests {
     fn an_input_is_written_and_read() {
         let input = Input::Command {
             words: vec!["check".into(), "a b".into(), "c.toml".into()],
-            files: vec![
-                ("c.toml".into(), "x = 1\n\n".into()),
-                ("d".into(), String::new()),
-            ],
+            files: vec![("c.toml".into(), "x = 1\n\n".into()), ("d".into(), String::new())],
         };
         assert_eq!(Input::from_bytes(&input.to_bytes(), true), input);
         let file = Input::File(vec![0, 255]);

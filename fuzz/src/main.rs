@@ -91,10 +91,7 @@ fn one(options: &Options) -> ExitCode {
     match &options.output {
         Some(path) => {
             if let Err(error) = std::fs::write(path, &bytes) {
-                eprintln!(
-                    "error: {}: {error}\n  fix: check the folder",
-                    path.display()
-                );
+                eprintln!("error: {}: {error}\n  fix: check the folder", path.display());
                 return ExitCode::from(2);
             }
         }
@@ -113,23 +110,14 @@ fn one(options: &Options) -> ExitCode {
 }
 
 fn parse(mut words: impl Iterator<Item = String>) -> Result<Options, String> {
-    let mut options = Options {
-        seed: 1,
-        ..Options::default()
-    };
+    let mut options = Options { seed: 1, ..Options::default() };
     while let Some(name) = words.next() {
         match name.as_str() {
             "--worker" => options.is_worker = true,
             "--minimise" => options.minimise = true,
             _ => {
-                let value = words
-                    .next()
-                    .ok_or_else(|| format!("`{name}` has no value"))?;
-                let number = || {
-                    value
-                        .parse::<u64>()
-                        .map_err(|_| format!("`{name} {value}`: a whole number is needed"))
-                };
+                let value = words.next().ok_or_else(|| format!("`{name}` has no value"))?;
+                let number = || value.parse::<u64>().map_err(|_| format!("`{name} {value}`: a whole number is needed"));
                 match name.as_str() {
                     "--target" => {
                         let target = named(&value).ok_or_else(|| {

@@ -18,10 +18,7 @@ static ALLOCATOR: Counting = Counting;
 // The only way to see every allocation of the process. Each call goes to the system's allocator
 // with the arguments it came with, so its promises are the system's; the counts are atomic.
 // Over LARGEST it answers null as a full machine does: the process ends instead of the machine.
-#[allow(
-    unsafe_code,
-    reason = "an allocator is unsafe to implement; argued above"
-)]
+#[allow(unsafe_code, reason = "an allocator is unsafe to implement; argued above")]
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         if !take(layout.size()) {

@@ -16,8 +16,7 @@ pub fn minimised(target: &Target, input: Input) -> Input {
     let wanted = signature(&fault);
     let start = Instant::now();
     let still = |candidate: &Input| {
-        start.elapsed() < PATIENCE
-            && judge(target, candidate).is_err_and(|fault| signature(&fault) == wanted)
+        start.elapsed() < PATIENCE && judge(target, candidate).is_err_and(|fault| signature(&fault) == wanted)
     };
     match input {
         Input::File(bytes) => {
@@ -34,10 +33,7 @@ pub fn minimised(target: &Target, input: Input) -> Input {
                         Ok(text) => files[i].1 = text,
                         Err(_) => return false,
                     }
-                    still(&Input::Command {
-                        words: words.clone(),
-                        files,
-                    })
+                    still(&Input::Command { words: words.clone(), files })
                 });
                 files[i].1 = String::from_utf8(small).unwrap_or_default();
             }
@@ -49,21 +45,14 @@ pub fn minimised(target: &Target, input: Input) -> Input {
 /// Leaves out lines, then runs of bytes, as long as `still` holds.
 fn shrunk(mut now: Vec<u8>, still: impl Fn(Vec<u8>) -> bool) -> Vec<u8> {
     let joined = |lines: &[Vec<u8>]| lines.concat();
-    let mut lines: Vec<Vec<u8>> = now
-        .split_inclusive(|b| *b == b'\n')
-        .map(<[u8]>::to_vec)
-        .collect();
+    let mut lines: Vec<Vec<u8>> = now.split_inclusive(|b| *b == b'\n').map(<[u8]>::to_vec).collect();
     let mut size = (lines.len() / 2).max(1);
     loop {
         let mut at = 0;
         while at < lines.len() {
             let mut fewer = lines.clone();
             fewer.drain(at..(at + size).min(fewer.len()));
-            if still(joined(&fewer)) {
-                lines = fewer
-            } else {
-                at += size
-            }
+            if still(joined(&fewer)) { lines = fewer } else { at += size }
         }
         if size == 1 {
             break;
@@ -79,11 +68,7 @@ fn shrunk(mut now: Vec<u8>, still: impl Fn(Vec<u8>) -> bool) -> Vec<u8> {
         while at < now.len() {
             let mut fewer = now.clone();
             fewer.drain(at..(at + size).min(fewer.len()));
-            if still(fewer.clone()) {
-                now = fewer
-            } else {
-                at += size
-            }
+            if still(fewer.clone()) { now = fewer } else { at += size }
         }
     }
     now

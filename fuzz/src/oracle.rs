@@ -80,11 +80,7 @@ pub fn same_but_digits(a: &str, b: &str) -> bool {
     if a == b {
         return true;
     }
-    let fields = |text: &str| -> Vec<String> {
-        text.split([',', ';', '\t', '\n', '\r'])
-            .map(String::from)
-            .collect()
-    };
+    let fields = |text: &str| -> Vec<String> { text.split([',', ';', '\t', '\n', '\r']).map(String::from).collect() };
     let (a, b) = (fields(a), fields(b));
     let near = |(a, b): (&String, &String)| match (a.parse::<f64>(), b.parse::<f64>()) {
         (Ok(a), Ok(b)) => (a - b).abs() <= 1e-13 * a.abs(),
@@ -100,8 +96,7 @@ pub fn same_but_digits(a: &str, b: &str) -> bool {
 /// There is one; the text is its line.
 pub fn text_is_finite(text: &str, given: &str) -> Result<(), String> {
     let bad = |line: &str| {
-        line.split(|c: char| !c.is_alphanumeric() && c != '_')
-            .any(|word| matches!(word, "NaN" | "inf" | "infinity"))
+        line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| matches!(word, "NaN" | "inf" | "infinity"))
     };
     let given = given.to_lowercase();
     // Words of the command's own: `--exclude`d names, comments.
@@ -119,10 +114,7 @@ pub fn text_is_finite(text: &str, given: &str) -> Result<(), String> {
 /// # Errors
 /// There is such a character.
 pub fn text_is_plain(text: &str) -> Result<(), String> {
-    match text
-        .lines()
-        .find(|l| l.chars().any(|c| is_hidden(c) && c != '\t'))
-    {
+    match text.lines().find(|l| l.chars().any(|c| is_hidden(c) && c != '\t')) {
         Some(line) => Err(format!("hidden characters: {line:?}")),
         None => Ok(()),
     }
@@ -139,16 +131,9 @@ pub fn no_null_number(value: &Value, schema: &Value) -> Result<(), String> {
 
 fn walk(value: &Value, schema: &Value, root: &Value, path: &str) -> Result<(), String> {
     let schema = resolved(schema, root);
-    if let Some(choices) = schema
-        .get("anyOf")
-        .or(schema.get("oneOf"))
-        .and_then(Value::as_array)
-    {
+    if let Some(choices) = schema.get("anyOf").or(schema.get("oneOf")).and_then(Value::as_array) {
         // Null is right where one choice takes it; a value is judged by the choice it fits.
-        let fits: Vec<&Value> = choices
-            .iter()
-            .filter(|c| takes(value, resolved(c, root)))
-            .collect();
+        let fits: Vec<&Value> = choices.iter().filter(|c| takes(value, resolved(c, root))).collect();
         let results: Vec<_> = fits.iter().map(|c| walk(value, c, root, path)).collect();
         if results.is_empty() || results.iter().any(Result::is_ok) {
             return Ok(());
@@ -160,21 +145,17 @@ fn walk(value: &Value, schema: &Value, root: &Value, path: &str) -> Result<(), S
         Value::Object(entries) => {
             let other = schema.get("additionalProperties").filter(|o| o.is_object());
             let known = schema.get("properties");
-            entries.iter().try_for_each(|(key, value)| {
-                match known.and_then(|known| known.get(key)).or(other) {
-                    Some(inner) => walk(value, inner, root, &format!("{path}.{key}")),
-                    None => Ok(()),
-                }
+            entries.iter().try_for_each(|(key, value)| match known.and_then(|known| known.get(key)).or(other) {
+                Some(inner) => walk(value, inner, root, &format!("{path}.{key}")),
+                None => Ok(()),
             })
         }
         Value::Array(items) => {
             let each = schema.get("items").filter(|items| items.is_object());
             let fixed = schema.get("prefixItems").and_then(Value::as_array);
-            items.iter().enumerate().try_for_each(|(i, value)| {
-                match fixed.and_then(|fixed| fixed.get(i)).or(each) {
-                    Some(inner) => walk(value, inner, root, &format!("{path}[]")),
-                    None => Ok(()),
-                }
+            items.iter().enumerate().try_for_each(|(i, value)| match fixed.and_then(|fixed| fixed.get(i)).or(each) {
+                Some(inner) => walk(value, inner, root, &format!("{path}[]")),
+                None => Ok(()),
             })
         }
         _ => Ok(()),
@@ -197,10 +178,8 @@ fn takes(value: &Value, schema: &Value) -> bool {
         Value::Array(_) => "array",
         Value::Object(_) => "object",
     };
-    let is_kind = |name: &Value| {
-        name.as_str()
-            .is_some_and(|name| name == kind || name == "integer" && kind == "number")
-    };
+    let is_kind =
+        |name: &Value| name.as_str().is_some_and(|name| name == kind || name == "integer" && kind == "number");
     match schema.get("type") {
         Some(Value::Array(names)) => names.iter().any(is_kind),
         Some(name) => is_kind(name),
@@ -216,9 +195,7 @@ pub fn holds_serious(value: &Value) -> bool {
         Value::Object(map) => {
             let own = map.iter().filter(|(key, _)| *key != "sealed");
             let mut own = own.map(|(_, item)| item);
-            map.get("severity")
-                .is_some_and(|weight| weight == "serious")
-                || own.any(holds_serious)
+            map.get("severity").is_some_and(|weight| weight == "serious") || own.any(holds_serious)
         }
         _ => false,
     }
@@ -257,8 +234,6 @@ mod tests {
     fn what_is_serious_is_found_wherever_it_stands() {
         let finding = json!({"severity": "serious", "sentence": "One."});
         assert!(holds_serious(&json!({"x": [{"finding": finding}]})));
-        assert!(!holds_serious(
-            &json!({"sealed": {"doubts": [finding]}, "x": 1})
-        ));
+        assert!(!holds_serious(&json!({"sealed": {"doubts": [finding]}, "x": 1})));
     }
 }

@@ -15,10 +15,7 @@ impl Random {
     }
 
     /// The next word.
-    #[allow(
-        clippy::should_implement_trait,
-        reason = "a stream without end is no iterator"
-    )]
+    #[allow(clippy::should_implement_trait, reason = "a stream without end is no iterator")]
     pub fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;

@@ -7,15 +7,8 @@ use stiffarm_files::builtin;
 use stiffarm_files::program::{Language, ProgramOptions, Stop, program_of_stops, write_program};
 
 /// Tool paths among the inputs.
-const TOOL_PATHS: [&str; 7] = [
-    "pocket.nc",
-    "freeform.mpf",
-    "pocket.cls",
-    "freeform.apt",
-    "edge.src",
-    "edge.mod",
-    "edge.ls",
-];
+const TOOL_PATHS: [&str; 7] =
+    ["pocket.nc", "freeform.mpf", "pocket.cls", "freeform.apt", "edge.src", "edge.mod", "edge.ls"];
 
 /// Stands for a file: what the command prints is the seed.
 const PRINTED: &str = "-";
@@ -132,10 +125,7 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
     let mut seeds = Vec::new();
     let mut add = |kind, text: String| seeds.push(Seed { kind, text });
     for name in builtin::cell_names() {
-        add(
-            Kind::Cell,
-            builtin::cell_text(name).unwrap_or_default().to_string(),
-        );
+        add(Kind::Cell, builtin::cell_text(name).unwrap_or_default().to_string());
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../xtask/inputs");
     let input = |name: &str| std::fs::read_to_string(root.join(name)).unwrap_or_default();
@@ -148,21 +138,11 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
         add(Kind::Program, text);
     }
     add(Kind::Postures, input("given.csv"));
-    add(
-        Kind::Pairs,
-        builtin::pairs_text("example-pairs")
-            .unwrap_or_default()
-            .to_string(),
-    );
+    add(Kind::Pairs, builtin::pairs_text("example-pairs").unwrap_or_default().to_string());
     add(Kind::Pairs, input("pairs-wrong.csv"));
     let poses = "posture,x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\nA,1800,200,1500,180,-60.5,10\nB,1500,0,2000,0,90,0\n";
     add(Kind::Poses, poses.to_string());
-    add(
-        Kind::Path,
-        builtin::path_text("contour")
-            .unwrap_or_default()
-            .to_string(),
-    );
+    add(Kind::Path, builtin::path_text("contour").unwrap_or_default().to_string());
     for name in ["axes", "forces", "straight", "near-poses", "poses"] {
         add(Kind::Path, input(&format!("{name}.csv")));
     }
@@ -189,92 +169,28 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
             "m.csv",
             Kind::Displacements,
         ),
-        (
-            "simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --readings r.csv",
-            "r.csv",
-            Kind::Readings,
-        ),
+        ("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --readings r.csv", "r.csv", Kind::Readings),
         (
             "select builtin:comau --initial builtin:comau-group1 --max-iterations 1 --sheet s.csv --states up,down --drift --base-reflector",
             "s.csv",
             Kind::Readings,
         ),
-        (
-            "identify builtin:comau m.csv --brief --output a.json",
-            "a.json",
-            Kind::Stiffness,
-        ),
-        (
-            "identify builtin:comau m.csv --output b.json",
-            "b.json",
-            Kind::Stiffness,
-        ),
-        (
-            "identify builtin:comau r.csv --output c.json",
-            "c.json",
-            Kind::Stiffness,
-        ),
-        (
-            "identify builtin:comau clamped.csv --clamped --output d.json",
-            "d.json",
-            Kind::Stiffness,
-        ),
-        (
-            "identify builtin:comau m.csv --brief --estimator prior --output e.json",
-            "e.json",
-            Kind::Stiffness,
-        ),
-        (
-            "identify builtin:comau m.csv --brief --elastic mixed --output f.json",
-            "f.json",
-            Kind::Stiffness,
-        ),
-        (
-            "register builtin:example-pairs --output reg.json",
-            "reg.json",
-            Kind::Registration,
-        ),
-        (
-            "select builtin:comau-shapes -n 2 --rounds 1 --no-certificate --json",
-            PRINTED,
-            Kind::Saved,
-        ),
-        (
-            "select builtin:comau --curve -n 3 --rounds 1 --json",
-            PRINTED,
-            Kind::Saved,
-        ),
-        (
-            "evaluate builtin:comau builtin:comau-group1 --json",
-            PRINTED,
-            Kind::Saved,
-        ),
-        (
-            "simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1 --json",
-            PRINTED,
-            Kind::Saved,
-        ),
-        (
-            "validate builtin:comau b.json m.csv --json",
-            PRINTED,
-            Kind::Saved,
-        ),
+        ("identify builtin:comau m.csv --brief --output a.json", "a.json", Kind::Stiffness),
+        ("identify builtin:comau m.csv --output b.json", "b.json", Kind::Stiffness),
+        ("identify builtin:comau r.csv --output c.json", "c.json", Kind::Stiffness),
+        ("identify builtin:comau clamped.csv --clamped --output d.json", "d.json", Kind::Stiffness),
+        ("identify builtin:comau m.csv --brief --estimator prior --output e.json", "e.json", Kind::Stiffness),
+        ("identify builtin:comau m.csv --brief --elastic mixed --output f.json", "f.json", Kind::Stiffness),
+        ("register builtin:example-pairs --output reg.json", "reg.json", Kind::Registration),
+        ("select builtin:comau-shapes -n 2 --rounds 1 --no-certificate --json", PRINTED, Kind::Saved),
+        ("select builtin:comau --curve -n 3 --rounds 1 --json", PRINTED, Kind::Saved),
+        ("evaluate builtin:comau builtin:comau-group1 --json", PRINTED, Kind::Saved),
+        ("simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1 --json", PRINTED, Kind::Saved),
+        ("validate builtin:comau b.json m.csv --json", PRINTED, Kind::Saved),
         ("predict builtin:comau b.json --json", PRINTED, Kind::Saved),
-        (
-            "map builtin:comau prior --plane z=800 --steps 3 --json",
-            PRINTED,
-            Kind::Saved,
-        ),
-        (
-            "study builtin:comau --runs 1 --initial-groups 0 --output-dir folder --json",
-            PRINTED,
-            Kind::Saved,
-        ),
-        (
-            "init --robot kuka-kr240-2 --output-dir .",
-            "cell.toml",
-            Kind::Cell,
-        ),
+        ("map builtin:comau prior --plane z=800 --steps 3 --json", PRINTED, Kind::Saved),
+        ("study builtin:comau --runs 1 --initial-groups 0 --output-dir folder --json", PRINTED, Kind::Saved),
+        ("init --robot kuka-kr240-2 --output-dir .", "cell.toml", Kind::Cell),
     ];
     for (line, file, kind) in MADE {
         let ran = folder.run(line.split(' ').map(String::from));
@@ -300,16 +216,9 @@ impl Scratch {
         use std::sync::atomic::{AtomicUsize, Ordering};
         static NUMBER: AtomicUsize = AtomicUsize::new(0);
         let memory = Path::new("/dev/shm");
-        let base = if memory.is_dir() {
-            memory.to_path_buf()
-        } else {
-            std::env::temp_dir()
-        };
+        let base = if memory.is_dir() { memory.to_path_buf() } else { std::env::temp_dir() };
         let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-        let path = base.join(format!(
-            "stiffarm-fuzz-{}-{name}-{number}",
-            std::process::id()
-        ));
+        let path = base.join(format!("stiffarm-fuzz-{}-{name}-{number}", std::process::id()));
         // What is wrong with it shows at the first file.
         let _ = std::fs::create_dir_all(&path);
         Scratch(path)
@@ -332,11 +241,7 @@ impl Scratch {
         let ends = [".csv", ".html", ".json", ".toml", ".svg", ".xlsx"];
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '.' || c == '-';
         let is_file = ends.iter().any(|end| word.ends_with(end)) && word.chars().all(plain);
-        if is_file || word == "." || word == "folder" {
-            self.path(word).into_os_string()
-        } else {
-            OsString::from(word)
-        }
+        if is_file || word == "." || word == "folder" { self.path(word).into_os_string() } else { OsString::from(word) }
     }
 
     /// Takes all files away.

@@ -73,11 +73,7 @@ pub enum Command {
         /// --replay FILE   one of fuzz/regressions
         /// --minimise      leave out what its fault can do without
         /// --output FILE   write the input to FILE
-        #[arg(
-            trailing_var_arg = true,
-            allow_hyphen_values = true,
-            verbatim_doc_comment
-        )]
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true, verbatim_doc_comment)]
         words: Vec<String>,
     },
     /// Formatting, structure of the code, clippy, documentation, generated files,
@@ -196,10 +192,7 @@ mod tests {
     #[test]
     fn parts_are_named_with_commas_or_one_by_one() {
         let line = "ci --install --require rust,other-pythons --require=browser";
-        let expected = TestOptions {
-            install: true,
-            require: vec![Part::Rust, Part::OtherPythons, Part::Browser],
-        };
+        let expected = TestOptions { install: true, require: vec![Part::Rust, Part::OtherPythons, Part::Browser] };
         assert_eq!(parsed(line).unwrap(), Command::Ci(expected));
     }
 
@@ -214,12 +207,7 @@ mod tests {
         assert_eq!(parsed(line).unwrap(), Command::Python(expected));
         let words = ["--target", "cell", "--seconds", "5"].map(String::from);
         let fuzz = parsed("fuzz --target cell --seconds 5").unwrap();
-        assert_eq!(
-            fuzz,
-            Command::Fuzz {
-                words: words.into()
-            }
-        );
+        assert_eq!(fuzz, Command::Fuzz { words: words.into() });
     }
 
     #[test]

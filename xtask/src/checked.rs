@@ -45,8 +45,7 @@ impl Checked {
 
     /// Adds what was not looked at.
     pub fn skip(&mut self, name: impl Into<String>, reason: impl Into<String>, fix: &str) {
-        self.skips
-            .push([name.into(), reason.into(), fix.to_string()]);
+        self.skips.push([name.into(), reason.into(), fix.to_string()]);
     }
 
     /// Adds what other checks came to.
@@ -60,9 +59,7 @@ impl Checked {
     pub fn run(script: &Script, call: &mut Command) -> Result<Self, Failure> {
         let program = call.get_program().to_string_lossy().into_owned();
         let mut checked = Checked::default();
-        call.env("PYTHONDONTWRITEBYTECODE", "1")
-            .env("PYTHONIOENCODING", "utf-8")
-            .stdin(Stdio::null());
+        call.env("PYTHONDONTWRITEBYTECODE", "1").env("PYTHONIOENCODING", "utf-8").stdin(Stdio::null());
         let status = stream(call, |line| checked.see(script, line)).map_err(|error| {
             Failure::internal(
                 format!("`{program}` could not be run: {error}"),
@@ -82,11 +79,7 @@ impl Checked {
         for failure in &self.failures {
             println!("FAILED {failure}");
         }
-        if self.failures.is_empty() {
-            Ok(())
-        } else {
-            Err(Failure::already_told())
-        }
+        if self.failures.is_empty() { Ok(()) } else { Err(Failure::already_told()) }
     }
 
     /// Takes in one line of the script.
@@ -119,11 +112,7 @@ impl Checked {
 mod tests {
     use super::*;
 
-    const SCRIPT: Script = Script {
-        name: "pages.py",
-        word: "pages",
-        fix: "install it",
-    };
+    const SCRIPT: Script = Script { name: "pages.py", word: "pages", fix: "install it" };
 
     const LINES: [&str; 6] = [
         "ok sample: size (0.01 MB)",
@@ -146,17 +135,11 @@ mod tests {
         let mut checked = seen(&LINES);
         assert_eq!(checked.passed, 1);
         assert_eq!(checked.failures, ["study: steps: scene cell: no list"]);
-        let skips = [
-            ["page fanuc", "there are no data", "set it"],
-            ["page map", "no browser", "install it"],
-        ];
+        let skips = [["page fanuc", "there are no data", "set it"], ["page map", "no browser", "install it"]];
         assert_eq!(checked.skips, skips.map(|skip| skip.map(String::from)));
 
         checked.add(seen(&LINES));
-        assert_eq!(
-            (checked.passed, checked.failures.len(), checked.skips.len()),
-            (2, 2, 4)
-        );
+        assert_eq!((checked.passed, checked.failures.len(), checked.skips.len()), (2, 2, 4));
     }
 
     #[test]

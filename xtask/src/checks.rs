@@ -7,9 +7,7 @@ use crate::{fuzz, generate, outputs, structure, test, tools};
 /// Every check that is not a test; stops at the first that fails.
 pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
     check_code(workspace)?;
-    step("cargo xtask generate --check", || {
-        generate::run(workspace, true)
-    })?;
+    step("cargo xtask generate --check", || generate::run(workspace, true))?;
     check_dependencies(workspace)
 }
 
@@ -39,16 +37,11 @@ pub fn ci(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
 
 /// Format, structure, clippy and documentation.
 fn check_code(workspace: &Workspace) -> Result<(), Failure> {
-    let format = workspace
-        .cargo(&["fmt", "--all", "--check"])
-        .fix("run `cargo fmt --all`");
+    let format = workspace.cargo(&["fmt", "--all", "--check"]).fix("run `cargo fmt --all`");
     step(&format, || format.run())?;
     step("structure of the code", || structure::check(workspace))?;
     let clippy = ["clippy", "--locked", "--workspace", "--all-targets"];
-    run_step(
-        workspace,
-        &[&clippy[..], &["--", "-D", "warnings"]].concat(),
-    )?;
+    run_step(workspace, &[&clippy[..], &["--", "-D", "warnings"]].concat())?;
     document(workspace)
 }
 
@@ -59,9 +52,7 @@ fn check_dependencies(workspace: &Workspace) -> Result<(), Failure> {
 }
 
 fn document(workspace: &Workspace) -> Result<(), Failure> {
-    let doc = workspace
-        .cargo(&["doc", "--workspace", "--no-deps", "--locked"])
-        .env("RUSTDOCFLAGS", "-D warnings");
+    let doc = workspace.cargo(&["doc", "--workspace", "--no-deps", "--locked"]).env("RUSTDOCFLAGS", "-D warnings");
     step(&doc, || doc.run())
 }
 
@@ -72,17 +63,11 @@ fn run_step(workspace: &Workspace, arguments: &[&str]) -> Result<(), Failure> {
 }
 
 /// [`run_step`] where `cargo <subcommand>` is installed, and one line where it is not.
-fn run_if_installed(
-    workspace: &Workspace,
-    subcommand: &str,
-    arguments: &[&str],
-) -> Result<(), Failure> {
+fn run_if_installed(workspace: &Workspace, subcommand: &str, arguments: &[&str]) -> Result<(), Failure> {
     if workspace.cargo(&[subcommand, "--version"]).succeeds() {
         run_step(workspace, arguments)
     } else {
-        println!(
-            "\n== cargo {subcommand}: not installed, left out (cargo install --locked cargo-{subcommand})"
-        );
+        println!("\n== cargo {subcommand}: not installed, left out (cargo install --locked cargo-{subcommand})");
         Ok(())
     }
 }

@@ -16,14 +16,12 @@ pub fn text(path: &Path) -> Result<String, Failure> {
 /// Writes a file, and makes the folder that it lies in.
 pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
     let folder = path.parent().unwrap_or(path);
-    std::fs::create_dir_all(folder)
-        .and_then(|()| std::fs::write(path, content))
-        .map_err(|error| {
-            Failure::internal(
-                format!("`{}` could not be written: {error}", path.display()),
-                "make it writable, or name another folder",
-            )
-        })
+    std::fs::create_dir_all(folder).and_then(|()| std::fs::write(path, content)).map_err(|error| {
+        Failure::internal(
+            format!("`{}` could not be written: {error}", path.display()),
+            "make it writable, or name another folder",
+        )
+    })
 }
 
 /// Every file in `folder` and the folders in it, by its path below `folder` with `/` on every system.
@@ -50,10 +48,7 @@ pub fn first_difference(left: &[u8], right: &[u8]) -> usize {
 }
 
 fn unreadable(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::internal(
-        format!("`{}` could not be read: {error}", path.display()),
-        "check that the checkout is complete",
-    )
+    Failure::internal(format!("`{}` could not be read: {error}", path.display()), "check that the checkout is complete")
 }
 
 #[cfg(test)]
@@ -70,13 +65,7 @@ mod tests {
         assert_eq!(Vec::from_iter(found.keys()), ["a/c/d", "a/e", "b"]);
         assert_eq!(text(&found["a/c/d"]).unwrap(), "a/c/d");
         let none = folder.path().join("none");
-        assert_eq!(
-            (
-                below(&none).unwrap_err().code,
-                read(&none).unwrap_err().code
-            ),
-            (3, 3)
-        );
+        assert_eq!((below(&none).unwrap_err().code, read(&none).unwrap_err().code), (3, 3));
     }
 
     #[test]

@@ -14,18 +14,9 @@ const SMOKE_SEED: u32 = 1;
 
 /// Builds the fuzzer for release and runs it with `words`.
 pub fn run(workspace: &Workspace, words: &[String]) -> Result<(), Failure> {
-    let mut arguments = vec![
-        "run",
-        "--quiet",
-        "--release",
-        "--bin",
-        "stiffarm-fuzz",
-        "--",
-    ];
+    let mut arguments = vec!["run", "--quiet", "--release", "--bin", "stiffarm-fuzz", "--"];
     arguments.extend(words.iter().map(String::as_str));
-    let call = workspace
-        .cargo(&arguments)
-        .fix("mend the fault, keep its input in fuzz/regressions, then run it again");
+    let call = workspace.cargo(&arguments).fix("mend the fault, keep its input in fuzz/regressions, then run it again");
     call.run()
 }
 

@@ -12,10 +12,8 @@ use crate::tools;
 const EXAMPLE: &str = "generated";
 
 /// Copies of files. The licences go into the wheel, which takes nothing from outside its folder.
-const COPIES: [(&str, &str); 2] = [
-    ("crates/stiffarm-py/LICENSE-APACHE", "LICENSE-APACHE"),
-    ("crates/stiffarm-py/LICENSE-MIT", "LICENSE-MIT"),
-];
+const COPIES: [(&str, &str); 2] =
+    [("crates/stiffarm-py/LICENSE-APACHE", "LICENSE-APACHE"), ("crates/stiffarm-py/LICENSE-MIT", "LICENSE-MIT")];
 
 /// A folder that holds the files of another and nothing else.
 const FOLDER: (&str, &str) = ("cells", "crates/stiffarm-files/data/cells");
@@ -33,14 +31,8 @@ pub fn run(workspace: &Workspace, check: bool) -> Result<(), Failure> {
     let example = tools::built(&format!("examples/{EXAMPLE}{EXE_SUFFIX}"))?;
     let printed: BTreeMap<String, String> = tools::call(&example, &[])
         .and_then(|text| serde_json::from_str(&text).map_err(|why| why.to_string()))
-        .map_err(|why| {
-            Failure::internal(format!("`{}`: {why}", example.display()), "correct it")
-        })?;
-    compare(
-        workspace.root(),
-        &expected(workspace.root(), printed)?,
-        check,
-    )
+        .map_err(|why| Failure::internal(format!("`{}`: {why}", example.display()), "correct it"))?;
+    compare(workspace.root(), &expected(workspace.root(), printed)?, check)
 }
 
 /// What every generated file should hold, with those that the example has `printed`.
@@ -79,10 +71,7 @@ fn compare(root: &Path, expected: &Files, check: bool) -> Result<(), Failure> {
     for name in files::below(&root.join(FOLDER.0))?.into_keys() {
         let path = format!("{}/{name}", FOLDER.0);
         if !expected.contains_key(&path) {
-            println!(
-                "{path}: nothing generates it; fix: delete it, or move it to {}",
-                FOLDER.1
-            );
+            println!("{path}: nothing generates it; fix: delete it, or move it to {}", FOLDER.1);
             faults.push(path);
         }
     }
@@ -91,10 +80,7 @@ fn compare(root: &Path, expected: &Files, check: bool) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::finding(
-        format!(
-            "generated files differ from what the code generates: {}",
-            faults.join(", ")
-        ),
+        format!("generated files differ from what the code generates: {}", faults.join(", ")),
         "run `cargo xtask generate`, look at the change with `git diff` and commit it",
     ))
 }
@@ -107,10 +93,7 @@ mod tests {
     fn files_are_compared_and_repaired_and_strays_are_kept() {
         let folder = tempfile::tempdir().unwrap();
         let root = folder.path();
-        let files = [
-            ("cells/comau.toml", "format = 1\n"),
-            ("docs/errors.md", "# Errors\n"),
-        ];
+        let files = [("cells/comau.toml", "format = 1\n"), ("docs/errors.md", "# Errors\n")];
         let expected = files.map(|(path, text)| (path.to_string(), text.as_bytes().to_vec()));
         let expected = Files::from(expected);
         files::write(&root.join("cells/comau.toml"), "format = 2\n").unwrap();

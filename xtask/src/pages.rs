@@ -17,19 +17,11 @@ const CHROMIUM: [&str; 5] = [
     "google-chrome-stable",
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
 ];
-const FIREFOX: [&str; 3] = [
-    "firefox-esr",
-    "firefox",
-    "/Applications/Firefox.app/Contents/MacOS/firefox",
-];
+const FIREFOX: [&str; 3] = ["firefox-esr", "firefox", "/Applications/Firefox.app/Contents/MacOS/firefox"];
 
 const INSTALL: &str = "cargo xtask pages --install, as root on Debian";
 
-const SCRIPT: Script = Script {
-    name: "pages.py",
-    word: "pages",
-    fix: INSTALL,
-};
+const SCRIPT: Script = Script { name: "pages.py", word: "pages", fix: INSTALL };
 
 /// Makes the pages and checks them.
 pub fn run(workspace: &Workspace, options: &PagesOptions) -> Result<Checked, Failure> {
@@ -48,11 +40,7 @@ pub fn run(workspace: &Workspace, options: &PagesOptions) -> Result<Checked, Fai
     }
     for (browser, name) in browsers.iter().zip(["Chromium", "Firefox"]) {
         if browser.is_none() {
-            checked.skip(
-                format!("pages in {name}"),
-                format!("there is no {name}"),
-                INSTALL,
-            );
+            checked.skip(format!("pages in {name}"), format!("there is no {name}"), INSTALL);
         }
     }
     if browsers == [None, None] {

@@ -14,10 +14,7 @@ pub fn reference_folder(value: Option<OsString>) -> Result<PathBuf, String> {
     };
     match std::path::absolute(&value) {
         Ok(folder) if folder.is_dir() => Ok(folder),
-        _ => Err(format!(
-            "{REFERENCE_VARIABLE} is `{}`, which is no folder",
-            value.display()
-        )),
+        _ => Err(format!("{REFERENCE_VARIABLE} is `{}`, which is no folder", value.display())),
     }
 }
 

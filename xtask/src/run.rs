@@ -41,11 +41,7 @@ impl Failure {
     }
 
     fn new(message: impl Into<String>, fix: impl Into<String>, code: u8) -> Self {
-        Failure {
-            message: message.into(),
-            fix: fix.into(),
-            code,
-        }
+        Failure { message: message.into(), fix: fix.into(), code }
     }
 
     /// Prints the failure to standard error, unless the output has told it already.
@@ -64,14 +60,10 @@ pub struct Workspace {
 impl Workspace {
     /// Finds the workspace from where cargo says this package lies.
     pub fn find() -> Result<Self, Failure> {
-        let package = std::env::var_os("CARGO_MANIFEST_DIR")
-            .unwrap_or_else(|| env!("CARGO_MANIFEST_DIR").into());
+        let package = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_else(|| env!("CARGO_MANIFEST_DIR").into());
         let root = Path::new(&package).parent().map(Path::to_path_buf);
         root.map(|root| Workspace { root }).ok_or_else(|| {
-            Failure::internal(
-                "xtask does not lie in the workspace",
-                "start it as `cargo xtask` inside the checkout",
-            )
+            Failure::internal("xtask does not lie in the workspace", "start it as `cargo xtask` inside the checkout")
         })
     }
 
@@ -146,11 +138,7 @@ impl Cargo<'_> {
             return Ok(());
         }
         let code = status.code().and_then(|code| u8::try_from(code).ok());
-        Err(Failure::new(
-            format!("`{self}` failed: {status}"),
-            self.fix,
-            code.unwrap_or(3),
-        ))
+        Err(Failure::new(format!("`{self}` failed: {status}"), self.fix, code.unwrap_or(3)))
     }
 
     /// [`stream`] of this call.
@@ -221,11 +209,7 @@ pub fn stream(command: &mut Command, see: impl FnMut(&str)) -> std::io::Result<E
 }
 
 /// Copies `from` to `to` line by line, at once, and hands every line without its end to `see`.
-fn copy_lines(
-    mut from: impl BufRead,
-    mut to: impl Write,
-    mut see: impl FnMut(&str),
-) -> std::io::Result<()> {
+fn copy_lines(mut from: impl BufRead, mut to: impl Write, mut see: impl FnMut(&str)) -> std::io::Result<()> {
     let mut line = Vec::new();
     while from.read_until(b'\n', &mut line)? > 0 {
         to.write_all(&line)?;
@@ -237,10 +221,7 @@ fn copy_lines(
 }
 
 /// Prints `heading`, does `work` and prints how long it took.
-pub fn step(
-    heading: impl fmt::Display,
-    work: impl FnOnce() -> Result<(), Failure>,
-) -> Result<(), Failure> {
+pub fn step(heading: impl fmt::Display, work: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
     println!("\n== {heading}");
     timed("took", work)
 }
@@ -280,13 +261,8 @@ mod tests {
     #[test]
     fn a_call_is_shown_as_it_would_be_typed() {
         let workspace = Workspace::find().unwrap();
-        let call = workspace
-            .cargo(&["doc", "--features=a,b", "it's"])
-            .env("RUSTDOCFLAGS", "-D warnings");
-        assert_eq!(
-            call.to_string(),
-            r"RUSTDOCFLAGS='-D warnings' cargo doc --features=a,b 'it'\''s'"
-        );
+        let call = workspace.cargo(&["doc", "--features=a,b", "it's"]).env("RUSTDOCFLAGS", "-D warnings");
+        assert_eq!(call.to_string(), r"RUSTDOCFLAGS='-D warnings' cargo doc --features=a,b 'it'\''s'");
     }
 
     #[test]

@@ -21,11 +21,7 @@ pub fn run(workspace: &Workspace, install: bool) -> Result<Checked, Failure> {
     let mut checked = Checked::default();
     for (name, by, python) in [
         ("sheet filled by openpyxl", "openpyxl", openpyxl),
-        (
-            "sheet filled by LibreOffice",
-            "libreoffice",
-            office(install),
-        ),
+        ("sheet filled by LibreOffice", "libreoffice", office(install)),
     ] {
         let filled = match python {
             Ok(python) => call(&python, &[&script, by, &stiffarm, &target]),
@@ -57,8 +53,7 @@ fn office(install: bool) -> Result<PathBuf, Missing> {
     if install && ready().is_none() {
         tools::apt_install(&["libreoffice-calc", "python3-uno"]);
     }
-    ready().map(PathBuf::from).ok_or_else(|| Missing {
-        reason: "there is no soffice with its Python bridge (uno)".to_string(),
-        fix: INSTALL,
-    })
+    ready()
+        .map(PathBuf::from)
+        .ok_or_else(|| Missing { reason: "there is no soffice with its Python bridge (uno)".to_string(), fix: INSTALL })
 }

@@ -82,10 +82,7 @@ test result: ok. 1 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; fini
 ";
 
     fn ignored(name: &str, reason: Option<&str>) -> Ignored {
-        Ignored {
-            name: name.to_string(),
-            reason: reason.map(String::from),
-        }
+        Ignored { name: name.to_string(), reason: reason.map(String::from) }
     }
 
     #[test]

@@ -37,26 +37,16 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> 
             failures.extend(complaint);
             checked = others?;
         }
-        Err(failure) => failures.push(format!(
-            "rust: {}; fix: correct the first error above",
-            failure.message
-        )),
+        Err(failure) => failures.push(format!("rust: {}; fix: correct the first error above", failure.message)),
     }
 
     let mut skips = skips(&tally.ignored, &reference, &options.require);
     for (part, checked) in checked {
         tally.passed += checked.passed;
         failures.extend(checked.failures.into_iter().map(|why| failed(part, &why)));
-        skips.extend(checked.skips.into_iter().map(|[name, reason, fix]| Skip {
-            part,
-            name,
-            reason,
-            fix,
-        }));
+        skips.extend(checked.skips.into_iter().map(|[name, reason, fix]| Skip { part, name, reason, fix }));
     }
-    let (unmet, allowed): (Vec<_>, Vec<_>) = skips
-        .iter()
-        .partition(|skip| options.require.contains(&skip.part));
+    let (unmet, allowed): (Vec<_>, Vec<_>) = skips.iter().partition(|skip| options.require.contains(&skip.part));
     failures.extend(unmet.into_iter().map(described));
 
     println!();
@@ -70,31 +60,18 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> 
     let (passed, failed) = (tally.passed, tally.failed + failures.len());
     let skipped = allowed.len();
     println!("total: {passed} passed, {failed} failed, {skipped} skipped");
-    if failed == 0 {
-        Ok(())
-    } else {
-        Err(Failure::already_told())
-    }
+    if failed == 0 { Ok(()) } else { Err(Failure::already_told()) }
 }
 
 /// Sheets and pages in other programs beside the Python package.
-fn of_other_programs(
-    workspace: &Workspace,
-    install: bool,
-) -> Result<Vec<(Part, Checked)>, Failure> {
+fn of_other_programs(workspace: &Workspace, install: bool) -> Result<Vec<(Part, Checked)>, Failure> {
     let pages = || -> Result<_, Failure> {
         let sheets = timed("sheets", || sheets::run(workspace, install))?;
-        let browsers = PagesOptions {
-            install,
-            ..PagesOptions::default()
-        };
+        let browsers = PagesOptions { install, ..PagesOptions::default() };
         let pages = timed("pages", || pages::run(workspace, &browsers))?;
         Ok([(Part::Sheets, sheets), (Part::Browser, pages)])
     };
-    let python = PythonOptions {
-        install,
-        ..PythonOptions::default()
-    };
+    let python = PythonOptions { install, ..PythonOptions::default() };
     let python = || timed("Python", || python::run(workspace, &python));
     let (pages, python) = beside(pages, python);
     let mut parts = python?;
@@ -108,10 +85,7 @@ const TARGETS: [&str; 2] = ["--tests", "--doc"];
 
 /// `cargo test` with doc tests, and with the tests that need the reference data where there is its folder. The text
 /// is a failure that no test accounts for.
-fn run_rust(
-    workspace: &Workspace,
-    reference: Option<&Path>,
-) -> Result<(Tally, Option<String>), Failure> {
+fn run_rust(workspace: &Workspace, reference: Option<&Path>) -> Result<(Tally, Option<String>), Failure> {
     let mut tally = Tally::default();
     let mut complaint = None;
     for targets in TARGETS {
@@ -140,10 +114,7 @@ fn run_rust(
 
 /// What was not run: the ignored tests, and the reference data where they are required, missing and no test says so.
 fn skips(ignored: &[Ignored], reference: &Result<PathBuf, String>, require: &[Part]) -> Vec<Skip> {
-    let mut skips: Vec<Skip> = ignored
-        .iter()
-        .map(|test| skip_of(test, reference))
-        .collect();
+    let mut skips: Vec<Skip> = ignored.iter().map(|test| skip_of(test, reference)).collect();
     let told = skips.iter().any(|skip| skip.part == Part::Reference);
     if let Err(why) = reference
         && require.contains(&Part::Reference)
@@ -156,19 +127,12 @@ fn skips(ignored: &[Ignored], reference: &Result<PathBuf, String>, require: &[Pa
 
 fn skip_of(test: &Ignored, reference: &Result<PathBuf, String>) -> Skip {
     match (&test.reason, reference) {
-        (Some(reason), Err(why)) if reason.contains(REFERENCE_VARIABLE) => {
-            without_reference(&test.name, why)
-        }
+        (Some(reason), Err(why)) if reason.contains(REFERENCE_VARIABLE) => without_reference(&test.name, why),
         (reason, _) => Skip {
             part: Part::Rust,
             name: test.name.clone(),
-            reason: reason
-                .clone()
-                .unwrap_or_else(|| "marked #[ignore] without a reason".to_string()),
-            fix: format!(
-                "cargo test --workspace --locked -- --ignored --exact {}",
-                quoted(&test.name)
-            ),
+            reason: reason.clone().unwrap_or_else(|| "marked #[ignore] without a reason".to_string()),
+            fix: format!("cargo test --workspace --locked -- --ignored --exact {}", quoted(&test.name)),
         },
     }
 }
@@ -178,9 +142,7 @@ fn without_reference(name: &str, why: &str) -> Skip {
         part: Part::Reference,
         name: name.to_string(),
         reason: why.to_string(),
-        fix: format!(
-            "{REFERENCE_VARIABLE}=/path/to/reference cargo xtask test (CONTRIBUTING.md says what lies there)"
-        ),
+        fix: format!("{REFERENCE_VARIABLE}=/path/to/reference cargo xtask test (CONTRIBUTING.md says what lies there)"),
     }
 }
 
@@ -202,24 +164,16 @@ mod tests {
     use super::*;
 
     fn ignored(name: &str, reason: &str) -> Ignored {
-        Ignored {
-            name: name.to_string(),
-            reason: Some(reason.to_string()),
-        }
+        Ignored { name: name.to_string(), reason: Some(reason.to_string()) }
     }
 
     #[test]
     fn skips_name_the_test_the_reason_and_the_fix() {
-        let tests = [
-            ignored("fanuc::measured", "needs STIFFARM_REFERENCE_DATA"),
-            ignored("src/lib.rs - f (line 5)", "slow"),
-        ];
+        let tests =
+            [ignored("fanuc::measured", "needs STIFFARM_REFERENCE_DATA"), ignored("src/lib.rs - f (line 5)", "slow")];
         let reference = Err("STIFFARM_REFERENCE_DATA is not set".to_string());
         let skips = skips(&tests, &reference, &[]);
-        assert_eq!(
-            skips.iter().map(|s| s.part).collect::<Vec<_>>(),
-            [Part::Reference, Part::Rust]
-        );
+        assert_eq!(skips.iter().map(|s| s.part).collect::<Vec<_>>(), [Part::Reference, Part::Rust]);
         assert_eq!(
             described(&skips[0]),
             "fanuc::measured: STIFFARM_REFERENCE_DATA is not set; fix: \
@@ -247,26 +201,10 @@ mod tests {
     #[test]
     fn a_failed_check_says_what_shows_it_alone() {
         for (part, start, end) in [
-            (
-                Part::Sheets,
-                "x: wide; fix: ",
-                "cargo xtask sheets shows it alone",
-            ),
-            (
-                Part::Browser,
-                "page x: wide; fix: ",
-                "cargo xtask pages shows the pages alone",
-            ),
-            (
-                Part::Python,
-                "x: wide; fix: ",
-                "cargo xtask python shows it alone",
-            ),
-            (
-                Part::OtherPythons,
-                "x: wide; fix: ",
-                "cargo xtask python shows it alone",
-            ),
+            (Part::Sheets, "x: wide; fix: ", "cargo xtask sheets shows it alone"),
+            (Part::Browser, "page x: wide; fix: ", "cargo xtask pages shows the pages alone"),
+            (Part::Python, "x: wide; fix: ", "cargo xtask python shows it alone"),
+            (Part::OtherPythons, "x: wide; fix: ", "cargo xtask python shows it alone"),
         ] {
             assert_eq!(failed(part, "x: wide"), format!("{start}{end}"));
         }

@@ -17,15 +17,7 @@ pub struct Missing {
 }
 
 /// How a Python may be called, first the one that people mean.
-const PYTHONS: [&str; 7] = [
-    "python3",
-    "python",
-    "python3.14",
-    "python3.13",
-    "python3.12",
-    "python3.11",
-    "python3.10",
-];
+const PYTHONS: [&str; 7] = ["python3", "python", "python3.14", "python3.13", "python3.12", "python3.11", "python3.10"];
 
 /// What the scripts need of Python.
 const PYTHON: &str = "import sys; sys.exit(sys.version_info < (3, 10))";
@@ -61,12 +53,7 @@ pub fn interpreter() -> Option<&'static str> {
 
 /// The Python of a virtual environment in `folder` that holds what `requirements` lists; `imports` is a statement that
 /// succeeds once it does. With `install`, Debian's Python is installed where there is none that can make one.
-pub fn python(
-    folder: &Path,
-    requirements: &Path,
-    imports: &str,
-    install: bool,
-) -> Result<PathBuf, Missing> {
+pub fn python(folder: &Path, requirements: &Path, imports: &str, install: bool) -> Result<PathBuf, Missing> {
     let venv = folder.join("venv");
     let bin = program_in(&venv, "python");
     // Which versions are wanted changes with the file: what was installed by another is made anew.
@@ -77,10 +64,7 @@ pub fn python(
     }
     let make = || {
         let python = interpreter()?;
-        Some(call(
-            Path::new(python),
-            &["-m", "venv", "--clear", &venv.to_string_lossy()],
-        ))
+        Some(call(Path::new(python), &["-m", "venv", "--clear", &venv.to_string_lossy()]))
     };
     let mut made = make();
     if install && !matches!(made, Some(Ok(_))) {
@@ -96,23 +80,12 @@ pub fn python(
         call(
             &bin,
             // Of gigabytes of packages the tests import a part, which Python compiles itself.
-            &[
-                "-m",
-                "pip",
-                "install",
-                "--quiet",
-                "--no-compile",
-                "--requirement",
-                &list,
-            ],
+            &["-m", "pip", "install", "--quiet", "--no-compile", "--requirement", &list],
         )
     })
     .and_then(|_| std::fs::write(&noted, &wanted).map_err(|e| e.to_string()))
     .map_err(|why| Missing {
-        reason: format!(
-            "what {list} lists could not be installed into {}: {why}",
-            venv.display()
-        ),
+        reason: format!("what {list} lists could not be installed into {}: {why}", venv.display()),
         fix: "give pip a way to pypi.org, and run it again",
     })?;
     Ok(bin)
@@ -120,11 +93,7 @@ pub fn python(
 
 /// Where a virtual environment has a program.
 pub fn program_in(venv: &Path, name: &str) -> PathBuf {
-    if cfg!(windows) {
-        venv.join(format!("Scripts/{name}.exe"))
-    } else {
-        venv.join(format!("bin/{name}"))
-    }
+    if cfg!(windows) { venv.join(format!("Scripts/{name}.exe")) } else { venv.join(format!("bin/{name}")) }
 }
 
 /// Installs Debian's packages, as root; what is missing afterwards is told by those who look for it.
@@ -155,8 +124,7 @@ pub fn runs(program: &Path, arguments: &[&str]) -> bool {
 
 /// What a program prints; the error is the last line that it complains with.
 pub fn call(program: &Path, arguments: &[&str]) -> Result<String, String> {
-    let output = output(program, arguments)
-        .map_err(|e| format!("`{}` could not be run: {e}", program.display()))?;
+    let output = output(program, arguments).map_err(|e| format!("`{}` could not be run: {e}", program.display()))?;
     if output.status.success() {
         return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
     }
@@ -166,11 +134,7 @@ pub fn call(program: &Path, arguments: &[&str]) -> Result<String, String> {
 }
 
 fn output(program: &Path, arguments: &[&str]) -> std::io::Result<Output> {
-    Command::new(program)
-        .args(arguments)
-        .env("DEBIAN_FRONTEND", "noninteractive")
-        .stdin(Stdio::null())
-        .output()
+    Command::new(program).args(arguments).env("DEBIAN_FRONTEND", "noninteractive").stdin(Stdio::null()).output()
 }
 
 #[cfg(test)]

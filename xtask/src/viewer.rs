@@ -18,16 +18,9 @@ pub fn run(workspace: &Workspace, check: bool) -> Result<(), Failure> {
     let folder = workspace.root().join("xtask/viewer");
     if !npm(&folder, &["--version"]).is_ok_and(|done| done) {
         println!("SKIPPED bundle of three.js: npm is not installed; fix: install Node.js with npm");
-        return if check {
-            Ok(())
-        } else {
-            Err(Failure::already_told())
-        };
+        return if check { Ok(()) } else { Err(Failure::already_told()) };
     }
-    let steps: [&[&str]; 2] = [
-        &["ci", "--ignore-scripts", "--no-audit", "--no-fund"],
-        &["run", "--silent", "bundle"],
-    ];
+    let steps: [&[&str]; 2] = [&["ci", "--ignore-scripts", "--no-audit", "--no-fund"], &["run", "--silent", "bundle"]];
     for step in steps {
         println!("npm {}", step.join(" "));
         if !npm(&folder, step)? {
@@ -67,29 +60,19 @@ fn version(workspace: &Workspace) -> Result<String, Failure> {
     let text = files::text(&workspace.root().join(path))?;
     let manifest: Value = serde_json::from_str(&text).unwrap_or_default();
     let version = manifest["dependencies"]["three"].as_str();
-    version.map(String::from).ok_or_else(|| {
-        Failure::finding(
-            format!("{path} names no version of three"),
-            "name it among its dependencies",
-        )
-    })
+    version
+        .map(String::from)
+        .ok_or_else(|| Failure::finding(format!("{path} names no version of three"), "name it among its dependencies"))
 }
 
 /// Runs npm in a folder; false where it fails.
 fn npm(folder: &Path, arguments: &[&str]) -> Result<bool, Failure> {
     let program = if cfg!(windows) { "npm.cmd" } else { "npm" };
-    let status = Command::new(program)
-        .args(arguments)
-        .current_dir(folder)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .status();
-    status.map(|status| status.success()).map_err(|error| {
-        Failure::internal(
-            format!("npm could not be started: {error}"),
-            "install Node.js with npm",
-        )
-    })
+    let status =
+        Command::new(program).args(arguments).current_dir(folder).stdin(Stdio::null()).stdout(Stdio::null()).status();
+    status
+        .map(|status| status.success())
+        .map_err(|error| Failure::internal(format!("npm could not be started: {error}"), "install Node.js with npm"))
 }
 
 #[cfg(test)]

@@ -77,14 +77,7 @@ impl<O: Serialize, R: Serialize, W: Fn(&Envelope<O, R>) -> Result<String>> Shown
 impl Answer {
     /// Nothing but how the command ended: what it had to say was said while it ran.
     pub fn ended(exit: Exit) -> Self {
-        Answer {
-            exit,
-            shown: None,
-            files: Vec::new(),
-            beside: None,
-            warning: "",
-            notes: String::new(),
-        }
+        Answer { exit, shown: None, files: Vec::new(), beside: None, warning: "", notes: String::new() }
     }
 
     /// A text as it is.
@@ -97,10 +90,7 @@ impl Answer {
         envelope: Rc<Envelope<O, R>>,
         words: impl Fn(&Envelope<O, R>) -> Result<String> + 'static,
     ) -> Self {
-        Answer {
-            shown: Some(Box::new(Made { envelope, words })),
-            ..Answer::ended(exit)
-        }
+        Answer { shown: Some(Box::new(Made { envelope, words })), ..Answer::ended(exit) }
     }
 
     /// A result that is shown as `table`, and has no page.

@@ -32,10 +32,7 @@ pub fn arguments(words: &[OsString], inputs: &[Input], outputs: &[FileId]) -> Ve
             "-" => input.is_stdin,
             value => input.name == value,
         });
-        found.map_or_else(
-            || value.to_string(),
-            |input| format!("{{{}}}", input.role.replace(' ', "_")),
-        )
+        found.map_or_else(|| value.to_string(), |input| format!("{{{}}}", input.role.replace(' ', "_")))
     };
     let mut out = Vec::new();
     let mut rest = words.iter().peekable();

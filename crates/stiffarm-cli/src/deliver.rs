@@ -18,9 +18,7 @@ impl Session {
     /// # Errors
     /// A form of the result that cannot be made; then nothing is written. Standard output cannot be written.
     pub fn deliver(&self, page: Option<Target>, answer: Answer) -> Result<u8> {
-        let Answer {
-            shown, mut files, ..
-        } = answer;
+        let Answer { shown, mut files, .. } = answer;
         if let (Some(target), Some(shown)) = (page, &shown) {
             files.push(Files::one(target, shown.page(self.cell())?));
         }

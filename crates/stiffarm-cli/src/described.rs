@@ -80,10 +80,7 @@ fn command(command: &Command) -> Described {
     });
     Described {
         name: command.get_name().to_string(),
-        about: command
-            .get_about()
-            .map(ToString::to_string)
-            .unwrap_or_default(),
+        about: command.get_about().map(ToString::to_string).unwrap_or_default(),
         arguments: own.map(argument).collect(),
     }
 }
@@ -101,14 +98,8 @@ fn argument(argument: &Arg) -> Argument {
         short: argument.get_short().is_some(),
         help: help.map(ToString::to_string).unwrap_or_default(),
         kind,
-        choices: choices
-            .iter()
-            .filter(|_| of_values)
-            .map(|choice| choice.get_name().to_string())
-            .collect(),
-        default: defaults
-            .filter(|_| of_values)
-            .map(|value| value.to_string_lossy().into_owned()),
+        choices: choices.iter().filter(|_| of_values).map(|choice| choice.get_name().to_string()).collect(),
+        default: defaults.filter(|_| of_values).map(|value| value.to_string_lossy().into_owned()),
         required: argument.is_required_set(),
         several: values.max_values() > 1 || matches!(argument.get_action(), ArgAction::Append),
         bare: of_values && values.min_values() == 0,
@@ -126,20 +117,11 @@ fn kind(argument: &Arg) -> Kind {
     }
     let own = argument.get_value_parser().type_id();
     let is = |types: &[TypeId]| types.iter().any(|one| own == *one);
-    if is(&[
-        TypeId::of::<u64>(),
-        TypeId::of::<usize>(),
-        TypeId::of::<u16>(),
-        TypeId::of::<u8>(),
-    ]) {
+    if is(&[TypeId::of::<u64>(), TypeId::of::<usize>(), TypeId::of::<u16>(), TypeId::of::<u8>()]) {
         return Kind::Whole;
     }
     if is(&[TypeId::of::<f64>(), TypeId::of::<Duration>()]) {
         return Kind::Number;
     }
-    if is(&[TypeId::of::<[f64; 3]>(), TypeId::of::<[f64; 6]>()]) {
-        Kind::Numbers
-    } else {
-        Kind::Text
-    }
+    if is(&[TypeId::of::<[f64; 3]>(), TypeId::of::<[f64; 6]>()]) { Kind::Numbers } else { Kind::Text }
 }

@@ -82,14 +82,11 @@ pub fn of_option(error: Error, command: &clap::Command) -> Error {
         return error;
     };
     let said = |text: &str| {
-        let parts = text
-            .split('`')
-            .enumerate()
-            .map(|(i, part)| match option(part) {
-                Some(option) if i % 2 == 1 => option,
-                _ if i % 2 == 1 => format!("`{part}`"),
-                _ => part.to_string(),
-            });
+        let parts = text.split('`').enumerate().map(|(i, part)| match option(part) {
+            Some(option) if i % 2 == 1 => option,
+            _ if i % 2 == 1 => format!("`{part}`"),
+            _ => part.to_string(),
+        });
         parts.collect::<String>()
     };
     let code = match error.code() {
@@ -163,9 +160,7 @@ fn usage_error(stop: &clap::Error) -> Error {
     let joined = |paragraph: &str| paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
     let mut paragraphs = text.trim().split("\n\n").map(joined);
     let message = paragraphs.next().unwrap_or_default();
-    let hint: Vec<String> = paragraphs
-        .filter(|p| !p.starts_with("For more information"))
-        .collect();
+    let hint: Vec<String> = paragraphs.filter(|p| !p.starts_with("For more information")).collect();
     let error = Error::new(Code::Usage, message.trim_start_matches("error: "));
     let error = match argument(stop) {
         Some(option) => error.key(option),
@@ -263,9 +258,7 @@ fn span(error: &Error, text: &str) -> Option<Range<usize>> {
     if let Some(span) = &place.span {
         return (span.end <= text.len()).then(|| span.clone());
     }
-    let line = text
-        .split_inclusive('\n')
-        .nth(place.line?.checked_sub(1)?)?;
+    let line = text.split_inclusive('\n').nth(place.line?.checked_sub(1)?)?;
     let start = line.as_ptr() as usize - text.as_ptr() as usize;
     let bare = line.trim_start_matches(MARK);
     let mark = line.len() - bare.len();
@@ -273,10 +266,7 @@ fn span(error: &Error, text: &str) -> Option<Range<usize>> {
     let Some(column) = place.column else {
         return Some(start + mark..start + mark + content.len());
     };
-    let at = content
-        .char_indices()
-        .nth(column.checked_sub(1)?)
-        .map_or(content.len(), |(at, _)| at);
+    let at = content.char_indices().nth(column.checked_sub(1)?).map_or(content.len(), |(at, _)| at);
     let field = &content[at..];
     let length = field.find([',', ';', '\t']).unwrap_or(field.len());
     Some(start + mark + at..start + mark + at + length)
@@ -301,8 +291,7 @@ mod tests {
 
     #[test]
     fn a_field_of_the_library_is_an_option_of_the_command() {
-        let command = clap::Command::new("x")
-            .args(["near-deg", "axes"].map(|long| clap::Arg::new(long).long(long)));
+        let command = clap::Command::new("x").args(["near-deg", "axes"].map(|long| clap::Arg::new(long).long(long)));
         let wrong = Error::invalid("Wrong `axes`, not `tool`.").hint("give `near_deg`");
         let key = |e: &Error| e.place().key.clone();
         let usage = of_option(wrong.clone().key("near_deg"), &command);
@@ -311,10 +300,7 @@ mod tests {
         let said = (usage.message(), usage.hint_text());
         assert_eq!(said, ("Wrong --axes, not `tool`.", Some("give --near-deg")));
         // A key of a file is no option, nor is what the command does not have.
-        for other in [
-            wrong.clone().key("axes").file("cell.toml"),
-            wrong.key("rounds"),
-        ] {
+        for other in [wrong.clone().key("axes").file("cell.toml"), wrong.key("rounds")] {
             let same = of_option(other.clone(), &command);
             let parts = |e: &Error| (e.code(), key(e), e.message().to_string());
             assert_eq!(parts(&same), parts(&other));
@@ -323,8 +309,7 @@ mod tests {
 
     #[test]
     fn a_panic_becomes_an_error_of_its_own_kind() {
-        let fault =
-            catch_panic(|| -> Result<()> { panic!("index {} out of range", 7) }).unwrap_err();
+        let fault = catch_panic(|| -> Result<()> { panic!("index {} out of range", 7) }).unwrap_err();
         assert_eq!((fault.code(), exit_code(fault.code())), (Code::Internal, 3));
         assert!(fault.message().contains("index 7 out of range"));
         assert!(catch_panic(|| Ok(1)).is_ok());

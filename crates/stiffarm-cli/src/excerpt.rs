@@ -86,11 +86,7 @@ fn marks(margin: &str, columns: Range<usize>, label: Option<&str>) -> String {
     let after = columns.len() - before - 1;
     let line = format!("{}┬{}", "─".repeat(before), "─".repeat(after));
     let below = " ".repeat(columns.start + before);
-    format!(
-        "{margin}{indent}{}\n{margin}{below}{}\n",
-        mark(&line),
-        mark(&format!("╰── {label}"))
-    )
+    format!("{margin}{indent}{}\n{margin}{below}{}\n", mark(&line), mark(&format!("╰── {label}")))
 }
 
 /// What marks a place.
@@ -135,10 +131,7 @@ mod tests {
             picture("a,b\r\n1,22x\r\n2,3\r\n4,5\r\n", 7..10, Some("b")),
             "   ╭─[a.csv:2:3]\n 1 │ a,b\n 2 │ 1,22x\n   ·   ─┬─\n   ·    ╰── b\n 3 │ 2,3\n   ╰────\n"
         );
-        assert_eq!(
-            picture("one", 0..3, None),
-            "   ╭─[a.csv:1:1]\n 1 │ one\n   · ───\n   ╰────\n"
-        );
+        assert_eq!(picture("one", 0..3, None), "   ╭─[a.csv:1:1]\n 1 │ one\n   · ───\n   ╰────\n");
     }
 
     #[test]
@@ -172,11 +165,7 @@ mod tests {
 
     #[test]
     fn a_line_as_long_as_its_file_is_drawn_about_the_place() {
-        let text = format!(
-            "{},x1,{}\nb\n",
-            "1".repeat(1_000_000),
-            "2".repeat(1_000_000)
-        );
+        let text = format!("{},x1,{}\nb\n", "1".repeat(1_000_000), "2".repeat(1_000_000));
         let picture = picture(&text, 1_000_001..1_000_003, Some("q"));
         assert!(picture.len() < 2000, "{picture}");
         let lines: Vec<&str> = picture.lines().collect();
@@ -190,10 +179,7 @@ mod tests {
     #[test]
     fn hidden_characters_are_drawn_in_letters() {
         let drawn = picture("a\u{1b}[31m,x\rb", 7..8, None);
-        assert!(
-            drawn.contains(" 1 │ a\\u{1b}[31m,x\\rb\n   ·             ─\n"),
-            "{drawn}"
-        );
+        assert!(drawn.contains(" 1 │ a\\u{1b}[31m,x\\rb\n   ·             ─\n"), "{drawn}");
     }
 
     #[test]

@@ -8,11 +8,7 @@ use stiffarm::findings::Finding;
 pub fn finding_line(finding: &Finding) -> String {
     let severity = weight(finding.severity);
     // Many sentences begin with what they are about.
-    if finding
-        .sentence
-        .to_lowercase()
-        .starts_with(&finding.subject.to_lowercase())
-    {
+    if finding.sentence.to_lowercase().starts_with(&finding.subject.to_lowercase()) {
         format!("{severity}: {}\n", finding.sentence)
     } else {
         format!("{severity}: {}: {}\n", finding.subject, finding.sentence)

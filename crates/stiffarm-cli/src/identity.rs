@@ -74,10 +74,7 @@ pub fn of_stdin() -> Option<FileId> {
     use std::os::fd::AsFd;
     let own = std::io::stdin().as_fd().try_clone_to_owned().ok()?;
     let meta = fs::File::from(own).metadata().ok()?;
-    Some(FileId {
-        path: None,
-        inode: Some(inode(&meta)?),
-    })
+    Some(FileId { path: None, inode: Some(inode(&meta)?) })
 }
 
 /// The file that standard input is redirected from, where the system tells.

@@ -91,14 +91,7 @@ impl Session {
     }
 
     /// Remembers what was read.
-    fn taken(
-        &self,
-        role: &str,
-        name: String,
-        bytes: Vec<u8>,
-        id: Option<FileId>,
-        is_stdin: bool,
-    ) -> (String, Vec<u8>) {
+    fn taken(&self, role: &str, name: String, bytes: Vec<u8>, id: Option<FileId>, is_stdin: bool) -> (String, Vec<u8>) {
         self.remember(Input {
             role: role.to_string(),
             name: name.clone(),
@@ -112,18 +105,12 @@ impl Session {
 
     fn read_stdin(&self) -> Result<Vec<u8>> {
         if self.has_read_stdin() {
-            return Err(Error::new(
-                Code::Usage,
-                "Standard input (`-`) can be used for one file only.",
-            ));
+            return Err(Error::new(Code::Usage, "Standard input (`-`) can be used for one file only."));
         }
         let mut bytes = Vec::new();
-        std::io::stdin().read_to_end(&mut bytes).map_err(|e| {
-            Error::new(
-                Code::FileRead,
-                format!("Standard input cannot be read: {e}."),
-            )
-        })?;
+        std::io::stdin()
+            .read_to_end(&mut bytes)
+            .map_err(|e| Error::new(Code::FileRead, format!("Standard input cannot be read: {e}.")))?;
         Ok(bytes)
     }
 }
@@ -134,8 +121,7 @@ fn read_error(from: &str, error: &std::io::Error) -> Error {
     } else if Path::new(from).is_dir() {
         "give a file inside it".to_string()
     } else if error.kind() == std::io::ErrorKind::NotFound {
-        "check the path; `stiffarm init` writes files to start from, and builtin:comau is built in"
-            .to_string()
+        "check the path; `stiffarm init` writes files to start from, and builtin:comau is built in".to_string()
     } else {
         "check that you may read it".to_string()
     };
@@ -146,7 +132,5 @@ fn read_error(from: &str, error: &std::io::Error) -> Error {
     } else {
         format!("The file cannot be read: {error}.")
     };
-    Error::new(Code::FileRead, message)
-        .file(visible(from))
-        .hint(hint)
+    Error::new(Code::FileRead, message).file(visible(from)).hint(hint)
 }

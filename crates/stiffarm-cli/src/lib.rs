@@ -74,10 +74,7 @@ pub struct Captured {
 pub fn run_captured(words: &[OsString], host: Host) -> Captured {
     let printed = Rc::<RefCell<Captured>>::default();
     let code = run_words(words, Some(Rc::clone(&printed)), host);
-    Captured {
-        code,
-        ..printed.take()
-    }
+    Captured { code, ..printed.take() }
 }
 
 /// Runs one command line and gives its exit code.

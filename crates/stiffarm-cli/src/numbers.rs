@@ -10,11 +10,7 @@ pub const NONE: &str = "-";
 /// `value` with `digits` significant digits, in powers of ten where it is very
 /// large or small.
 pub fn significant(value: f64, digits: usize) -> String {
-    if value.is_finite() {
-        tell::significant(value, digits)
-    } else {
-        NONE.to_string()
-    }
+    if value.is_finite() { tell::significant(value, digits) } else { NONE.to_string() }
 }
 
 /// Joint stiffness \[N·m/rad\], always four digits and a power of ten.

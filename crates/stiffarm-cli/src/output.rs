@@ -33,20 +33,12 @@ impl Exit {
 
     /// [`Exit::Finding`] if there is one.
     pub fn finding(is_finding: bool) -> Self {
-        if is_finding {
-            Exit::Finding
-        } else {
-            Exit::Done
-        }
+        if is_finding { Exit::Finding } else { Exit::Done }
     }
 
     /// [`Exit::Interrupted`] if the user stopped the work, else as [`Exit::of_findings`].
     pub fn so_far(interrupted: bool, findings: &[Finding]) -> Self {
-        if interrupted {
-            Exit::Interrupted
-        } else {
-            Exit::of_findings(findings)
-        }
+        if interrupted { Exit::Interrupted } else { Exit::of_findings(findings) }
     }
 
     /// [`Exit::Finding`] if one of them is serious, or names a joint that cannot be determined.
@@ -92,10 +84,9 @@ impl Session {
         }
         let mut out = anstream::AutoStream::new(std::io::stdout(), self.color).lock();
         match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-            Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::new(
-                Code::FileWrite,
-                format!("Standard output cannot be written: {e}."),
-            )),
+            Err(e) if e.kind() != ErrorKind::BrokenPipe => {
+                Err(Error::new(Code::FileWrite, format!("Standard output cannot be written: {e}.")))
+            }
             _ => Ok(()),
         }
     }
@@ -124,11 +115,6 @@ impl Session {
 /// # Errors
 /// A cell that cannot take its postures.
 pub fn told<O, R: Telling<O>>(envelope: &Envelope<O, R>, cell: Option<&Cell>) -> Result<Told> {
-    let given = Given {
-        command: &envelope.command,
-        name: "result",
-        cell,
-        pictures: false,
-    };
+    let given = Given { command: &envelope.command, name: "result", cell, pictures: false };
     envelope.result.told(&envelope.options, &given)
 }

@@ -19,11 +19,9 @@ pub fn check_page_name(path: &str, option: &str) -> Result<()> {
     if path == "-" || ends_in(path, "html") || ends_in(path, "htm") {
         Ok(())
     } else {
-        Err(
-            Error::new(Code::Usage, "A page is a file whose name ends in .html.")
-                .key(option)
-                .hint("for example report.html; `--json > result.json` keeps the result itself"),
-        )
+        Err(Error::new(Code::Usage, "A page is a file whose name ends in .html.")
+            .key(option)
+            .hint("for example report.html; `--json > result.json` keeps the result itself"))
     }
 }
 

@@ -32,12 +32,7 @@ impl Outputs {
     ///
     /// # Errors
     /// As [`Target::new`], [`check_picture_name`] and [`check_targets`].
-    pub fn new(
-        session: &Session,
-        table: Option<&str>,
-        figure: Option<&str>,
-        force: bool,
-    ) -> Result<Self> {
+    pub fn new(session: &Session, table: Option<&str>, figure: Option<&str>, force: bool) -> Result<Self> {
         let target = |path: Option<&str>| path.map(|path| Target::new(path, force)).transpose();
         let not_a_table = table.is_some_and(|path| ends_in(path, "json"));
         figure.map(check_picture_name).transpose()?;
@@ -49,23 +44,14 @@ impl Outputs {
                 .key("--output")
                 .hint("name it .csv; `--json > result.json` keeps the whole result"));
         }
-        Ok(Outputs {
-            tables: table.into_iter().collect(),
-            figure,
-        })
+        Ok(Outputs { tables: table.into_iter().collect(), figure })
     }
 
     /// Adds the file beside `table` with this ending.
     ///
     /// # Errors
     /// As [`Target::file`] and [`check_targets`].
-    pub fn beside(
-        &mut self,
-        session: &Session,
-        table: &str,
-        ending: &str,
-        force: bool,
-    ) -> Result<()> {
+    pub fn beside(&mut self, session: &Session, table: &str, ending: &str, force: bool) -> Result<()> {
         let target = Target::file(&Path::new(table).with_extension(ending), force)?;
         check_targets(session, &[Some(&target)])?;
         self.tables.push(target);

@@ -20,12 +20,9 @@ pub fn is_foreign(format: &str) -> bool {
 pub fn check_picture_name(path: &str) -> Result<()> {
     let ending = Path::new(path).extension();
     if ending.is_some_and(|ending| is_foreign(&ending.to_string_lossy())) {
-        Err(Error::new(
-            Code::Usage,
-            "A picture is written as SVG, not as PDF or PNG.",
-        )
-        .key("--figure")
-        .hint(format!("name it .svg; then {INSTEAD}")))
+        Err(Error::new(Code::Usage, "A picture is written as SVG, not as PDF or PNG.")
+            .key("--figure")
+            .hint(format!("name it .svg; then {INSTEAD}")))
     } else {
         Ok(())
     }

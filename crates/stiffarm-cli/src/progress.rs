@@ -21,9 +21,7 @@ const COUNTED: &str = "{spinner} {msg} {bar:30} {pos}/{len} ({elapsed})";
 /// faster than the count (61 steps are 226,981 nodes) and there are `many` pieces.
 pub fn announce(session: &Session, pieces: usize, many: usize, what: &str) {
     if pieces >= many {
-        session.remark(&format!(
-            "note: {pieces} {what}; this takes a while, and Ctrl-C stops it"
-        ));
+        session.remark(&format!("note: {pieces} {what}; this takes a while, and Ctrl-C stops it"));
     }
 }
 
@@ -39,15 +37,10 @@ pub struct Progress {
 impl Progress {
     /// Starts watching work of one kind.
     pub fn new(session: &Session, what: &str) -> Self {
-        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden())
-            .with_message(what.to_string());
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden()).with_message(what.to_string());
         let is_hosted = session.host.watch.is_some();
         if session.quiet || is_hosted || !std::io::stderr().is_terminal() {
-            return Progress {
-                bar,
-                host: session.host.watch.clone(),
-                _finished: None,
-            };
+            return Progress { bar, host: session.host.watch.clone(), _finished: None };
         }
         set_style(&bar, SPINNER);
         let (sender, receiver) = channel::<()>();
@@ -58,11 +51,7 @@ impl Progress {
                 shown.enable_steady_tick(TICK);
             }
         });
-        Progress {
-            bar,
-            host: None,
-            _finished: Some(sender),
-        }
+        Progress { bar, host: None, _finished: Some(sender) }
     }
 
     /// Tells how far the work is.
@@ -104,10 +93,7 @@ impl Progress {
         interrupt::look_out();
         let stop = interrupt::stopped;
         let progress = |what: &str, done: usize, of: usize| self.report(what, done, of);
-        work(Control {
-            stop: Some(&stop),
-            progress: Some(&progress),
-        })
+        work(Control { stop: Some(&stop), progress: Some(&progress) })
     }
 }
 

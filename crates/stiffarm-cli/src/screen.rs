@@ -22,10 +22,7 @@ const WIDEST: usize = 100;
 static MARK: LazyLock<String> = LazyLock::new(|| {
     let random = RandomState::new().build_hasher().finish();
     let private = |bits: u64| char::from_u32(0xF_0000 + (bits % 0xFFFE) as u32);
-    [random, random >> 32]
-        .into_iter()
-        .filter_map(private)
-        .collect()
+    [random, random >> 32].into_iter().filter_map(private).collect()
 });
 
 /// `text` in a style; what prints it drops the style where colours are not wanted.
@@ -135,10 +132,7 @@ pub fn lines(text: &str, columns: usize) -> Vec<String> {
         // A styled word stays whole: its marks must not be torn apart.
         while width(&out[out.len() - 1]) > columns && !word.contains(MARK.as_str()) {
             let long = out.pop().unwrap_or_default();
-            let cut = long
-                .char_indices()
-                .nth(columns)
-                .map_or(long.len(), |(at, _)| at);
+            let cut = long.char_indices().nth(columns).map_or(long.len(), |(at, _)| at);
             out.push(long[..cut].to_string());
             out.push(long[cut..].to_string());
         }
@@ -165,11 +159,7 @@ fn shown(text: &str) -> Cow<'_, str> {
     }
     let mut out = String::new();
     for c in text.chars() {
-        if kept(c) {
-            out.push(c)
-        } else {
-            out += &visible(c.encode_utf8(&mut [0; 4]))
-        }
+        if kept(c) { out.push(c) } else { out += &visible(c.encode_utf8(&mut [0; 4])) }
     }
     Cow::Owned(out)
 }
@@ -197,24 +187,14 @@ mod tests {
         let named = format!("limits    {sentence}\n");
         let text = format!("{table}{sentence}\n{copied}{named}");
         let shown = fitted(&text);
-        assert!(
-            shown.starts_with(table) && shown.contains(&copied),
-            "{shown}"
-        );
+        assert!(shown.starts_with(table) && shown.contains(&copied), "{shown}");
         for line in shown.lines().filter(|line| !line.contains(" = [")) {
             assert!(width(line) <= 80, "{line}");
         }
         // Nothing is lost, and the rest of what is named stands below its beginning.
-        let words = |text: &str| {
-            text.split_whitespace()
-                .map(String::from)
-                .collect::<Vec<_>>()
-        };
+        let words = |text: &str| text.split_whitespace().map(String::from).collect::<Vec<_>>();
         assert_eq!(words(&shown), words(&text));
-        assert!(
-            shown.contains("limits    word word") && shown.contains("\n          word"),
-            "{shown}"
-        );
+        assert!(shown.contains("limits    word word") && shown.contains("\n          word"), "{shown}");
     }
 
     #[test]

@@ -44,12 +44,7 @@ pub struct Session {
 
 impl Session {
     /// A session as the global options want it.
-    pub fn new(
-        words: &[OsString],
-        global: &Global,
-        captured: Option<Rc<RefCell<Captured>>>,
-        host: Host,
-    ) -> Self {
+    pub fn new(words: &[OsString], global: &Global, captured: Option<Rc<RefCell<Captured>>>, host: Host) -> Self {
         Session {
             words: words.to_vec(),
             json: global.json,
@@ -99,9 +94,7 @@ impl Session {
             .build_global()
             .map_err(|e| {
                 let message = format!("{threads} threads could not be started: {e}.");
-                Error::new(Code::Usage, message)
-                    .key("--threads")
-                    .hint("give fewer; the results are the same")
+                Error::new(Code::Usage, message).key("--threads").hint("give fewer; the results are the same")
             })
     }
 
@@ -129,11 +122,9 @@ impl Session {
         self.refuse_input(path)?;
         let id = FileId::of(path);
         if self.outputs.borrow().iter().any(|other| other.is(&id)) {
-            return Err(
-                Error::new(Code::Usage, "Two results would go to the same file.")
-                    .file(visible(&path.to_string_lossy()).into_owned())
-                    .hint("give each a name of its own"),
-            );
+            return Err(Error::new(Code::Usage, "Two results would go to the same file.")
+                .file(visible(&path.to_string_lossy()).into_owned())
+                .hint("give each a name of its own"));
         }
         self.outputs.borrow_mut().push(id);
         Ok(())
@@ -211,10 +202,7 @@ impl Session {
     /// Hashes of the inputs by their role.
     pub fn hashes(&self) -> BTreeMap<String, String> {
         let inputs = self.inputs.borrow();
-        inputs
-            .iter()
-            .map(|input| (input.role.clone(), input.sha256.clone()))
-            .collect()
+        inputs.iter().map(|input| (input.role.clone(), input.sha256.clone())).collect()
     }
 }
 

@@ -25,10 +25,7 @@ impl Table {
     /// A table whose first column holds names and the others numbers.
     pub fn new<S: Into<String>>(headings: impl IntoIterator<Item = S>) -> Self {
         let headings = headings.into_iter().map(|h| (h.into(), Align::Right));
-        let mut table = Table {
-            headings: headings.collect(),
-            rows: Vec::new(),
-        };
+        let mut table = Table { headings: headings.collect(), rows: Vec::new() };
         table.align(0, Align::Left);
         table
     }
@@ -43,8 +40,7 @@ impl Table {
     /// Adds a row; missing fields stay empty. A row is one line, whatever its names hold.
     pub fn row<S: Into<String>>(&mut self, fields: impl IntoIterator<Item = S>) {
         let fields = fields.into_iter().map(Into::into);
-        self.rows
-            .push(fields.map(|field| field.replace('\n', "\\n")).collect());
+        self.rows.push(fields.map(|field| field.replace('\n', "\\n")).collect());
     }
 
     /// Columns that the fields below a heading take.
@@ -63,22 +59,13 @@ impl Table {
     /// Widths of the columns: what they hold, and where that is more than `limit` narrower, first those whose
     /// heading is much wider than what stands below it, then those of words.
     fn widths(&self, limit: usize) -> Vec<usize> {
-        let fields: Vec<usize> = (0..self.headings.len())
-            .map(|c| self.field_width(c))
-            .collect();
-        let headings = self
-            .headings
-            .iter()
-            .map(|(heading, _)| screen::width(heading));
+        let fields: Vec<usize> = (0..self.headings.len()).map(|c| self.field_width(c)).collect();
+        let headings = self.headings.iter().map(|(heading, _)| screen::width(heading));
         let mut widths: Vec<usize> = headings.zip(&fields).map(|(h, f)| h.max(*f)).collect();
         let room = limit.saturating_sub(BETWEEN * widths.len().saturating_sub(1));
         let longest_word = |text: &str| text.split(' ').map(screen::width).max().unwrap_or(0);
-        let least: Vec<usize> = self
-            .headings
-            .iter()
-            .zip(&fields)
-            .map(|((heading, _), field)| longest_word(heading).max(*field))
-            .collect();
+        let least: Vec<usize> =
+            self.headings.iter().zip(&fields).map(|((heading, _), field)| longest_word(heading).max(*field)).collect();
         narrow(&mut widths, &least, room);
         let of_words = |(column, (heading, align)): (usize, &(String, Align))| {
             if column > 0 && *align == Align::Left {
@@ -130,35 +117,23 @@ impl Table {
             .iter()
             .map(|(column, width)| {
                 let field = fields.get(*column).map_or("", String::as_str);
-                if screen::width(field) > *width {
-                    screen::lines(field, *width)
-                } else {
-                    vec![field.to_string()]
-                }
+                if screen::width(field) > *width { screen::lines(field, *width) } else { vec![field.to_string()] }
             })
             .collect();
         let height = broken.iter().map(Vec::len).max().unwrap_or(1);
-        let style = if is_heading {
-            Style::new().bold()
-        } else {
-            Style::new()
-        };
+        let style = if is_heading { Style::new().bold() } else { Style::new() };
         let mut out = String::new();
         for at in 0..height {
-            let padded = block
-                .columns
-                .iter()
-                .zip(&broken)
-                .map(|((column, width), lines)| {
-                    // Headings stand on what they head.
-                    let above = if is_heading { height - lines.len() } else { 0 };
-                    let at = at.checked_sub(above);
-                    let field = at.and_then(|at| lines.get(at)).map_or("", String::as_str);
-                    match self.headings[*column].1 {
-                        Align::Left => format!("{field}{}", space(field, *width)),
-                        Align::Right => format!("{}{field}", space(field, *width)),
-                    }
-                });
+            let padded = block.columns.iter().zip(&broken).map(|((column, width), lines)| {
+                // Headings stand on what they head.
+                let above = if is_heading { height - lines.len() } else { 0 };
+                let at = at.checked_sub(above);
+                let field = at.and_then(|at| lines.get(at)).map_or("", String::as_str);
+                match self.headings[*column].1 {
+                    Align::Left => format!("{field}{}", space(field, *width)),
+                    Align::Right => format!("{}{field}", space(field, *width)),
+                }
+            });
             let line = padded.collect::<Vec<_>>().join(&" ".repeat(BETWEEN));
             out += &paint(style, line.trim_end());
             out.push('\n');
@@ -183,9 +158,7 @@ impl Table {
 fn narrow(widths: &mut [usize], least: &[usize], room: usize) {
     while widths.iter().sum::<usize>() > room {
         let excess = |column: &usize| widths[*column].saturating_sub(least[*column]);
-        let widest = (0..widths.len())
-            .filter(|c| excess(c) > 0)
-            .max_by_key(|c| (excess(c), *c));
+        let widest = (0..widths.len()).filter(|c| excess(c) > 0).max_by_key(|c| (excess(c), *c));
         let Some(column) = widest else { return };
         widths[column] -= 1;
     }
@@ -204,9 +177,7 @@ struct Block {
 
 impl Block {
     fn of(widths: &[usize], columns: std::ops::Range<usize>) -> Self {
-        Block {
-            columns: columns.map(|column| (column, widths[column])).collect(),
-        }
+        Block { columns: columns.map(|column| (column, widths[column])).collect() }
     }
 
     fn width(&self) -> usize {
@@ -263,22 +234,14 @@ mod tests {
         table.row(["joint 1", "9.500e5", ""]);
         table.row(["6", "1.5e5"]);
         let text = screen::plain(&table.to_string());
-        assert_eq!(
-            text,
-            "joint    k [N·m/rad]  note\njoint 1      9.500e5\n6              1.5e5\n"
-        );
+        assert_eq!(text, "joint    k [N·m/rad]  note\njoint 1      9.500e5\n6              1.5e5\n");
     }
 
     #[test]
     fn a_wide_table_is_told_in_blocks_and_sentences_in_lines() {
         let mut table = Table::new(["joint", "first [mm]", "second [mm]", "between"]);
         table.align(3, Align::Left);
-        table.row([
-            "joint 1",
-            "1.5",
-            "22.5",
-            "a sentence of a few words, and more",
-        ]);
+        table.row(["joint 1", "1.5", "22.5", "a sentence of a few words, and more"]);
         table.row(["joint 2", "2.5", "3", ""]);
         let fitted = |limit| screen::plain(&table.fitted(limit));
         assert_eq!(
@@ -300,12 +263,7 @@ mod tests {
              joint    between\njoint 1  a sentence of a few\n         words, and more\njoint 2\n"
         );
         for limit in 30..90 {
-            assert!(
-                fitted(limit)
-                    .lines()
-                    .all(|line| screen::width(line) <= limit),
-                "{limit}"
-            );
+            assert!(fitted(limit).lines().all(|line| screen::width(line) <= limit), "{limit}");
         }
     }
 }

@@ -13,8 +13,7 @@ const MOST_ROWS: usize = 36;
 fn opening(told: &Told) -> String {
     let [_, came, _] = &told.verdict;
     // What is serious may be what came out.
-    let (first, serious): (Vec<&Finding>, Vec<&Finding>) =
-        of(told, Severity::Serious).partition(|f| came.says(f));
+    let (first, serious): (Vec<&Finding>, Vec<&Finding>) = of(told, Severity::Serious).partition(|f| came.says(f));
     let mut out = if first.is_empty() {
         sentence(came)
     } else {
@@ -43,11 +42,7 @@ pub fn told(told: &Told, details: bool) -> String {
         out += &format!("\n{}\n", table(key, details));
     }
     let cautions: Vec<&Finding> = of(told, Severity::Caution).collect();
-    let seen = if details {
-        cautions.len()
-    } else {
-        SEEN_AT_ONCE
-    };
+    let seen = if details { cautions.len() } else { SEEN_AT_ONCE };
     out.extend(cautions.iter().copied().take(seen).map(finding));
     if cautions.len() > seen {
         let more = cautions.len() - seen;
@@ -108,9 +103,7 @@ fn blocks(all: &[Block], details: bool) -> String {
         Block::Findings(findings) => findings.iter().map(finding).collect(),
         Block::Details(_, inside) if details => blocks(inside, details),
         Block::Details(..) => String::new(),
-        Block::Figure(_) | Block::Figures(_) | Block::Drawing(_) | Block::Scene(..) => {
-            String::new()
-        }
+        Block::Figure(_) | Block::Figures(_) | Block::Drawing(_) | Block::Scene(..) => String::new(),
     });
     let shown: Vec<String> = shown.filter(|text| !text.is_empty()).collect();
     shown.join("\n")

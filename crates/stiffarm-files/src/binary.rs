@@ -44,9 +44,7 @@ pub(super) fn refused(bytes: &[u8]) -> Option<Error> {
         return None;
     }
     let is_so = |kind: &&Kind| {
-        let own = bytes
-            .get(kind.at..)
-            .is_some_and(|rest| rest.starts_with(kind.bytes));
+        let own = bytes.get(kind.at..).is_some_and(|rest| rest.starts_with(kind.bytes));
         // One letter alone is little.
         own && (kind.at == 0 || beginning.contains(&0))
     };

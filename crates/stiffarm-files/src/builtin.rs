@@ -17,34 +17,17 @@ pub const PREFIX: &str = "builtin:";
 
 const CELLS: [(&str, &str); 4] = [
     ("comau", include_str!("../data/cells/comau.toml")),
-    (
-        "comau-reference",
-        include_str!("../data/cells/comau-reference.toml"),
-    ),
-    (
-        "comau-shapes",
-        include_str!("../data/cells/comau-shapes.toml"),
-    ),
-    (
-        "fanuc-r2000ic",
-        include_str!("../data/cells/fanuc-r2000ic.toml"),
-    ),
+    ("comau-reference", include_str!("../data/cells/comau-reference.toml")),
+    ("comau-shapes", include_str!("../data/cells/comau-shapes.toml")),
+    ("fanuc-r2000ic", include_str!("../data/cells/fanuc-r2000ic.toml")),
 ];
 
-const POSTURES: [(&str, &str); 1] = [(
-    "comau-group1",
-    include_str!("../data/cells/comau-group1.csv"),
-)];
+const POSTURES: [(&str, &str); 1] = [("comau-group1", include_str!("../data/cells/comau-group1.csv"))];
 
-const MEASUREMENTS: [(&str, &str); 1] = [(
-    "fanuc-r2000ic-readings",
-    include_str!("../data/cells/fanuc-r2000ic-readings.csv"),
-)];
+const MEASUREMENTS: [(&str, &str); 1] =
+    [("fanuc-r2000ic-readings", include_str!("../data/cells/fanuc-r2000ic-readings.csv"))];
 
-const PAIRS: [(&str, &str); 1] = [(
-    "example-pairs",
-    include_str!("../data/cells/example-pairs.csv"),
-)];
+const PAIRS: [(&str, &str); 1] = [("example-pairs", include_str!("../data/cells/example-pairs.csv"))];
 
 const PATHS: [(&str, &str); 1] = [("contour", include_str!("../data/cells/contour.csv"))];
 
@@ -97,11 +80,8 @@ pub fn bytes(name: &str) -> Result<&'static [u8]> {
     let found = text(&KINDS.concat(), name);
     found.map(str::as_bytes).ok_or_else(|| {
         let known: Vec<String> = names().iter().map(|n| format!("{PREFIX}{n}")).collect();
-        Error::new(
-            Code::UnknownName,
-            format!("There is no built-in file \"{PREFIX}{name}\"."),
-        )
-        .hint(format!("built in: {}", known.join(", ")))
+        Error::new(Code::UnknownName, format!("There is no built-in file \"{PREFIX}{name}\"."))
+            .hint(format!("built in: {}", known.join(", ")))
     })
 }
 
@@ -134,18 +114,10 @@ pub fn measurements(name: &str, cell: &Cell) -> Result<Measurements> {
 }
 
 fn text(files: &[(&'static str, &'static str)], name: &str) -> Option<&'static str> {
-    files
-        .iter()
-        .find(|(known, _)| *known == name)
-        .map(|(_, text)| *text)
+    files.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
 }
 
 fn unknown(what: &str, name: &str, known: Vec<&'static str>) -> Error {
-    let hint = did_you_mean(name, known.iter().copied())
-        .unwrap_or_else(|| format!("built in: {}", known.join(", ")));
-    Error::new(
-        Code::UnknownName,
-        format!("There is no built-in {what} \"{name}\"."),
-    )
-    .hint(hint)
+    let hint = did_you_mean(name, known.iter().copied()).unwrap_or_else(|| format!("built in: {}", known.join(", ")));
+    Error::new(Code::UnknownName, format!("There is no built-in {what} \"{name}\".")).hint(hint)
 }

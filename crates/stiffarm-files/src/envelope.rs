@@ -83,12 +83,8 @@ pub fn write_result(envelope: &impl Serialize) -> Result<String> {
 /// # Errors
 /// A value that JSON cannot hold.
 pub fn to_json(value: &impl Serialize) -> Result<String> {
-    let text = serde_json::to_string_pretty(value).map_err(|e| {
-        Error::new(
-            Code::Internal,
-            format!("The result cannot be written as JSON: {e}."),
-        )
-    })?;
+    let text = serde_json::to_string_pretty(value)
+        .map_err(|e| Error::new(Code::Internal, format!("The result cannot be written as JSON: {e}.")))?;
     Ok(without_hidden(join_plain_lists(&text)) + "\n")
 }
 
@@ -122,11 +118,7 @@ fn join_plain_lists(pretty: &str) -> String {
         let inside = &list[1..];
         let end = next_outside_strings(inside, &['[', ']', '{']).unwrap_or(inside.len());
         if inside[end..].starts_with(']') {
-            let items: Vec<&str> = inside[..end]
-                .lines()
-                .map(str::trim)
-                .filter(|line| !line.is_empty())
-                .collect();
+            let items: Vec<&str> = inside[..end].lines().map(str::trim).filter(|line| !line.is_empty()).collect();
             out += &format!("[{}]", items.join(" "));
             rest = &inside[end + 1..];
         } else {

@@ -37,9 +37,7 @@ fn what_it_is(text: &str, ends_early: bool) -> &'static str {
         None => "The file is empty.",
         Some('{' | '[') if ends_early => "This JSON ends too early: a part of the file is missing.",
         Some('{' | '[') => "This is not JSON: it begins like it and has a fault here.",
-        Some(_) if is_table(text) => {
-            "This is a table and not JSON: are two files in each other's place?"
-        }
+        Some(_) if is_table(text) => "This is a table and not JSON: are two files in each other's place?",
         Some(_) => "This is not JSON.",
     }
 }

@@ -20,9 +20,7 @@ pub(super) fn fault_of(name: &str) -> Option<&'static str> {
         return Some("A name must not contain line breaks or other control characters.");
     }
     if name.chars().any(is_hidden) {
-        return Some(
-            "A name must not contain characters that nobody sees or that turn the direction of the text.",
-        );
+        return Some("A name must not contain characters that nobody sees or that turn the direction of the text.");
     }
     if name.chars().nth(LONGEST).is_some() {
         return Some("A name must not have more than 200 characters.");
@@ -32,9 +30,7 @@ pub(super) fn fault_of(name: &str) -> Option<&'static str> {
     let formula = match name.split_at_checked(1) {
         Some(("=" | "@", _)) => true,
         Some(("+", rest)) => number(rest) || !rest.chars().all(harmless),
-        Some(("-", rest)) => {
-            (number(rest) && rest.contains(['+', '-'])) || !rest.chars().all(harmless)
-        }
+        Some(("-", rest)) => (number(rest) && rest.contains(['+', '-'])) || !rest.chars().all(harmless),
         _ => false,
     };
     formula.then_some("A name must not begin like a formula of a spreadsheet: with = or @, or with + or - before what can be calculated (+5, -2+3).")

@@ -29,7 +29,7 @@ pub fn read_registration(bytes: &[u8], file_name: &str) -> Result<Registration> 
         [_, Some(_)] => json,
         _ => return Err(fault("The file holds no registration.".to_string())),
     };
-    let record: RegistrationRecord = serde_json::from_value(record)
-        .map_err(|e| fault(format!("The registration cannot be read: {e}.")))?;
+    let record: RegistrationRecord =
+        serde_json::from_value(record).map_err(|e| fault(format!("The registration cannot be read: {e}.")))?;
     Registration::try_from(record).map_err(|e| e.file(file_name))
 }

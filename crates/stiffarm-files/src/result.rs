@@ -32,26 +32,20 @@ impl SavedResult {
     /// # Errors
     /// A value that is no result with what made it, or that JSON cannot hold.
     pub fn of(envelope: &impl Serialize, name: &str) -> Result<Self> {
-        let json = serde_json::to_value(envelope).map_err(|e| {
-            Error::new(
-                Code::Internal,
-                format!("The result cannot be written as JSON: {e}."),
-            )
-        })?;
+        let json = serde_json::to_value(envelope)
+            .map_err(|e| Error::new(Code::Internal, format!("The result cannot be written as JSON: {e}.")))?;
         Self::from_json(json, name)
     }
 
     fn from_json(json: Value, name: &str) -> Result<Self> {
         let fault = |message: String| {
-            Error::new(Code::ResultFile, message).file(name).hint(
-                "give a file that a command wrote with --output, or what it printed with --json",
-            )
+            Error::new(Code::ResultFile, message)
+                .file(name)
+                .hint("give a file that a command wrote with --output, or what it printed with --json")
         };
         if let Some(error) = json.get("error") {
             let said = error["message"].as_str().unwrap_or_default();
-            return Err(fault(format!(
-                "This file holds the error of a command, not a result: {said}"
-            )));
+            return Err(fault(format!("This file holds the error of a command, not a result: {said}")));
         }
         match json.get("format") {
             Some(format) if *format == 1 => {}
@@ -62,9 +56,7 @@ impl SavedResult {
             None => return Err(fault("This is not a result of stiffarm.".to_string())),
         }
         let text = |key: &str| json[key].as_str().map(String::from);
-        let (Some(command), Some(version), Some(_)) =
-            (text("command"), text("stiffarm"), json.get("result"))
-        else {
+        let (Some(command), Some(version), Some(_)) = (text("command"), text("stiffarm"), json.get("result")) else {
             let message = "The result lacks one of the keys stiffarm, command and result.";
             return Err(fault(message.to_string()));
         };
@@ -76,9 +68,7 @@ impl SavedResult {
             version,
             seed: json["seed"].as_u64(),
             arguments: words.filter_map(|w| w.as_str().map(String::from)).collect(),
-            inputs: inputs
-                .filter_map(|(role, hash)| Some((role.clone(), hash.as_str()?.to_string())))
-                .collect(),
+            inputs: inputs.filter_map(|(role, hash)| Some((role.clone(), hash.as_str()?.to_string()))).collect(),
             json,
         })
     }
@@ -102,14 +92,8 @@ impl SavedResult {
     fn section<T: DeserializeOwned>(&self, key: &str, what: &str) -> Result<T> {
         T::deserialize(&self.json[key]).map_err(|e| {
             let message = format!("{what} of `{}` cannot be read: {e}.", self.command);
-            let hint = format!(
-                "it was written by version {}; make it again with this version",
-                self.version
-            );
-            Error::new(Code::ResultFile, message)
-                .file(&self.name)
-                .key(key)
-                .hint(hint)
+            let hint = format!("it was written by version {}; make it again with this version", self.version);
+            Error::new(Code::ResultFile, message).file(&self.name).key(key).hint(hint)
         })
     }
 

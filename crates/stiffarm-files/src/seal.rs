@@ -44,10 +44,7 @@ struct Section {
 impl Seal {
     fn of(mut all: BTreeMap<String, Node>, parts: Parts) -> Self {
         all.remove(ARGUMENTS);
-        Seal {
-            file: sha256_hex(&Node::object(all).0),
-            sealed: parts.result.sealed.map(|node| sha256_hex(&node.0)),
-        }
+        Seal { file: sha256_hex(&Node::object(all).0), sealed: parts.result.sealed.map(|node| sha256_hex(&node.0)) }
     }
 
     /// The seal of a result by its text.
@@ -72,27 +69,21 @@ pub(super) fn unseal(json: &mut Value) -> Result<()> {
     let fault = |message: &str| Error::new(Code::ResultFile, message);
     let seal = json.as_object_mut().and_then(|map| map.remove(SEAL));
     let Some(Ok(seal)) = seal.map(serde_json::from_value::<Seal>) else {
-        let message =
-            "This result has no seal: an earlier version wrote it, or the seal was taken out.";
-        return Err(fault(message)
-            .key(SEAL)
-            .hint("make it again with this version, for a stiffness: identify again"));
+        let message = "This result has no seal: an earlier version wrote it, or the seal was taken out.";
+        return Err(fault(message).key(SEAL).hint("make it again with this version, for a stiffness: identify again"));
     };
     let all = BTreeMap::deserialize(&*json).map_err(|e| fault(&format!("{e}.")))?;
     let own = Seal::of(all, Parts::deserialize(&*json).unwrap_or_default());
     let changed = match (own.sealed != seal.sealed, own.file != seal.file) {
-        (true, _) => {
-            fault("What is calculated with was changed after it was written.").key(SECTION)
-        }
+        (true, _) => fault("What is calculated with was changed after it was written.").key(SECTION),
         (_, true) if own.sealed.is_some() => fault(
             "The file was changed after it was written, beside what is calculated with: its numbers no longer belong together.",
         ),
-        (_, true) => fault(
-            "The file was changed after it was written: its numbers no longer belong together.",
-        ),
+        (_, true) => fault("The file was changed after it was written: its numbers no longer belong together."),
         _ => return Ok(()),
     };
-    Err(changed.hint("take the file as the command wrote it, or make it again; layout and order of its keys may be others"))
+    Err(changed
+        .hint("take the file as the command wrote it, or make it again; layout and order of its keys may be others"))
 }
 
 /// A value in one spelling: bytes that end where the value ends. Lists and objects are

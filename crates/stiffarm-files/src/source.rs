@@ -51,13 +51,7 @@ pub struct NamedPath {
 
 impl NamedPath {
     /// Gives the points the loads of a recorded log.
-    fn take_loads(
-        &mut self,
-        source: &impl Source,
-        log: &str,
-        cell: &Cell,
-        axes: Option<ForceAxes>,
-    ) -> Result<()> {
+    fn take_loads(&mut self, source: &impl Source, log: &str, cell: &Cell, axes: Option<ForceAxes>) -> Result<()> {
         let (name, bytes) = source.read("log", log)?;
         let read = table::read_log(&bytes, &name, cell, axes)?;
         let put = read.put_on(cell, &mut self.table.points);
@@ -113,12 +107,11 @@ pub fn read_cell(source: &impl Source, from: &str) -> Result<NamedCell> {
     let (name, bytes) = source.read("cell", from)?;
     let read = |file: &str| {
         let mesh = source.read(&format!("cell mesh {file}"), &beside(from, file));
-        mesh.map(|(_, bytes)| bytes)
-            .map_err(|error| match error.code() {
-                // What it says of files to start from is no help here.
-                Code::FileRead => Error::new(Code::FileRead, error.message()),
-                _ => error,
-            })
+        mesh.map(|(_, bytes)| bytes).map_err(|error| match error.code() {
+            // What it says of files to start from is no help here.
+            Code::FileRead => Error::new(Code::FileRead, error.message()),
+            _ => error,
+        })
     };
     let cell = parse_cell_bytes_with(&bytes, &name, &read)?;
     Ok(NamedCell { cell, name })
@@ -128,21 +121,13 @@ pub fn read_cell(source: &impl Source, from: &str) -> Result<NamedCell> {
 ///
 /// # Errors
 /// A file that cannot be read, or anything wrong with its table.
-pub fn read_postures(
-    source: &impl Source,
-    role: &str,
-    from: &str,
-    robot: &Robot,
-) -> Result<Vec<Posture>> {
+pub fn read_postures(source: &impl Source, role: &str, from: &str, robot: &Robot) -> Result<Vec<Posture>> {
     let (name, bytes) = source.read(role, from)?;
     let postures = table::read_postures(&bytes, &name, robot)?;
     if postures.is_empty() {
-        return Err(Error::new(
-            Code::TooFewData,
-            "The table has no postures, only a heading.",
-        )
-        .file(name)
-        .hint("add one row per posture"));
+        return Err(Error::new(Code::TooFewData, "The table has no postures, only a heading.")
+            .file(name)
+            .hint("add one row per posture"));
     }
     Ok(postures)
 }
@@ -151,11 +136,7 @@ pub fn read_postures(
 ///
 /// # Errors
 /// As [`read_postures`].
-pub fn read_groups(
-    source: &impl Source,
-    from: &[String],
-    robot: &Robot,
-) -> Result<Vec<PostureGroup>> {
+pub fn read_groups(source: &impl Source, from: &[String], robot: &Robot) -> Result<Vec<PostureGroup>> {
     let stems: Vec<String> = from.iter().map(|from| group_name(from)).collect();
     let mut groups = Vec::with_capacity(from.len());
     for (number, (from, name)) in (1..).zip(from.iter().zip(distinct(&stems))) {
@@ -201,25 +182,16 @@ pub fn read_growing_measurements(
 /// # Errors
 /// A file that cannot be read, anything wrong with its table, readings that cannot be
 /// reduced.
-pub fn read_candidates(
-    source: &impl Source,
-    from: &str,
-    cell: &Cell,
-) -> Result<(Vec<Candidate>, bool)> {
+pub fn read_candidates(source: &impl Source, from: &str, cell: &Cell) -> Result<(Vec<Candidate>, bool)> {
     let (name, bytes) = source.read("candidates", from)?;
     if !table::holds_measurements(&bytes, &name, cell)? {
         let postures = table::read_postures(&bytes, &name, &cell.setup.robot)?;
-        let plain = postures
-            .into_iter()
-            .map(|posture| Candidate::new(posture.name, posture.q));
+        let plain = postures.into_iter().map(|posture| Candidate::new(posture.name, posture.q));
         return Ok((plain.collect(), false));
     }
     let measurements = table::read_measurements(&bytes, &name, cell, None)?;
     let measured = prepare(cell, measurements, &ReduceOptions::default())?;
-    Ok((
-        Candidate::of_measured(&cell.setup, &measured.postures),
-        true,
-    ))
+    Ok((Candidate::of_measured(&cell.setup, &measured.postures), true))
 }
 
 /// Options of a reduction of raw readings: with the registration that
@@ -287,12 +259,9 @@ fn parsed(
     let (kind, said) = recognised(&name, &bytes, language)?;
     let mut path = match kind {
         Some(kind) => program_path(source, kind, from, (name, &bytes), cell)?,
-        None => NamedPath {
-            table: table::read_path(&bytes, &name, cell, axes)?,
-            program: None,
-            findings: Vec::new(),
-            name,
-        },
+        None => {
+            NamedPath { table: table::read_path(&bytes, &name, cell, axes)?, program: None, findings: Vec::new(), name }
+        }
     };
     path.findings.extend(said);
     Ok(path)
@@ -311,24 +280,12 @@ fn program_path(
         // A program need not have one.
         source.read("path_points", &beside.to_string_lossy()).ok()
     });
-    let beside = beside
-        .as_ref()
-        .map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
+    let beside = beside.as_ref().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
     let read = read_tool_path(kind, (&name, bytes), beside, cell)?;
-    let axes_only = read
-        .points
-        .iter()
-        .any(|p| matches!(p.target, PathTarget::Axis { .. }));
-    let kind = if axes_only {
-        PathKind::ToolAxes
-    } else {
-        PathKind::Poses
-    };
+    let axes_only = read.points.iter().any(|p| matches!(p.target, PathTarget::Axis { .. }));
+    let kind = if axes_only { PathKind::ToolAxes } else { PathKind::Poses };
     Ok(NamedPath {
-        table: PathTable {
-            format: PathFormat::new(kind, cell).holding(&read.points, cell),
-            points: read.points,
-        },
+        table: PathTable { format: PathFormat::new(kind, cell).holding(&read.points, cell), points: read.points },
         program: Some(read.program),
         findings: read.findings,
         name,
@@ -345,9 +302,7 @@ fn measurement_files(
     cell: &Cell,
 ) -> Result<MeasurementFiles> {
     let robot = &cell.setup.robot;
-    let postures = postures
-        .map(|from| read_postures(source, "postures", from, robot))
-        .transpose()?;
+    let postures = postures.map(|from| read_postures(source, "postures", from, robot)).transpose()?;
     let mut files = Vec::with_capacity(from.len());
     for (number, from) in (1..).zip(from) {
         let role = match number {
@@ -360,10 +315,7 @@ fn measurement_files(
 }
 
 fn borrowed(files: &[(String, Vec<u8>)]) -> Vec<(&[u8], &str)> {
-    files
-        .iter()
-        .map(|(name, bytes)| (bytes.as_slice(), name.as_str()))
-        .collect()
+    files.iter().map(|(name, bytes)| (bytes.as_slice(), name.as_str())).collect()
 }
 
 /// Where a file lies that the cell `cell` names.
@@ -399,8 +351,5 @@ pub fn group_name(from: &str) -> String {
     if let Some(name) = from.strip_prefix(builtin::PREFIX) {
         return name.to_string();
     }
-    Path::new(from).file_stem().map_or_else(
-        || from.to_string(),
-        |stem| stem.to_string_lossy().into_owned(),
-    )
+    Path::new(from).file_stem().map_or_else(|| from.to_string(), |stem| stem.to_string_lossy().into_owned())
 }

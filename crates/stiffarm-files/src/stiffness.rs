@@ -20,8 +20,7 @@ const BARE: &str = "stiffness_nm_per_rad";
 /// robots have 1e8.
 const PLAUSIBLE: [f64; 2] = [1.0, 1e15];
 
-const HINT: &str =
-    "give the saved result of an identification, or {\"stiffness_nm_per_rad\": [k1, …]}";
+const HINT: &str = "give the saved result of an identification, or {\"stiffness_nm_per_rad\": [k1, …]}";
 
 /// Reads the joint stiffness of `cell`: the result of `stiffarm identify
 /// --output`, or `{"stiffness_nm_per_rad": [k1, …]}`, which gives values without
@@ -75,8 +74,7 @@ fn read(bytes: &[u8], file_name: &str, cell: &Cell) -> Result<Saved> {
 fn angles(postures: &Value) -> Vec<Vec<f64>> {
     let of = |posture: &Value| {
         let list = posture["q_deg"].as_array()?.iter();
-        list.map(|q| q.as_f64().map(deg_to_rad))
-            .collect::<Option<Vec<f64>>>()
+        list.map(|q| q.as_f64().map(deg_to_rad)).collect::<Option<Vec<f64>>>()
     };
     let all = postures.as_array().into_iter().flatten().map(of);
     all.collect::<Option<_>>().unwrap_or_default()

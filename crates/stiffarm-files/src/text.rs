@@ -28,12 +28,10 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>> {
     if let Some(error) = crate::binary::refused(bytes) {
         return Err(error);
     }
-    std::str::from_utf8(bytes)
-        .map(Cow::Borrowed)
-        .map_err(|error| {
-            let good = String::from_utf8_lossy(&bytes[..error.valid_up_to()]);
-            fault("A character here is not UTF-8.", &good)
-        })
+    std::str::from_utf8(bytes).map(Cow::Borrowed).map_err(|error| {
+        let good = String::from_utf8_lossy(&bytes[..error.valid_up_to()]);
+        fault("A character here is not UTF-8.", &good)
+    })
 }
 
 /// The text of pairs of bytes.
@@ -48,14 +46,7 @@ fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<String> {
             Err(_) => return Err(fault("A character here is not UTF-16.", &text)),
         }
     }
-    if whole {
-        Ok(text)
-    } else {
-        Err(fault(
-            "The file is UTF-16 text that ends within a character.",
-            &text,
-        ))
-    }
+    if whole { Ok(text) } else { Err(fault("The file is UTF-16 text that ends within a character.", &text)) }
 }
 
 /// An error behind the text that could be read.

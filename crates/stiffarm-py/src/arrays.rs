@@ -5,8 +5,7 @@ use crate::cores::on_cores;
 use crate::error::{Raised, to_python};
 use nalgebra::DMatrix;
 use numpy::{
-    PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
-    npyffi::NPY_ORDER,
+    PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods, npyffi::NPY_ORDER,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -79,8 +78,7 @@ pub fn indices<'py>(
     angles: PyReadonlyArray3<'py, f64>,
     names: Vec<String>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let wanted: stiffarm::Result<Vec<Index>> =
-        names.iter().map(|name| Index::from_name(name)).collect();
+    let wanted: stiffarm::Result<Vec<Index>> = names.iter().map(|name| Index::from_name(name)).collect();
     let wanted = wanted.raised(py)?;
     let &[count, postures, joints] = angles.shape() else {
         let error = Error::new(Code::Dimension, "Groups are an array of three dimensions.");
@@ -93,19 +91,15 @@ pub fn indices<'py>(
         return Err(to_python(py, &error));
     }
     let found = py.detach(|| {
-        let groups: Vec<Vec<&[f64]>> = values
-            .chunks_exact(size)
-            .map(|group| group.chunks_exact(joints).collect())
-            .collect();
+        let groups: Vec<Vec<&[f64]>> =
+            values.chunks_exact(size).map(|group| group.chunks_exact(joints).collect()).collect();
         on_cores(|| evaluate_groups(cell.complete(), &groups, &wanted))
     });
     let found = found.raised(py)?;
     debug_assert_eq!(found.len(), count);
     let out = PyDict::new(py);
     for index in wanted {
-        let column = found
-            .iter()
-            .map(|indices| indices.get(index).unwrap_or(f64::NAN));
+        let column = found.iter().map(|indices| indices.get(index).unwrap_or(f64::NAN));
         out.set_item(index.as_str(), PyArray1::from_iter(py, column))?;
     }
     Ok(out)

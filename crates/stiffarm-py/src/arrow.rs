@@ -1,9 +1,7 @@
 //! Tables by the Arrow C interface: frames of any library in, ours out.
 
 use crate::error::Raised;
-use arrow_array::{
-    Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray,
-};
+use arrow_array::{Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray};
 use arrow_cast::cast;
 use arrow_cast::display::{ArrayFormatter, FormatOptions};
 use arrow_schema::{DataType, Field, Schema};
@@ -48,10 +46,7 @@ pub fn stream_of_columns<'py>(
     requested: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let arrays: Vec<ArrayRef> = columns.into_iter().map(Column::array).collect();
-    let fields = names
-        .iter()
-        .zip(&arrays)
-        .map(|(name, array)| Field::new(name, array.data_type().clone(), true));
+    let fields = names.iter().zip(&arrays).map(|(name, array)| Field::new(name, array.data_type().clone(), true));
     let schema = Arc::new(Schema::new(fields.collect::<Vec<_>>()));
     let batch = RecordBatch::try_new(Arc::clone(&schema), arrays);
     let batch = batch.map_err(|e| fault(&e)).raised(py)?;
@@ -84,10 +79,7 @@ fn csv(batches: &[RecordBatch], schema: &Schema) -> Result<String> {
 
 /// The fields of a column; numbers in the fewest digits that are read back as the same, missing values empty.
 fn fields(array: &ArrayRef) -> Result<Vec<String>> {
-    if matches!(
-        array.data_type(),
-        DataType::Float16 | DataType::Float32 | DataType::Float64
-    ) {
+    if matches!(array.data_type(), DataType::Float16 | DataType::Float32 | DataType::Float64) {
         let numbers = cast(array, &DataType::Float64).map_err(|e| fault(&e))?;
         if let Some(numbers) = numbers.as_any().downcast_ref::<Float64Array>() {
             let field = |v: Option<f64>| match v.filter(|v| !v.is_nan()) {
@@ -100,28 +92,15 @@ fn fields(array: &ArrayRef) -> Result<Vec<String>> {
     let options = FormatOptions::default();
     let shown = ArrayFormatter::try_new(array, &options).map_err(|e| fault(&e))?;
     Ok((0..array.len())
-        .map(|row| {
-            if array.is_null(row) {
-                String::new()
-            } else {
-                quoted(&shown.value(row).to_string())
-            }
-        })
+        .map(|row| if array.is_null(row) { String::new() } else { quoted(&shown.value(row).to_string()) })
         .collect())
 }
 
 /// A field as CSV has it.
 fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_string()
-    }
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
 }
 
 fn fault(error: &dyn std::fmt::Display) -> Error {
-    Error::new(
-        Code::WrongType,
-        format!("The table cannot be used: {error}."),
-    )
+    Error::new(Code::WrongType, format!("The table cannot be used: {error}."))
 }

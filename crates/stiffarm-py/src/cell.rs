@@ -32,12 +32,7 @@ pub struct PyCell {
 }
 
 impl PyCell {
-    fn read(
-        name: &str,
-        text: Vec<u8>,
-        known: BTreeMap<String, Vec<u8>>,
-        folder: Option<&Path>,
-    ) -> Result<Self> {
+    fn read(name: &str, text: Vec<u8>, known: BTreeMap<String, Vec<u8>>, folder: Option<&Path>) -> Result<Self> {
         let files = RefCell::new(BTreeMap::new());
         let read = |file: &str| -> Result<Vec<u8>> {
             let bytes = match known.get(file) {
@@ -68,8 +63,7 @@ impl PyCell {
     pub fn hashes(&self) -> &BTreeMap<String, String> {
         self.hashes.get_or_init(|| {
             let meshes = self.files.iter();
-            let meshes =
-                meshes.map(|(file, bytes)| (format!("cell mesh {file}"), sha256_hex(bytes)));
+            let meshes = meshes.map(|(file, bytes)| (format!("cell mesh {file}"), sha256_hex(bytes)));
             let text = ("cell".to_string(), sha256_hex(&self.text));
             meshes.chain([text]).collect()
         })
@@ -77,25 +71,19 @@ impl PyCell {
 }
 
 /// The class and the arguments that make a cell again.
-type Reduced<'py> = (
-    Bound<'py, PyAny>,
-    (String, Bound<'py, PyBytes>, Bound<'py, PyDict>),
-);
+type Reduced<'py> = (Bound<'py, PyAny>, (String, Bound<'py, PyBytes>, Bound<'py, PyDict>));
 
 /// The bytes of a mesh that a cell names.
 fn mesh(cell: &str, file: &str, folder: Option<&Path>) -> Result<Vec<u8>> {
     if cell.starts_with(builtin::PREFIX) || file.starts_with(builtin::PREFIX) {
         let name = file.strip_prefix(builtin::PREFIX).unwrap_or(file);
-        return builtin::mesh_text(name)
-            .map(|text| text.as_bytes().to_vec())
-            .ok_or_else(|| {
-                let message = format!("There is no built-in mesh \"{name}\".");
-                Error::new(Code::UnknownName, message)
-            });
+        return builtin::mesh_text(name).map(|text| text.as_bytes().to_vec()).ok_or_else(|| {
+            let message = format!("There is no built-in mesh \"{name}\".");
+            Error::new(Code::UnknownName, message)
+        });
     }
     let path = folder.map_or_else(|| PathBuf::from(file), |folder| folder.join(file));
-    std::fs::read(&path)
-        .map_err(|error| Error::new(Code::FileRead, format!("The file cannot be read: {error}.")))
+    std::fs::read(&path).map_err(|error| Error::new(Code::FileRead, format!("The file cannot be read: {error}.")))
 }
 
 #[pymethods]

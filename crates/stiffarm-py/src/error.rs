@@ -34,12 +34,7 @@ fn raised(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
     if let Some(key) = &at.key {
         place.set_item("key", key)?;
     }
-    let arguments = (
-        error.message(),
-        error.code().as_str(),
-        place,
-        error.hint_text(),
-    );
+    let arguments = (error.message(), error.code().as_str(), place, error.hint_text());
     Ok(PyErr::from_value(class.call1(arguments)?))
 }
 

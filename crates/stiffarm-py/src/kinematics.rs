@@ -20,12 +20,11 @@ const ROTATION: f64 = 1e-6;
 /// A pose of a 4 × 4 array \[m\].
 fn pose(matrix: &PyReadonlyArray2<'_, f64>) -> Result<Isometry3<f64>> {
     let is_pose = matrix.shape() == [4, 4];
-    let values = matrix.as_slice().ok().filter(|_| is_pose).ok_or_else(|| {
-        Error::new(
-            Code::Dimension,
-            "A pose is an array of 4 rows and 4 columns.",
-        )
-    })?;
+    let values = matrix
+        .as_slice()
+        .ok()
+        .filter(|_| is_pose)
+        .ok_or_else(|| Error::new(Code::Dimension, "A pose is an array of 4 rows and 4 columns."))?;
     if values.iter().any(|v| !v.is_finite()) {
         return Err(Error::new(Code::NotFinite, "The pose is not finite."));
     }
@@ -35,8 +34,7 @@ fn pose(matrix: &PyReadonlyArray2<'_, f64>) -> Result<Isometry3<f64>> {
         && turn.determinant() > 0.0
         && (m.row(3) - Matrix4::<f64>::identity().row(3)).amax() < ROTATION;
     if !is_turn {
-        let message =
-            "The upper left 3 × 3 part of a pose must be a rotation, its last row 0, 0, 0, 1.";
+        let message = "The upper left 3 × 3 part of a pose must be a rotation, its last row 0, 0, 0, 1.";
         return Err(Error::invalid(message));
     }
     let shift = Vector3::new(m[(0, 3)], m[(1, 3)], m[(2, 3)]);
@@ -52,9 +50,7 @@ fn matrix<'py>(py: Python<'py>, pose: &Isometry3<f64>) -> PyResult<Bound<'py, Py
 /// Frames at the angles `q` \[rad\].
 fn frames(cell: &PyCell, q: &PyReadonlyArray1<'_, f64>) -> Result<Frames> {
     let robot = &cell.cell.setup.robot;
-    let q = q
-        .as_slice()
-        .map_err(|_| Error::new(Code::Dimension, "The angles are not one row of numbers."))?;
+    let q = q.as_slice().map_err(|_| Error::new(Code::Dimension, "The angles are not one row of numbers."))?;
     check_angles(robot, q)?;
     Ok(Frames::new(robot, q))
 }
@@ -87,10 +83,7 @@ pub fn jacobian<'py>(
     let frames = frames(cell, &q).raised(py)?;
     let serial = frames.jacobian(&frames.point(&point(at)));
     let found = serial * cell.cell.setup.robot.coupling();
-    array(
-        py,
-        DMatrix::from_column_slice(6, found.ncols(), found.as_slice()),
-    )
+    array(py, DMatrix::from_column_slice(6, found.ncols(), found.as_slice()))
 }
 
 /// A posture of a pose: controller angles, whether within the machine's limits, condition number, whether singular.
@@ -163,10 +156,7 @@ pub fn axes_table(
     let flange = pose(&flange).raised(py)?;
     let made = || -> Result<String> {
         let n = joint_names.len();
-        if points.len() != n
-            || directions.len() != n
-            || limits.as_ref().is_some_and(|l| l.len() != n)
-        {
+        if points.len() != n || directions.len() != n || limits.as_ref().is_some_and(|l| l.len() != n) {
             let message = "Names, points, directions and limits must be as many as joints.";
             return Err(Error::new(Code::Dimension, message));
         }
@@ -178,13 +168,9 @@ pub fn axes_table(
                 let unit = direction.try_normalize(f64::MIN_POSITIVE);
                 let finite = point.iter().chain(direction.iter()).all(|v| v.is_finite());
                 unit.filter(|_| finite)
-                    .map(|direction| JointAxis {
-                        point: Vector3::from(*point),
-                        direction,
-                    })
+                    .map(|direction| JointAxis { point: Vector3::from(*point), direction })
                     .ok_or_else(|| {
-                        let message =
-                            "A joint axis needs finite numbers and a direction that is not zero.";
+                        let message = "A joint axis needs finite numbers and a direction that is not zero.";
                         Error::invalid(message)
                     })
             })
@@ -209,6 +195,5 @@ pub fn axes_table(
 
 fn table(robot: &DhRobot) -> Result<String> {
     let table = robot_table(robot)?;
-    serde_json::to_string(&table)
-        .map_err(|e| Error::new(Code::Internal, format!("A robot cannot be written: {e}.")))
+    serde_json::to_string(&table).map_err(|e| Error::new(Code::Internal, format!("A robot cannot be written: {e}.")))
 }

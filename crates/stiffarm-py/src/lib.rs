@@ -38,9 +38,7 @@ mod _stiffarm {
     #[pymodule_export]
     use crate::plans::{certificate, simulate_measurements};
     #[pymodule_export]
-    use crate::values::{
-        degrees, json_of_toml, posture_text, radians, read_postures, toml_of_json,
-    };
+    use crate::values::{degrees, json_of_toml, posture_text, radians, read_postures, toml_of_json};
 
     use super::*;
 

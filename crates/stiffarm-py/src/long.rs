@@ -44,10 +44,7 @@ impl Shared {
     }
 
     fn take(&self) -> Option<Told> {
-        self.told
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .take()
+        self.told.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 }
 
@@ -58,10 +55,7 @@ impl Watched {
     /// For a value whose later questions can take long.
     pub fn shared(&self) -> Watch {
         let (stop, report) = (Arc::clone(&self.0), Arc::clone(&self.0));
-        Watch::new(
-            move || stop.stopped(),
-            move |what, done, of| report.tell(what, done, of),
-        )
+        Watch::new(move || stop.stopped(), move |what, done, of| report.tell(what, done, of))
     }
 
     /// A function of the caller that says of angles \[rad\] whether they may be chosen; what it raises stops the work.
@@ -86,10 +80,7 @@ impl Watched {
     pub fn with<T>(&self, work: impl FnOnce(Control<'_>) -> T) -> T {
         let stop = || self.0.stopped();
         let report = |what: &str, done: usize, of: usize| self.0.tell(what, done, of);
-        work(Control {
-            stop: Some(&stop),
-            progress: Some(&report),
-        })
+        work(Control { stop: Some(&stop), progress: Some(&report) })
     }
 }
 
@@ -136,19 +127,11 @@ pub fn watched<T: Send>(
         }
         worker.join()
     });
-    let mut failure = shared
-        .failure
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner);
+    let mut failure = shared.failure.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(error) = failure.take() {
         return Err(error);
     }
-    let fault = |_| {
-        Error::new(
-            Code::Internal,
-            "A fault of the library itself stopped this call.",
-        )
-    };
+    let fault = |_| Error::new(Code::Internal, "A fault of the library itself stopped this call.");
     let result = result.map_err(fault).raised(py)?.raised(py)?;
     Ok((result, interrupted))
 }

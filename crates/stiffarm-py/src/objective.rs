@@ -25,11 +25,7 @@ impl Objective {
         } else {
             return check_radians(q.as_slice()?).raised(py);
         };
-        let code = if q.len() == self.size {
-            Code::NotFinite
-        } else {
-            Code::Dimension
-        };
+        let code = if q.len() == self.size { Code::NotFinite } else { Code::Dimension };
         Err(to_python(py, &Error::new(code, message)))
     }
 }
@@ -48,11 +44,7 @@ impl Objective {
         let given = crate::arrays::postures(&given)?;
         let cell = cell.complete();
         let function = IndexFunction::with_given(cell, index, postures, &given).raised(py)?;
-        Ok(Objective {
-            function,
-            index,
-            size: postures * cell.setup.robot.joint_count(),
-        })
+        Ok(Objective { function, index, size: postures * cell.setup.robot.joint_count() })
     }
 
     /// Name of the index.
@@ -68,12 +60,7 @@ impl Objective {
     }
 
     /// [`value`](Self::value), so many times in one call: what a call itself costs is the rest.
-    fn _repeated(
-        &mut self,
-        py: Python<'_>,
-        q: PyReadonlyArray1<'_, f64>,
-        times: u32,
-    ) -> PyResult<f64> {
+    fn _repeated(&mut self, py: Python<'_>, q: PyReadonlyArray1<'_, f64>, times: u32) -> PyResult<f64> {
         self.check(py, &q)?;
         let q = q.as_slice()?;
         let mut sum = 0.0;
@@ -108,13 +95,7 @@ impl Objective {
             return Err(to_python(py, &Error::invalid(message)));
         }
         let mut gradient = vec![0.0; self.size];
-        let found = self
-            .function
-            .smoothed(q.as_slice()?, sharpness, &mut gradient);
-        Ok((
-            found.objective,
-            found.exact,
-            PyArray1::from_vec(py, gradient),
-        ))
+        let found = self.function.smoothed(q.as_slice()?, sharpness, &mut gradient);
+        Ok((found.objective, found.exact, PyArray1::from_vec(py, gradient)))
     }
 }

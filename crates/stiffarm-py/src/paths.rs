@@ -45,12 +45,7 @@ fn said(findings: &[Finding]) -> Result<String> {
 /// The table of a path, and what is to be known about it.
 #[pyfunction]
 #[pyo3(signature = (cell, from, language))]
-pub fn path_text(
-    py: Python<'_>,
-    cell: &PyCell,
-    from: &str,
-    language: Option<&str>,
-) -> PyResult<(String, String)> {
+pub fn path_text(py: Python<'_>, cell: &PyCell, from: &str, language: Option<&str>) -> PyResult<(String, String)> {
     let read = py.detach(|| {
         let language = language.map(language_of).transpose()?;
         let path = read_path(&Files, from, &cell.cell, language, None, None)?;
@@ -76,23 +71,14 @@ pub fn path_program(
     let written = py.detach(|| -> Result<Written> {
         let language = language.map(language_of).transpose()?;
         let path = read_path(&Files, from, &cell.cell, language, None, None)?;
-        let NamedPath {
-            table: nominal,
-            program: Some(program),
-            ..
-        } = &path
-        else {
-            let error =
-                Error::new(Code::Unsupported, "This is a table, and no program.").file(from);
+        let NamedPath { table: nominal, program: Some(program), .. } = &path else {
+            let error = Error::new(Code::Unsupported, "This is a table, and no program.").file(from);
             return Err(error.hint("a table is written with save()"));
         };
         let moved = table::read_path(table.as_bytes(), "points", &cell.cell, None)?;
         let written = program.write(&nominal.points, &moved.points)?;
         let findings = said(&written.findings())?;
-        Ok((
-            written.files.into_iter().map(|(_, bytes)| bytes).collect(),
-            findings,
-        ))
+        Ok((written.files.into_iter().map(|(_, bytes)| bytes).collect(), findings))
     });
     written.raised(py)
 }

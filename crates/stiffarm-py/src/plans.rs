@@ -16,23 +16,14 @@ use stiffarm_files::envelope::to_json;
 use stiffarm_files::table::{write_simulated, write_simulated_readings};
 
 /// Postures of their names and angles \[rad\].
-pub fn named(
-    py: Python<'_>,
-    names: Vec<String>,
-    angles: &PyReadonlyArray2<'_, f64>,
-) -> PyResult<Vec<Posture>> {
+pub fn named(py: Python<'_>, names: Vec<String>, angles: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Posture>> {
     let rows = postures(angles)?;
     if names.len() != rows.len() {
         let message = "There are not as many names as postures.";
         return Err(Error::new(Code::Dimension, message)).raised(py);
     }
     let named = names.into_iter().zip(rows);
-    Ok(named
-        .map(|(name, q)| Posture {
-            name,
-            q: q.to_vec(),
-        })
-        .collect())
+    Ok(named.map(|(name, q)| Posture { name, q: q.to_vec() }).collect())
 }
 
 /// How good a plan is beside the best possible one, as JSON.
@@ -56,9 +47,8 @@ pub fn certificate(
         let mut options = CertificateOptions::default();
         options.samples = samples.unwrap_or(options.samples);
         let index = Index::from_name(index)?;
-        let found = watched.with(|control| {
-            certify_further(cell.complete(), index, &given, &postures, &options, control)
-        })?;
+        let found =
+            watched.with(|control| certify_further(cell.complete(), index, &given, &postures, &options, control))?;
         to_json(&found)
     })
 }

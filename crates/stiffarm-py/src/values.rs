@@ -6,8 +6,7 @@ use crate::error::Raised;
 use crate::paths::Files;
 use crate::plans::named;
 use numpy::{
-    PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn,
-    PyUntypedArrayMethods,
+    PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
@@ -34,10 +33,7 @@ pub fn radians<'py>(
 
 /// Degrees of radians, in the fewest digits that are read back as the same.
 #[pyfunction]
-pub fn degrees<'py>(
-    py: Python<'py>,
-    angles: PyReadonlyArray2<'py, f64>,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
+pub fn degrees<'py>(py: Python<'py>, angles: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let values = angles.as_slice()?.iter().map(|v| rad_to_shortest_deg(*v));
     rows(py, angles.shape()[1], values)
 }
@@ -53,23 +49,14 @@ pub fn read_postures<'py>(
     let read = Files.read("postures", from);
     let postures = read.and_then(|(name, bytes)| read_table(&bytes, &name, robot));
     let postures = postures.raised(py)?;
-    let angles = postures
-        .iter()
-        .flat_map(|posture| posture.q.iter().copied());
+    let angles = postures.iter().flat_map(|posture| posture.q.iter().copied());
     let angles = rows(py, robot.joint_count(), angles)?;
-    Ok((
-        postures.into_iter().map(|posture| posture.name).collect(),
-        angles,
-    ))
+    Ok((postures.into_iter().map(|posture| posture.name).collect(), angles))
 }
 
 /// The text of a posture table.
 #[pyfunction]
-pub fn posture_text(
-    py: Python<'_>,
-    names: Vec<String>,
-    angles: PyReadonlyArray2<'_, f64>,
-) -> PyResult<String> {
+pub fn posture_text(py: Python<'_>, names: Vec<String>, angles: PyReadonlyArray2<'_, f64>) -> PyResult<String> {
     Ok(write_postures(&named(py, names, &angles)?))
 }
 
@@ -89,12 +76,8 @@ pub fn toml_of_json(py: Python<'_>, json: &str) -> PyResult<String> {
                 "keys are text; values are text, numbers, true, false, lists and dictionaries; leave out what is None",
             )
         })?;
-        toml::to_string(&value).map_err(|error| {
-            Error::new(
-                Code::WrongType,
-                format!("A cell file cannot hold this: {error}."),
-            )
-        })
+        toml::to_string(&value)
+            .map_err(|error| Error::new(Code::WrongType, format!("A cell file cannot hold this: {error}.")))
     };
     made().raised(py)
 }
@@ -102,9 +85,7 @@ pub fn toml_of_json(py: Python<'_>, json: &str) -> PyResult<String> {
 /// The keys of a cell file as a JSON object.
 #[pyfunction]
 pub fn json_of_toml(py: Python<'_>, text: &str) -> PyResult<String> {
-    let fault = |error: &dyn std::fmt::Display| {
-        Error::new(Code::TomlSyntax, format!("The text is not TOML: {error}."))
-    };
+    let fault = |error: &dyn std::fmt::Display| Error::new(Code::TomlSyntax, format!("The text is not TOML: {error}."));
     let made = || {
         let value: toml::Table = toml::from_str(text).map_err(|error| fault(&error.message()))?;
         serde_json::to_string(&value).map_err(|error| fault(&error))

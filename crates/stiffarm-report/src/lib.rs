@@ -39,9 +39,7 @@ pub use cell::{Full, cell_drawing, usual_posture};
 pub use figure::csv::figure_csv;
 pub use figure::drawing::Drawing;
 pub use figure::layout::{Layout, Size};
-pub use figure::svg::{
-    render_drawing, render_drawing_with, render_svg, render_svg_with, series_colour,
-};
+pub use figure::svg::{render_drawing, render_drawing_with, render_svg, render_svg_with, series_colour};
 pub use figure::{Axis, Colour, Figure, Panel, Scale, Series, Style};
 pub use map::{map_figure, map_table};
 
@@ -51,8 +49,8 @@ pub use placement::{placement_figure, placement_table};
 pub use plan_page::plan_page;
 pub use point_deflection::{PointDeflection, point_deflection_figure};
 pub use selection::{
-    CountPoint, Deviations, convergence_figure, correlation_figure, count_figure,
-    deviation_by_noise_figure, dexterity_figure, expected_deviation_figure, price_figure,
-    sensitivity_figure, singular_values_figure, worth_figure,
+    CountPoint, Deviations, convergence_figure, correlation_figure, count_figure, deviation_by_noise_figure,
+    dexterity_figure, expected_deviation_figure, price_figure, sensitivity_figure, singular_values_figure,
+    worth_figure,
 };
 pub use zones::{zones_figure, zones_table};

@@ -17,11 +17,7 @@ const STROKE: f64 = 0.8;
 /// Names of the axes.
 const AXES: [&str; 3] = ["x", "y", "z"];
 /// What is not reachable, in the order of the legend.
-const REFUSED: [Status; 3] = [
-    Status::Forbidden,
-    Status::Unreachable,
-    Status::OutsideJointLimits,
-];
+const REFUSED: [Status; 3] = [Status::Forbidden, Status::Unreachable, Status::OutsideJointLimits];
 
 /// One quantity of a map.
 struct Quantity {
@@ -72,15 +68,9 @@ pub fn map_figure(map: &StiffnessMap) -> Figure {
     let (columns, panels) = match long[..] {
         [_, _, _] => planes(map, &quantities[0]),
         [horizontal, vertical] => {
-            let plane = Plane {
-                across: 3 - horizontal - vertical,
-                at: 0,
-                horizontal,
-                vertical,
-            };
+            let plane = Plane { across: 3 - horizontal - vertical, at: 0, horizontal, vertical };
             let panels = quantities.iter().enumerate();
-            let panels = panels
-                .map(|(i, quantity)| panel(map, &plane, quantity, quantity.title.clone(), i == 2));
+            let panels = panels.map(|(i, quantity)| panel(map, &plane, quantity, quantity.title.clone(), i == 2));
             (3, panels.collect())
         }
         _ => {
@@ -89,13 +79,7 @@ pub fn map_figure(map: &StiffnessMap) -> Figure {
             (3, panels.collect())
         }
     };
-    Figure {
-        id: "map".into(),
-        title: title(map),
-        caption: caption(map),
-        columns,
-        panels,
-    }
+    Figure { id: "map".into(), title: title(map), caption: caption(map), columns, panels }
 }
 
 fn quantities(map: &StiffnessMap) -> [Quantity; 3] {
@@ -165,11 +149,7 @@ fn caption(map: &StiffnessMap) -> String {
         None => String::new(),
     };
     let is_line = map.axes().iter().filter(|axis| axis.len() > 1).count() < 2;
-    let colours = if is_line {
-        ""
-    } else {
-        " The brighter, the stiffer."
-    };
+    let colours = if is_line { "" } else { " The brighter, the stiffer." };
     let left = match map.counts.not_computed {
         0 => String::new(),
         count => format!(", {count} were not computed, for the work was stopped"),
@@ -210,25 +190,14 @@ fn planes(map: &StiffnessMap, quantity: &Quantity) -> (usize, Vec<Panel>) {
     let mut axis = quantity.axis.clone();
     let values = map.nodes.iter().filter_map(|n| n.values.as_ref());
     let values: Vec<f64> = values.filter_map(quantity.value).collect();
-    let ends = values.iter().fold([f64::INFINITY, 0.0], |[low, high], v| {
-        [v.min(low), v.max(high)]
-    });
+    let ends = values.iter().fold([f64::INFINITY, 0.0], |[low, high], v| [v.min(low), v.max(high)]);
     if ends[0] < ends[1] {
         axis = axis.with_range(ends[0], ends[1]);
     }
-    let quantity = Quantity {
-        title: quantity.title.clone(),
-        axis,
-        value: quantity.value,
-        small_is_good: quantity.small_is_good,
-    };
+    let quantity =
+        Quantity { title: quantity.title.clone(), axis, value: quantity.value, small_is_good: quantity.small_is_good };
     let panels = places.map(|at| {
-        let plane = Plane {
-            across,
-            at,
-            horizontal,
-            vertical,
-        };
+        let plane = Plane { across, at, horizontal, vertical };
         let title = format!("{} = {} mm", AXES[across], millimetres(axes[across][at]));
         panel(map, &plane, &quantity, title, false)
     });
@@ -241,18 +210,11 @@ fn planes(map: &StiffnessMap, quantity: &Quantity) -> (usize, Vec<Panel>) {
 }
 
 /// One plane with one quantity.
-fn panel(
-    map: &StiffnessMap,
-    plane: &Plane,
-    quantity: &Quantity,
-    title: String,
-    strokes: bool,
-) -> Panel {
+fn panel(map: &StiffnessMap, plane: &Plane, quantity: &Quantity, title: String, strokes: bool) -> Panel {
     let nodes = plane.nodes(map);
     let place = |node: &MapNode, axis: usize| 1e3 * node.position_m[axis];
     let places = |nodes: &[&MapNode]| -> [Vec<f64>; 2] {
-        [plane.horizontal, plane.vertical]
-            .map(|axis| nodes.iter().map(|n| place(n, axis)).collect())
+        [plane.horizontal, plane.vertical].map(|axis| nodes.iter().map(|n| place(n, axis)).collect())
     };
     let is_reached = |node: &&MapNode| node.status == Status::Reachable;
     let reached: Vec<&MapNode> = nodes.iter().copied().filter(is_reached).collect();
@@ -279,13 +241,7 @@ fn panel(
         series.push(Series::new("bends least", Style::Hollow, x, y));
     }
     let axis = |axis: usize| fitted(AXES[axis], map.axes()[axis]);
-    Panel {
-        title,
-        x: axis(plane.horizontal),
-        y: axis(plane.vertical),
-        series,
-        equal_aspect: true,
-    }
+    Panel { title, x: axis(plane.horizontal), y: axis(plane.vertical), series, equal_aspect: true }
 }
 
 /// Strokes along the softest direction, on a grid of their own.
@@ -307,18 +263,12 @@ fn directions(map: &StiffnessMap, plane: &Plane) -> Series {
             continue;
         }
         for side in [-half, half] {
-            let end =
-                |axis: usize| 1e3 * node.position_m[axis] + side * values.softest.direction[axis];
+            let end = |axis: usize| 1e3 * node.position_m[axis] + side * values.softest.direction[axis];
             x.push(end(plane.horizontal));
             y.push(end(plane.vertical));
         }
     }
-    Series::new(
-        "softest direction, its part in the plane",
-        Style::Strokes,
-        x,
-        y,
-    )
+    Series::new("softest direction, its part in the plane", Style::Strokes, x, y)
 }
 
 /// A quantity along a line.
@@ -329,10 +279,8 @@ fn line(map: &StiffnessMap, axis: usize, quantity: &Quantity) -> Panel {
     });
     // A gap is said by the legend, not by a count of lost values.
     let pairs = map.axes()[axis].iter().zip(values);
-    let kept: Vec<(f64, f64)> = pairs
-        .filter(|(_, value)| value.is_finite())
-        .map(|(at, value)| (1e3 * at, value))
-        .collect();
+    let kept: Vec<(f64, f64)> =
+        pairs.filter(|(_, value)| value.is_finite()).map(|(at, value)| (1e3 * at, value)).collect();
     let (x, y) = kept.into_iter().unzip();
     Panel::new(
         quantity.title.clone(),

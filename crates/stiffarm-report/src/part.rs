@@ -42,9 +42,7 @@ pub(crate) fn part_panels(points: &[PartPoint], workpiece: &Isometry3<f64>) -> V
         .collect();
     let of_working = points.iter().zip(&tips).filter(|(point, _)| point.works());
     let size = spans(of_working.map(|(_, tip)| *tip)).max();
-    let largest = working()
-        .map(|point| Vector3::from(point.shift_m).norm())
-        .fold(0.0, f64::max);
+    let largest = working().map(|point| Vector3::from(point.shift_m).norm()).fold(0.0, f64::max);
     if !(size > 0.0 && largest > 0.0) {
         return Vec::new();
     }
@@ -58,25 +56,15 @@ pub(crate) fn part_panels(points: &[PartPoint], workpiece: &Isometry3<f64>) -> V
     };
     let curves = [
         ("as it should be", Style::Dashed, Some(tips.clone())),
-        (
-            "as the tool bends away",
-            Style::Curve,
-            shifted(|point| Some(point.shift_m)),
-        ),
-        (
-            "as it is commanded",
-            Style::Curve,
-            shifted(|point| point.correction_m),
-        ),
+        ("as the tool bends away", Style::Curve, shifted(|point| Some(point.shift_m))),
+        ("as it is commanded", Style::Curve, shifted(|point| point.correction_m)),
     ];
     let drawn = curves.iter().filter_map(|(.., curve)| curve.as_ref());
     let all = drawn.flat_map(|curve| curve.iter().zip(points));
     let spans = spans(all.filter(|(_, point)| point.works()).map(|(at, _)| *at));
     let axes = ["x", "y", "z"];
     let planes = [(0, 1), (0, 2), (1, 2)];
-    let seen = planes
-        .into_iter()
-        .filter(|(a, b)| spans[*a].min(spans[*b]) >= FLAT * spans.max());
+    let seen = planes.into_iter().filter(|(a, b)| spans[*a].min(spans[*b]) >= FLAT * spans.max());
     let runs = runs(points);
     seen.take(2)
         .map(|(a, b)| {
@@ -114,10 +102,7 @@ fn runs(points: &[PartPoint]) -> Vec<Vec<usize>> {
 
 /// How far points reach along each axis.
 fn spans(points: impl Iterator<Item = Vector3<f64>>) -> Vector3<f64> {
-    let none = (
-        Vector3::repeat(f64::INFINITY),
-        Vector3::repeat(f64::NEG_INFINITY),
-    );
+    let none = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     let (low, high) = points.fold(none, |(low, high), at| (low.inf(&at), high.sup(&at)));
     (high - low).map(|span| span.max(0.0))
 }
@@ -125,8 +110,6 @@ fn spans(points: impl Iterator<Item = Vector3<f64>>) -> Vector3<f64> {
 /// The next of 1, 2, 5, 10, … below.
 fn rounded_down(value: f64) -> f64 {
     let power = 10f64.powf(value.log10().floor());
-    let digit = [5.0, 2.0, 1.0]
-        .into_iter()
-        .find(|digit| digit * power <= value);
+    let digit = [5.0, 2.0, 1.0].into_iter().find(|digit| digit * power <= value);
     digit.unwrap_or(1.0) * power
 }

@@ -28,34 +28,24 @@ pub struct PathCurvePoint {
 pub fn prediction_figure(prediction: &Prediction, workpiece: Option<&Isometry3<f64>>) -> Figure {
     let points = &prediction.points;
     let lengths = along(points.iter().map(|p| p.tip_m));
-    let curve = points
-        .iter()
-        .zip(lengths)
-        .map(|(point, along_m)| PathCurvePoint {
-            along_m,
-            deflection_m: point.deflection_m,
-            half_width_m: point.band.map(|band| band.size_m[3]),
-            left_m: None,
-        });
+    let curve = points.iter().zip(lengths).map(|(point, along_m)| PathCurvePoint {
+        along_m,
+        deflection_m: point.deflection_m,
+        half_width_m: point.band.map(|band| band.size_m[3]),
+        left_m: None,
+    });
     let part = points.iter().map(|point| PartPoint {
         tip_m: point.tip_m,
         load: [point.force_n, point.moment_nm],
         shift_m: point.shift_m,
         correction_m: None,
     });
-    with_part(
-        path_figure(&curve.collect::<Vec<_>>(), prediction.confidence),
-        part,
-        workpiece,
-    )
+    with_part(path_figure(&curve.collect::<Vec<_>>(), prediction.confidence), part, workpiece)
 }
 
 /// Deflection along a path before and after compensation, and the path as it should be, bent and commanded in the
 /// workpiece frame (base frame \[m\]).
-pub fn compensation_figure(
-    compensation: &Compensation,
-    workpiece: Option<&Isometry3<f64>>,
-) -> Figure {
+pub fn compensation_figure(compensation: &Compensation, workpiece: Option<&Isometry3<f64>>) -> Figure {
     let points = &compensation.points;
     let lengths = along(points.iter().map(|p| p.tip_m));
     let curve = points.iter().zip(lengths).map(|(point, along_m)| {
@@ -74,19 +64,11 @@ pub fn compensation_figure(
         shift_m: point.uncompensated_shift_m,
         correction_m: Some(point.correction_m),
     });
-    with_part(
-        path_figure(&curve.collect::<Vec<_>>(), compensation.confidence),
-        part,
-        workpiece,
-    )
+    with_part(path_figure(&curve.collect::<Vec<_>>(), compensation.confidence), part, workpiece)
 }
 
 /// The figure with the part below, where the points are a path.
-fn with_part(
-    mut figure: Figure,
-    part: impl Iterator<Item = PartPoint>,
-    workpiece: Option<&Isometry3<f64>>,
-) -> Figure {
+fn with_part(mut figure: Figure, part: impl Iterator<Item = PartPoint>, workpiece: Option<&Isometry3<f64>>) -> Figure {
     if let Some(workpiece) = workpiece {
         let panels = part_panels(&part.collect::<Vec<_>>(), workpiece);
         figure.panels.extend(panels);
@@ -113,19 +95,12 @@ pub(crate) fn norm(v: [f64; 3]) -> f64 {
 
 /// The axis of what lies along a path: its length, or the points' numbers where it has none.
 pub(crate) fn way_axis(moves: bool) -> Axis {
-    if moves {
-        Axis::linear("distance along the path", "mm")
-    } else {
-        Axis::linear("point of the path", "")
-    }
+    if moves { Axis::linear("distance along the path", "mm") } else { Axis::linear("point of the path", "") }
 }
 
 /// What a band is called in a legend.
 pub(crate) fn band_name(confidence: Option<f64>) -> String {
-    confidence.map_or_else(
-        || "band".to_string(),
-        |c| format!("{} % band", (1000.0 * c).round() / 10.0),
-    )
+    confidence.map_or_else(|| "band".to_string(), |c| format!("{} % band", (1000.0 * c).round() / 10.0))
 }
 
 /// Deflection along a path with its band (`confidence` as a fraction) and, where
@@ -142,10 +117,7 @@ pub fn path_figure(points: &[PathCurvePoint], confidence: Option<f64>) -> Figure
     };
     let curve = |value: &dyn Fn(&PathCurvePoint) -> Option<f64>| {
         let values: Vec<Option<f64>> = points.iter().map(|p| value(p).map(|v| 1e3 * v)).collect();
-        thinned(&values)
-            .into_iter()
-            .filter_map(|i| Some((i, along[i], values[i]?)))
-            .collect::<Vec<(usize, f64, f64)>>()
+        thinned(&values).into_iter().filter_map(|i| Some((i, along[i], values[i]?))).collect::<Vec<(usize, f64, f64)>>()
     };
     let series = |label: &str, style, curve: &[(usize, f64, f64)]| {
         let (x, y) = curve.iter().map(|(_, x, y)| (*x, *y)).unzip();
@@ -153,22 +125,14 @@ pub fn path_figure(points: &[PathCurvePoint], confidence: Option<f64>) -> Figure
     };
     let deflection = curve(&|p| Some(p.deflection_m));
     let mut first = Vec::new();
-    let widths: Option<Vec<f64>> = deflection
-        .iter()
-        .map(|(i, ..)| points[*i].half_width_m.map(|w| 1e3 * w))
-        .collect();
+    let widths: Option<Vec<f64>> = deflection.iter().map(|(i, ..)| points[*i].half_width_m.map(|w| 1e3 * w)).collect();
     let band = band_name(confidence);
     if let Some(widths) = widths {
         let label = format!("without compensation, its {band}");
         first.push(series(&label, Style::Band, &deflection).with_error(widths));
     }
     first.push(series("without compensation", Style::Curve, &deflection));
-    let mut panels = vec![Panel::new(
-        "",
-        way_axis(moves),
-        Axis::linear("deflection", "mm").from_zero(),
-        first,
-    )];
+    let mut panels = vec![Panel::new("", way_axis(moves), Axis::linear("deflection", "mm").from_zero(), first)];
     let left = curve(&|p| p.left_m);
     if !left.is_empty() {
         panels.push(Panel::new(
@@ -177,11 +141,7 @@ pub fn path_figure(points: &[PathCurvePoint], confidence: Option<f64>) -> Figure
             Axis::log("error of the path", "mm"),
             vec![
                 series("without compensation", Style::Curve, &deflection),
-                series(
-                    &format!("left after compensation, upper end of its {band}"),
-                    Style::Curve,
-                    &left,
-                ),
+                series(&format!("left after compensation, upper end of its {band}"), Style::Curve, &left),
             ],
         ));
     }

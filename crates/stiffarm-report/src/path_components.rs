@@ -18,32 +18,16 @@ pub struct PathShift {
 ///
 /// Of a long path the smallest and the largest value of each piece are drawn. Where the path has no length, points
 /// are numbered.
-pub fn path_components_figure(
-    points: &[PathShift],
-    what: &str,
-    confidence: Option<f64>,
-    caption: String,
-) -> Figure {
+pub fn path_components_figure(points: &[PathShift], what: &str, confidence: Option<f64>, caption: String) -> Figure {
     let moves = points.iter().any(|p| p.along_m > 0.0);
     let band = band_name(confidence);
     let panels = ["x", "y", "z"].iter().enumerate().map(|(axis, name)| {
         let values: Vec<Option<f64>> = points.iter().map(|p| Some(1e3 * p.shift_m[axis])).collect();
         let kept = thinned(&values);
-        let at = kept.iter().map(|i| {
-            if moves {
-                1e3 * points[*i].along_m
-            } else {
-                (i + 1) as f64
-            }
-        });
+        let at = kept.iter().map(|i| if moves { 1e3 * points[*i].along_m } else { (i + 1) as f64 });
         let at: Vec<f64> = at.collect();
-        let shift: Vec<f64> = kept
-            .iter()
-            .map(|i| 1e3 * points[*i].shift_m[axis])
-            .collect();
-        let widths = kept
-            .iter()
-            .map(|i| points[*i].half_width_m.map(|w| 1e3 * w[axis]));
+        let shift: Vec<f64> = kept.iter().map(|i| 1e3 * points[*i].shift_m[axis]).collect();
+        let widths = kept.iter().map(|i| points[*i].half_width_m.map(|w| 1e3 * w[axis]));
         let widths: Option<Vec<f64>> = widths.collect();
         let mut series = Vec::new();
         if let Some(widths) = widths.filter(|_| !points.is_empty()) {
@@ -52,12 +36,7 @@ pub fn path_components_figure(
             series.push(one.with_error(widths));
         }
         series.push(Series::new(what, Style::Curve, at, shift));
-        Panel::new(
-            format!("along {name} of the base"),
-            way_axis(moves),
-            Axis::linear(what, "mm").from_zero(),
-            series,
-        )
+        Panel::new(format!("along {name} of the base"), way_axis(moves), Axis::linear(what, "mm").from_zero(), series)
     });
     Figure {
         id: "path-components".into(),

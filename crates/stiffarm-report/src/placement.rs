@@ -7,12 +7,8 @@ use stiffarm::units::rad_to_shortest_deg;
 use stiffarm::work::map::{Placement, PlacementCandidate, Status};
 
 /// What a place cannot be, in the order of the legend.
-const REFUSED: [Status; 4] = [
-    Status::Forbidden,
-    Status::Unreachable,
-    Status::OutsideJointLimits,
-    Status::Discontinuous,
-];
+const REFUSED: [Status; 4] =
+    [Status::Forbidden, Status::Unreachable, Status::OutsideJointLimits, Status::Discontinuous];
 
 /// RMS of the deflections along the path over the places of the first round: one
 /// panel per turn of the workpiece, at the height where the best place lies. Given
@@ -21,25 +17,18 @@ pub fn placement_figure(placement: &Placement) -> Figure {
     let first = || placement.candidates.iter().filter(|c| c.round == 0);
     let mut yaws: Vec<f64> = first().map(|c| c.yaw).collect();
     yaws.dedup();
-    let best = first()
-        .filter(|c| c.deflection_rms_m.is_some())
-        .min_by(|a, b| {
-            let size = |c: &PlacementCandidate| c.deflection_rms_m.unwrap_or(f64::INFINITY);
-            size(a).total_cmp(&size(b))
-        });
+    let best = first().filter(|c| c.deflection_rms_m.is_some()).min_by(|a, b| {
+        let size = |c: &PlacementCandidate| c.deflection_rms_m.unwrap_or(f64::INFINITY);
+        size(a).total_cmp(&size(b))
+    });
     let height = best.or(first().next()).map_or(0.0, |c| c.position_m[2]);
     let values = || first().filter_map(|c| Some(1e3 * c.deflection_rms_m?));
-    let ends = values().fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], v| {
-        [v.min(low), v.max(high)]
-    });
+    let ends = values().fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], v| [v.min(low), v.max(high)]);
     let mut axis = Axis::linear("RMS deflection", "mm");
     if ends[0] < ends[1] {
         axis = axis.with_range(ends[0], ends[1]);
     }
-    let panels: Vec<Panel> = yaws
-        .iter()
-        .map(|yaw| panel(placement, *yaw, height, &axis))
-        .collect();
+    let panels: Vec<Panel> = yaws.iter().map(|yaw| panel(placement, *yaw, height, &axis)).collect();
     Figure {
         id: "placement".into(),
         title: "Deflection along the path over the place of the workpiece".into(),
@@ -54,28 +43,17 @@ pub fn placement_figure(placement: &Placement) -> Figure {
 }
 
 fn panel(placement: &Placement, yaw: f64, height: f64, axis: &Axis) -> Panel {
-    let here = placement
-        .candidates
-        .iter()
-        .filter(|c| c.round == 0 && c.yaw == yaw && c.position_m[2] == height);
+    let here = placement.candidates.iter().filter(|c| c.round == 0 && c.yaw == yaw && c.position_m[2] == height);
     let here: Vec<&PlacementCandidate> = here.collect();
     let places = |chosen: &[&PlacementCandidate]| -> [Vec<f64>; 2] {
         [0, 1].map(|axis| chosen.iter().map(|c| 1e3 * c.position_m[axis]).collect())
     };
-    let of = |status: Status| -> Vec<&PlacementCandidate> {
-        here.iter()
-            .copied()
-            .filter(|c| c.status == status)
-            .collect()
-    };
+    let of =
+        |status: Status| -> Vec<&PlacementCandidate> { here.iter().copied().filter(|c| c.status == status).collect() };
     let reached = of(Status::Reachable);
     let [x, y] = places(&reached);
-    let values = reached
-        .iter()
-        .map(|c| c.deflection_rms_m.map_or(f64::NAN, |rms| 1e3 * rms));
-    let values = Series::new("", Style::Map, x, y)
-        .with_colour(axis.clone(), values.collect())
-        .with_small_bright(true);
+    let values = reached.iter().map(|c| c.deflection_rms_m.map_or(f64::NAN, |rms| 1e3 * rms));
+    let values = Series::new("", Style::Map, x, y).with_colour(axis.clone(), values.collect()).with_small_bright(true);
     let mut series = vec![values];
     for status in REFUSED {
         let [x, y] = places(&of(status));
@@ -93,9 +71,7 @@ fn panel(placement: &Placement, yaw: f64, height: f64, axis: &Axis) -> Panel {
     let mut mark = |label: &str, position: [f64; 3], style| {
         let inside = [0, 1].iter().all(|axis| {
             let place = 1e3 * position[*axis];
-            axes[*axis]
-                .range
-                .is_none_or(|[low, high]| (low..=high).contains(&place))
+            axes[*axis].range.is_none_or(|[low, high]| (low..=high).contains(&place))
         });
         if inside {
             let [x, y] = [0, 1].map(|axis| vec![1e3 * position[axis]]);
@@ -110,10 +86,7 @@ fn panel(placement: &Placement, yaw: f64, height: f64, axis: &Axis) -> Panel {
     }
     let [x, y] = axes;
     Panel {
-        title: format!(
-            "workpiece turned by {}°",
-            (rad_to_shortest_deg(yaw) * 1e6).round() / 1e6
-        ),
+        title: format!("workpiece turned by {}°", (rad_to_shortest_deg(yaw) * 1e6).round() / 1e6),
         equal_aspect: x.range.is_some() && y.range.is_some(),
         x,
         y,

@@ -31,10 +31,7 @@ pub fn plan_page(cell: &Cell, sheet: &Sheet) -> Result<String> {
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>{0}</title>\n<style>{STYLE}</style></head>\n<body>\n",
         escape(&cell.name)
     );
-    let groups: Vec<&[SheetRow]> = sheet
-        .rows
-        .chunk_by(|a, b| a.posture.name == b.posture.name)
-        .collect();
+    let groups: Vec<&[SheetRow]> = sheet.rows.chunk_by(|a, b| a.posture.name == b.posture.name).collect();
     for (number, rows) in (1..).zip(&groups) {
         let posture = &rows[0].posture;
         out += "<section>\n";
@@ -46,12 +43,7 @@ pub fn plan_page(cell: &Cell, sheet: &Sheet) -> Result<String> {
                 escape(cell.setup.robot.name())
             );
         }
-        let _ = writeln!(
-            out,
-            "<h2>Posture {} ({number} of {})</h2>",
-            escape(&posture.name),
-            groups.len()
-        );
+        let _ = writeln!(out, "<h2>Posture {} ({number} of {})</h2>", escape(&posture.name), groups.len());
         if let Some(station) = &rows[0].station {
             let _ = writeln!(out, "<p>Tracker at station {}</p>", escape(station));
         }
@@ -91,11 +83,7 @@ fn hidden(out: &mut String, cell: &Cell, posture: &Posture) {
     let hidden = cell.hidden_points(&posture.q).into_iter();
     let names: Vec<&str> = hidden.map(|point| points[point].name.as_str()).collect();
     if !names.is_empty() {
-        let _ = writeln!(
-            out,
-            "<p>Hidden from the tracker: point {}.</p>",
-            escape(&list(&names))
-        );
+        let _ = writeln!(out, "<p>Hidden from the tracker: point {}.</p>", escape(&list(&names)));
     }
 }
 
@@ -108,20 +96,14 @@ fn readings(out: &mut String, rows: &[SheetRow]) {
         *out += "<th>load [N]</th>";
     }
     for row in states.first().copied().unwrap_or_default() {
-        let word = if ReadingTarget::is_base_name(&row.point) {
-            ""
-        } else {
-            "point "
-        };
+        let word = if ReadingTarget::is_base_name(&row.point) { "" } else { "point " };
         let _ = write!(out, "<th>{word}{}</th>", escape(&row.point));
     }
     *out += "</tr>\n";
     for state in states {
         let _ = write!(out, "<tr><td>{}</td>", escape(&state[0].state));
         if has_loads {
-            let load = state[0]
-                .load
-                .map_or_else(String::new, |load| load.to_string());
+            let load = state[0].load.map_or_else(String::new, |load| load.to_string());
             let _ = write!(out, "<td class=\"n\">{load}</td>");
         }
         *out += &"<td class=\"t\">☐</td>".repeat(state.len());

@@ -31,12 +31,7 @@ pub fn point_deflection_figure(points: &[PointDeflection], confidence: Option<f6
         }
     };
     let panel = |title: &str, label: &str, series| {
-        Panel::new(
-            title,
-            Axis::categorical("", names.clone()),
-            Axis::linear(label, "mm").from_zero(),
-            series,
-        )
+        Panel::new(title, Axis::categorical("", names.clone()), Axis::linear(label, "mm").from_zero(), series)
     };
     let band = match confidence {
         Some(confidence) => format!(", with its ± at {} %", crate::level::level(confidence)),
@@ -77,8 +72,7 @@ mod tests {
             size_m,
             half_width_m: Some([1e-5, 1e-5, 1e-5, 2e-5]),
         };
-        let figure =
-            point_deflection_figure(&[point("roughing", 1e-3), point("b", 2e-3)], Some(0.95));
+        let figure = point_deflection_figure(&[point("roughing", 1e-3), point("b", 2e-3)], Some(0.95));
         assert_eq!(figure.panels[0].x.categories, ["roughing", "b"]);
         assert_eq!(figure.panels[0].series[0].y, [1.0, 2.0]);
         assert_eq!(figure.panels[0].series[0].error, [0.02, 0.02]);

@@ -11,11 +11,7 @@ const MOST_BARS: usize = 40;
 
 /// What rows are told apart by.
 type Kind = (&'static str, fn(&PointDeviation) -> &str);
-const KINDS: [Kind; 3] = [
-    ("posture", |p| &p.posture),
-    ("load state", |p| &p.state),
-    ("measuring point", |p| &p.point),
-];
+const KINDS: [Kind; 3] = [("posture", |p| &p.posture), ("load state", |p| &p.state), ("measuring point", |p| &p.point)];
 
 /// What tells one row from another: posture, load state and point, as far as there are several of each.
 fn row_names(points: &[PointDeviation]) -> (Vec<String>, String) {
@@ -25,10 +21,7 @@ fn row_names(points: &[PointDeviation]) -> (Vec<String>, String) {
         shown.push(&KINDS[2]);
     }
     let name = |p: &PointDeviation| {
-        let parts: Vec<String> = shown
-            .iter()
-            .map(|(_, of)| visible(of(p)).into_owned())
-            .collect();
+        let parts: Vec<String> = shown.iter().map(|(_, of)| visible(of(p)).into_owned()).collect();
         parts.join(" · ")
     };
     let axis: Vec<&str> = shown.iter().map(|(word, _)| *word).collect();
@@ -41,13 +34,8 @@ fn only(points: &[PointDeviation]) -> String {
         [name] => format!(", {word} {}", visible(name)),
         _ => String::new(),
     };
-    one(
-        "posture",
-        in_order(points.iter().map(|p| p.posture.as_str())),
-    ) + &one(
-        "load state",
-        in_order(points.iter().map(|p| p.state.as_str())),
-    )
+    one("posture", in_order(points.iter().map(|p| p.posture.as_str())))
+        + &one("load state", in_order(points.iter().map(|p| p.state.as_str())))
 }
 
 /// Deviations of Eq. (22) with noise and tolerance, and calculated against measured displacement.
@@ -60,9 +48,7 @@ pub fn validation_figure(found: &Validation) -> Figure {
         (labels, axis, bars)
     } else {
         // The first that tells many rows apart.
-        let several = KINDS
-            .iter()
-            .find(|(_, of)| in_order(points.iter().map(of)).len() > 1);
+        let several = KINDS.iter().find(|(_, of)| in_order(points.iter().map(of)).len() > 1);
         let (axis, of) = *several.unwrap_or(&KINDS[0]);
         let names = in_order(points.iter().map(of));
         let x = points.iter().map(|p| place(&names, of(p)) as f64).collect();
@@ -72,9 +58,7 @@ pub fn validation_figure(found: &Validation) -> Figure {
         (labels, axis.to_string(), dots)
     };
     let ends = vec![-0.5, labels.len() as f64 - 0.5];
-    let line = |label: &str, style, value: f64| {
-        Series::new(label, style, ends.clone(), vec![1e3 * value; 2])
-    };
+    let line = |label: &str, style, value: f64| Series::new(label, style, ends.clone(), vec![1e3 * value; 2]);
     let mut deviations = vec![series];
     if found.noise_expectation_m > 0.0 {
         let label = "mean by noise alone";
@@ -93,20 +77,12 @@ pub fn validation_figure(found: &Validation) -> Figure {
     let all = measured.iter().chain(&calculated).copied();
     let largest = all.fold(0.0, f64::max);
     let label = match &found.band {
-        Some(band) => format!(
-            "calculated, ± {} %",
-            (1000.0 * band.confidence).round() / 10.0
-        ),
+        Some(band) => format!("calculated, ± {} %", (1000.0 * band.confidence).round() / 10.0),
         None => "calculated".to_string(),
     };
     let against = vec![
         Series::new(label, Style::Points, measured, calculated).with_error(half.collect()),
-        Series::new(
-            "calculated = measured",
-            Style::Dashed,
-            vec![0.0, largest],
-            vec![0.0, largest],
-        ),
+        Series::new("calculated = measured", Style::Dashed, vec![0.0, largest], vec![0.0, largest]),
     ];
     Figure {
         id: "validation".into(),

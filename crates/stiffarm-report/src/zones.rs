@@ -13,24 +13,14 @@ const WIDE: f64 = 10.0;
 /// relative deviation of translation and rotation with and without K_C \[%\].
 pub fn zones_figure(zones: &Zones) -> Figure {
     let deviation = |range: Option<MapRange>| match range {
-        Some(r) if r.smallest > 0.0 && r.largest > WIDE * r.smallest => {
-            Axis::log("relative deviation", "%")
-        }
+        Some(r) if r.smallest > 0.0 && r.largest > WIDE * r.smallest => Axis::log("relative deviation", "%"),
         _ => Axis::linear("relative deviation", "%"),
     };
     let held: Vec<String> = zones
         .held
         .iter()
         .enumerate()
-        .filter_map(|(j, q)| {
-            q.map(|q| {
-                format!(
-                    "q{} = {}°",
-                    j + 1,
-                    (rad_to_shortest_deg(q) * 1e6).round() / 1e6
-                )
-            })
-        })
+        .filter_map(|(j, q)| q.map(|q| format!("q{} = {}°", j + 1, (rad_to_shortest_deg(q) * 1e6).round() / 1e6)))
         .collect();
     Figure {
         id: "zones".into(),
@@ -45,14 +35,7 @@ pub fn zones_figure(zones: &Zones) -> Figure {
         ),
         columns: 3,
         panels: vec![
-            panel(
-                zones,
-                "dexterity",
-                &zones.inverse_condition,
-                1.0,
-                Axis::linear("1/k(J_N)", ""),
-                false,
-            ),
+            panel(zones, "dexterity", &zones.inverse_condition, 1.0, Axis::linear("1/k(J_N)", ""), false),
             panel(
                 zones,
                 "influence of K_C on the translation",
@@ -74,33 +57,13 @@ pub fn zones_figure(zones: &Zones) -> Figure {
 }
 
 /// One map; `factor` brings its values to the unit of `axis`.
-fn panel(
-    zones: &Zones,
-    title: &str,
-    map: &ZoneMap,
-    factor: f64,
-    axis: Axis,
-    small_is_good: bool,
-) -> Panel {
+fn panel(zones: &Zones, title: &str, map: &ZoneMap, factor: f64, axis: Axis, small_is_good: bool) -> Panel {
     let (columns, rows) = (&degrees(&zones.q2), &degrees(&zones.q3));
-    let values: Vec<f64> = map
-        .iter()
-        .flatten()
-        .map(|v| v.map_or(f64::NAN, |v| factor * v))
-        .collect();
-    let missing = if values.iter().any(|v| v.is_nan()) {
-        "outside the limits of the cell, or singular"
-    } else {
-        ""
-    };
+    let values: Vec<f64> = map.iter().flatten().map(|v| v.map_or(f64::NAN, |v| factor * v)).collect();
+    let missing = if values.iter().any(|v| v.is_nan()) { "outside the limits of the cell, or singular" } else { "" };
     let x = rows.iter().flat_map(|_| columns.iter().copied()).collect();
-    let y = rows
-        .iter()
-        .flat_map(|row| columns.iter().map(move |_| *row))
-        .collect();
-    let values = Series::new(missing, Style::Map, x, y)
-        .with_colour(axis, values)
-        .with_small_bright(small_is_good);
+    let y = rows.iter().flat_map(|row| columns.iter().map(move |_| *row)).collect();
+    let values = Series::new(missing, Style::Map, x, y).with_colour(axis, values).with_small_bright(small_is_good);
     let mut series = vec![values];
     if let Some(best) = &zones.best {
         series.push(Series::new(
@@ -110,12 +73,7 @@ fn panel(
             vec![rad_to_shortest_deg(best.best_q[2])],
         ));
     }
-    Panel::new(
-        title,
-        fitted(&zones.joints[0], columns),
-        fitted(&zones.joints[1], rows),
-        series,
-    )
+    Panel::new(title, fitted(&zones.joints[0], columns), fitted(&zones.joints[1], rows), series)
 }
 
 fn degrees(angles: &[f64]) -> Vec<f64> {
@@ -135,13 +93,7 @@ fn fitted(joint: &str, angles: &[f64]) -> Axis {
 /// One row per posture of the map; no value where it violates a limit or is
 /// singular.
 pub fn zones_table(zones: &Zones) -> Table {
-    let headings = [
-        "q2_deg",
-        "q3_deg",
-        "inverse_k_jn",
-        "translation_deviation_percent",
-        "rotation_deviation_percent",
-    ];
+    let headings = ["q2_deg", "q3_deg", "inverse_k_jn", "translation_deviation_percent", "rotation_deviation_percent"];
     let mut rows = Vec::new();
     let columns = degrees(&zones.q2);
     for (r, q3) in degrees(&zones.q3).iter().enumerate() {

@@ -28,10 +28,7 @@ fn stages() -> Vec<Stage> {
     let columns = n * (5.0 + 1.0 + 9.0 + 3.0) * 2.0;
     let axes = n * (5.0 + 1.0 + 9.0 + 3.0);
     vec![
-        Stage {
-            what: "sines and cosines",
-            operations: n * 48.0,
-        },
+        Stage { what: "sines and cosines", operations: n * 48.0 },
         Stage {
             // Shift 18, placement about one axis 30, turn 18, angle 2.
             what: "joint frames",
@@ -62,10 +59,7 @@ fn stages() -> Vec<Stage> {
             what: "information, derivative",
             operations: n * (n * 12.0 + 6.0 + 11.0 + 7.0) + n * 18.0 + columns + axes,
         },
-        Stage {
-            what: "torques and load, derivative",
-            operations: n * (6.0 + 9.0 + 6.0) * 2.0 + 32.0 + n * 6.0 + axes,
-        },
+        Stage { what: "torques and load, derivative", operations: n * (6.0 + 9.0 + 6.0) * 2.0 + 32.0 + n * 6.0 + axes },
     ]
 }
 
@@ -138,9 +132,7 @@ fn dependent_rate() -> f64 {
 
 fn measure(index: Index, gradient: bool) -> f64 {
     const TIMES: usize = 1000;
-    let cell = builtin::cell("comau-reference")
-        .and_then(with_characteristic_length)
-        .expect("the built-in cell");
+    let cell = builtin::cell("comau-reference").and_then(with_characteristic_length).expect("the built-in cell");
     let mut function = IndexFunction::new(&cell, index, 6).expect("an index");
     let q: Vec<f64> = (0..36)
         .map(|i| {
@@ -169,29 +161,15 @@ fn main() {
         println!("  {:<30} {:>6.0}", stage.what, stage.operations);
     }
     println!("  {:<30} {per_posture:>6.0}", "together");
-    println!(
-        "operations of the group (eigenvalues) {:.0}",
-        eigen_operations()
-    );
-    println!(
-        "arithmetic rate, four lanes, independent: {:.2} Gop/s",
-        wide / 1e9
-    );
-    println!(
-        "arithmetic rate, one number, dependent:   {:.2} Gop/s",
-        dependent / 1e9
-    );
+    println!("operations of the group (eigenvalues) {:.0}", eigen_operations());
+    println!("arithmetic rate, four lanes, independent: {:.2} Gop/s", wide / 1e9);
+    println!("arithmetic rate, one number, dependent:   {:.2} Gop/s", dependent / 1e9);
     let lanes = LANES_USED * per_posture / wide * 1e6;
     let ideal = POSTURES * per_posture / wide * 1e6;
     let eigen = eigen_operations() / (wide / 4.0) * 1e6;
     let floor = ideal + eigen;
-    println!(
-        "floor: {floor:.2} µs = {ideal:.2} postures + {eigen:.2} eigenvalues, at one lane's rate"
-    );
-    println!(
-        "  with eight lanes for six postures: {:.2} µs",
-        lanes + eigen
-    );
+    println!("floor: {floor:.2} µs = {ideal:.2} postures + {eigen:.2} eigenvalues, at one lane's rate");
+    println!("  with eight lanes for six postures: {:.2} µs", lanes + eigen);
     let rows = [
         ("novel", Index::Novel),
         ("condition", Index::Condition),

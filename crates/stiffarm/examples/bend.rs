@@ -56,9 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut numbers = None;
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
-        let value = words
-            .next()
-            .ok_or_else(|| format!("{word} needs a value."))?;
+        let value = words.next().ok_or_else(|| format!("{word} needs a value."))?;
         match word.as_str() {
             "--points" => points = value.parse()?,
             "--threads" => threads = value.parse()?,
@@ -66,9 +64,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             _ => return Err(format!("{word} is not an option.").into()),
         }
     }
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build_global()?;
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     let cell = builtin::cell("comau")?;
     let predictor = IdentifiedCompliance::from_stiffness(&cell, cell.require_prior()?)?;
     let tasks: Vec<Vec<f64>> = cell.tasks.iter().map(|task| task.q.clone()).collect();
@@ -81,13 +77,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let bent = predict(&cell, &predictor, &path, &options, quiet)?;
         times[0].push(clock.elapsed().as_secs_f64());
         let clock = Instant::now();
-        let commands = compensate(
-            &cell,
-            &predictor,
-            &path,
-            &CompensateOptions::default(),
-            quiet,
-        )?;
+        let commands = compensate(&cell, &predictor, &path, &CompensateOptions::default(), quiet)?;
         times[1].push(clock.elapsed().as_secs_f64());
         results = Some((bent, commands));
     }
@@ -95,11 +85,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if let Some(file) = numbers {
         let mut bytes = Vec::with_capacity(points * 24 * 8);
         for ((posture, bent), command) in path.iter().zip(&bent.points).zip(&commands.points) {
-            let given = posture
-                .q
-                .iter()
-                .chain(&posture.wrench.force)
-                .chain(&posture.wrench.moment);
+            let given = posture.q.iter().chain(&posture.wrench.force).chain(&posture.wrench.moment);
             let found = bent.shift_m.iter().chain(&bent.turn_rad);
             for value in given.chain(found) {
                 bytes.extend(value.to_le_bytes());

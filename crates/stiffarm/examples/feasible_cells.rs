@@ -16,10 +16,7 @@ use std::time::Instant;
 
 fn main() -> ExitCode {
     let mut words = std::env::args().skip(1).map(|word| word.parse::<u64>());
-    let (Ok(count), Ok(first)) = (
-        words.next().unwrap_or(Ok(100)),
-        words.next().unwrap_or(Ok(0)),
-    ) else {
+    let (Ok(count), Ok(first)) = (words.next().unwrap_or(Ok(100)), words.next().unwrap_or(Ok(0))) else {
         eprintln!("give the number of cells, and the first of them");
         return ExitCode::from(2);
     };
@@ -46,10 +43,7 @@ fn main() -> ExitCode {
         };
         ends[kind] += 1;
         if kind == 4 || seconds > 10.0 || std::env::var_os("ALL_CELLS").is_some() {
-            println!(
-                "cell {number}, {mode:?}, {}, {seconds:.1} s: {end:?}",
-                index.as_str()
-            );
+            println!("cell {number}, {mode:?}, {}, {seconds:.1} s: {end:?}", index.as_str());
         }
     }
     let [postures, nothing, undetermined, refused, faults] = ends;

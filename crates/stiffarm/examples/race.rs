@@ -36,9 +36,7 @@ fn arguments() -> Result<Arguments, String> {
             parsed.costs = false;
             continue;
         }
-        let value = words
-            .next()
-            .ok_or_else(|| format!("{word} needs a value."))?;
+        let value = words.next().ok_or_else(|| format!("{word} needs a value."))?;
         let wrong = |_| format!("{word} {value}: not a number.");
         match word.as_str() {
             "--seconds" => {
@@ -97,10 +95,7 @@ fn rate(function: &IndexFunction, bounds: &[[f64; 2]], gradient: bool, threads: 
                 })
             })
             .collect();
-        workers
-            .into_iter()
-            .map(|w| w.join().unwrap_or_default())
-            .sum()
+        workers.into_iter().map(|w| w.join().unwrap_or_default()).sum()
     });
     done as f64 / begin.elapsed().as_secs_f64()
 }
@@ -108,9 +103,7 @@ fn rate(function: &IndexFunction, bounds: &[[f64; 2]], gradient: bool, threads: 
 fn run() -> Result<Value, String> {
     let asked = arguments()?;
     let text = |error: stiffarm::Error| error.to_string();
-    let cell = builtin::cell("comau-reference")
-        .and_then(with_characteristic_length)
-        .map_err(text)?;
+    let cell = builtin::cell("comau-reference").and_then(with_characteristic_length).map_err(text)?;
     let function = IndexFunction::new(&cell, Index::Novel, 6).map_err(text)?;
     let rates: Vec<Value> = [
         ("value", false, 1),
@@ -128,26 +121,16 @@ fn run() -> Result<Value, String> {
     let mut options = GlobalOptions::default();
     options.seed = asked.seed;
     options.time_limit = Some(Duration::from_secs_f64(asked.seconds));
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(asked.threads)
-        .build_global()
-        .map_err(|e| e.to_string())?;
+    rayon::ThreadPoolBuilder::new().num_threads(asked.threads).build_global().map_err(|e| e.to_string())?;
     let begin = Instant::now();
     let mut trace = Vec::new();
-    let selection = select_watched(
-        &cell,
-        Index::Novel,
-        6,
-        &options,
-        Control::default(),
-        &mut |round| {
-            trace.push(json!({
-                "seconds": begin.elapsed().as_secs_f64(),
-                "evaluations": round.evaluations,
-                "value": round.value.unwrap_or(f64::MAX),
-            }));
-        },
-    )
+    let selection = select_watched(&cell, Index::Novel, 6, &options, Control::default(), &mut |round| {
+        trace.push(json!({
+            "seconds": begin.elapsed().as_secs_f64(),
+            "evaluations": round.evaluations,
+            "value": round.value.unwrap_or(f64::MAX),
+        }));
+    })
     .map_err(text)?;
     trace.push(json!({
         "seconds": begin.elapsed().as_secs_f64(),
@@ -166,15 +149,8 @@ fn run() -> Result<Value, String> {
             let value = 1e6 / rate(&function, &cell.bounds, false, 1);
             let gradient = 1e6 / rate(&function, &cell.bounds, true, 1);
             let begin = Instant::now();
-            let selection = select_watched(
-                &cell,
-                index,
-                count,
-                &options,
-                Control::default(),
-                &mut |_| {},
-            )
-            .map_err(text)?;
+            let selection =
+                select_watched(&cell, index, count, &options, Control::default(), &mut |_| {}).map_err(text)?;
             costs.push(json!({
                 "index": index.as_str(),
                 "postures": count,

@@ -16,10 +16,7 @@ use std::time::Instant;
 
 fn main() -> ExitCode {
     let mut words = std::env::args().skip(1).map(|word| word.parse::<u64>());
-    let (Ok(plans), Ok(first)) = (
-        words.next().unwrap_or(Ok(200)),
-        words.next().unwrap_or(Ok(0)),
-    ) else {
+    let (Ok(plans), Ok(first)) = (words.next().unwrap_or(Ok(200)), words.next().unwrap_or(Ok(0))) else {
         eprintln!("give the number of plans, and the first cell");
         return ExitCode::from(2);
     };

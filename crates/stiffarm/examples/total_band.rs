@@ -20,8 +20,7 @@ use stiffarm::model::stiffness::Model;
 use stiffarm::nalgebra::{DVector, Vector3};
 use stiffarm::work::predict::{LoadedArm, PredictOptions};
 use stiffarm::{
-    Cell, Control, GlobalOptions, Index, LoadedPosture, Posture, PostureGroup, Result, Wrench,
-    predict, select,
+    Cell, Control, GlobalOptions, Index, LoadedPosture, Posture, PostureGroup, Result, Wrench, predict, select,
 };
 
 /// Work postures at which the deflection is predicted.
@@ -48,9 +47,7 @@ struct Outcome {
 }
 
 fn main() -> std::result::Result<(), Box<dyn Error>> {
-    let runs: u64 = std::env::args()
-        .nth(1)
-        .map_or(Ok(2000), |text| text.parse())?;
+    let runs: u64 = std::env::args().nth(1).map_or(Ok(2000), |text| text.parse())?;
     let mut cell = stiffarm_files::builtin::cell("comau")?;
     let given = &mut cell.uncertainty;
     given.force_scale = Some(FORCE_SCALE);
@@ -64,13 +61,7 @@ fn main() -> std::result::Result<(), Box<dyn Error>> {
     let group1 = stiffarm_files::builtin::postures("comau-group1", robot)?;
     let mut options = GlobalOptions::default();
     options.rounds = Some(2);
-    let plan = select(
-        &cell,
-        Index::ExpectedError,
-        12,
-        &options,
-        Control::default(),
-    )?;
+    let plan = select(&cell, Index::ExpectedError, 12, &options, Control::default())?;
     let plan = PostureGroup::from_angles("plan", plan.group).postures;
     let work = work(&cell)?;
     println!(
@@ -94,13 +85,7 @@ fn main() -> std::result::Result<(), Box<dyn Error>> {
                 ratios.sort_by(f64::total_cmp);
                 ratios[ratios.len() / 2]
             };
-            println!(
-                "| {name} | {few} | {runs} | {} | {} | {:.1} | {:.1} |",
-                share(0),
-                share(1),
-                median(0),
-                median(1)
-            );
+            println!("| {name} | {few} | {runs} | {} | {} | {:.1} | {:.1} |", share(0), share(1), median(0), median(1));
         }
     }
     Ok(())
@@ -124,13 +109,7 @@ fn work(cell: &Cell) -> Result<Vec<LoadedPosture>> {
     around.collect()
 }
 
-fn experiment(
-    cell: &Cell,
-    postures: &[Posture],
-    work: &[LoadedPosture],
-    size: f64,
-    run: u64,
-) -> Result<Outcome> {
+fn experiment(cell: &Cell, postures: &[Posture], work: &[LoadedPosture], size: f64, run: u64) -> Result<Outcome> {
     let stiffness = cell.require_prior()?;
     let compliance = DVector::from_iterator(stiffness.len(), stiffness.iter().map(|k| 1.0 / k));
     let mut rng = ChaCha8Rng::seed_from_u64(run);
@@ -174,10 +153,7 @@ fn experiment(
     let without = predict(cell, &without, work, &options, Control::default())?;
 
     let arm = LoadedArm::from_stiffness(cell, stiffness)?;
-    let mut out = Outcome {
-        inside: [[0; 3]; 2],
-        ratio: [0.0; 2],
-    };
+    let mut out = Outcome { inside: [[0; 3]; 2], ratio: [0.0; 2] };
     let mut squares = [0.0; 3];
     for ((point, other), at) in found.points.iter().zip(&without.points).zip(work) {
         let terms = arm.terms(&at.q, &at.wrench)?;

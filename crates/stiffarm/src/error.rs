@@ -135,12 +135,7 @@ impl fmt::Display for DisplayError<'_> {
 impl Error {
     /// An error with its code and a full sentence.
     pub fn new(code: Code, message: impl Into<String>) -> Self {
-        Error(Box::new(Inner {
-            code,
-            message: readable(message.into()),
-            place: Place::default(),
-            hint: None,
-        }))
+        Error(Box::new(Inner { code, message: readable(message.into()), place: Place::default(), hint: None }))
     }
 
     /// A value that cannot be meant ([`Code::InvalidValue`]), with a full sentence.
@@ -301,8 +296,7 @@ pub fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) ->
     let begins = |k: &&&str| k.to_lowercase().starts_with(&lower);
     let longer = known.iter().filter(begins);
     let longer: Vec<String> = longer.map(|k| format!("\"{k}\"")).collect();
-    if let (Some((last, others)), true) = (longer.split_last(), lower.chars().count() >= BEGINNING)
-    {
+    if let (Some((last, others)), true) = (longer.split_last(), lower.chars().count() >= BEGINNING) {
         return Some(match others {
             [] => format!("did you mean {last}?"),
             others => format!("did you mean {} or {last}?", others.join(", ")),

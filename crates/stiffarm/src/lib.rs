@@ -85,8 +85,8 @@ pub use numerics::control::{Control, Report, Stop, Termination, Watch};
 pub mod internals {
     pub use crate::estimate::clamped::clamped_system;
     pub use crate::estimate::identify::internals::{
-        Assumptions, Block, Covariance, MeasuredSystem, Prepared, PriorKnowledge, RowLabel, Scale,
-        Solution, Whitened, estimates, measured_system, quantile, solutions_without,
+        Assumptions, Block, Covariance, MeasuredSystem, Prepared, PriorKnowledge, RowLabel, Scale, Solution, Whitened,
+        estimates, measured_system, quantile, solutions_without,
     };
     pub use crate::estimate::mixed::internals::MixedModel;
     pub use crate::estimate::quantity::answer::internals::{Way, both_ways, quantities};
@@ -105,9 +105,7 @@ pub mod internals {
     pub mod design {
         pub use crate::plan::certificate::continuous::optimal_design;
         pub use crate::plan::certificate::criterion::Criterion;
-        pub use crate::plan::certificate::design::{
-            ContinuousDesign, DesignOptions, DesignSpace, Effort,
-        };
+        pub use crate::plan::certificate::design::{ContinuousDesign, DesignOptions, DesignSpace, Effort};
         pub use crate::plan::certificate::space::PostureSpace;
         pub use crate::plan::certificate::weights::{WeightProblem, optimal_weights};
     }

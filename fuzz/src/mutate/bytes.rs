@@ -40,24 +40,8 @@ pub fn change(mut now: Vec<u8>, seed: &[u8], random: &mut Random) -> Vec<u8> {
 }
 
 /// Marks of the grammars, and lines that change the meaning of what follows.
-const MARKS: [&str; 16] = [
-    "\n",
-    "\r",
-    "[",
-    "]",
-    "[[",
-    "{",
-    "}",
-    ",",
-    ";",
-    "=",
-    ".",
-    "'",
-    "\"\"\"",
-    "#",
-    "[robot]\n",
-    "sep=;\n",
-];
+const MARKS: [&str; 16] =
+    ["\n", "\r", "[", "]", "[[", "{", "}", ",", ";", "=", ".", "'", "\"\"\"", "#", "[robot]\n", "sep=;\n"];
 
 /// No file at all: marks, words and numbers in any order, or any bytes.
 pub fn scraps(random: &mut Random) -> Vec<u8> {

@@ -18,13 +18,8 @@ pub fn change(text: &str, random: &mut Random) -> String {
     visit(&mut tree, &mut at, &mut |value| {
         number = changed(value, random);
     });
-    let text = if random.one_in(2) {
-        serde_json::to_string_pretty(&tree)
-    } else {
-        serde_json::to_string(&tree)
-    };
-    text.unwrap_or_default()
-        .replacen(&format!("\"{HOLE}\""), &number, 1)
+    let text = if random.one_in(2) { serde_json::to_string_pretty(&tree) } else { serde_json::to_string(&tree) };
+    text.unwrap_or_default().replacen(&format!("\"{HOLE}\""), &number, 1)
 }
 
 fn count(value: &Value) -> usize {

@@ -72,25 +72,13 @@ pub const NUMBERS: [&str; 64] = [
 
 /// Numbers that are meant somewhere: what gets past the door.
 pub const PLAUSIBLE: [&str; 24] = [
-    "0", "0", "1e-9", "1e-6", "1e-4", "1e-3", "0.01", "0.1", "0.5", "1", "2", "-1", "10", "-30",
-    "45", "60", "90", "-90", "100", "-250", "500", "1000", "1e4", "9e4",
+    "0", "0", "1e-9", "1e-6", "1e-4", "1e-3", "0.01", "0.1", "0.5", "1", "2", "-1", "10", "-30", "45", "60", "90",
+    "-90", "100", "-250", "500", "1000", "1e4", "9e4",
 ];
 
 /// Counts; what costs time in proportion is left to those who ask for it.
-pub const COUNTS: [&str; 12] = [
-    "0",
-    "1",
-    "2",
-    "3",
-    "7",
-    "-1",
-    "1.5",
-    "1e1",
-    "",
-    "x",
-    "4294967296x",
-    "99999999999999999999999",
-];
+pub const COUNTS: [&str; 12] =
+    ["0", "1", "2", "3", "7", "-1", "1.5", "1e1", "", "x", "4294967296x", "99999999999999999999999"];
 
 /// Words that are no numbers, or look like one.
 pub const WORDS: [&str; 40] = [
@@ -139,11 +127,7 @@ pub const WORDS: [&str; 40] = [
 /// A number at an edge, or near `given`.
 pub fn edge_number(given: Option<f64>, random: &mut Random) -> String {
     let Some(given) = given.filter(|_| random.one_in(2)) else {
-        return if random.one_in(2) {
-            random.pick(&PLAUSIBLE).to_string()
-        } else {
-            random.pick(&NUMBERS).to_string()
-        };
+        return if random.one_in(2) { random.pick(&PLAUSIBLE).to_string() } else { random.pick(&NUMBERS).to_string() };
     };
     let near = match random.below(14) {
         0 => given * 1e3,

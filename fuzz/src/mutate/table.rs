@@ -5,8 +5,8 @@ use crate::random::Random;
 
 /// Units and frames as headings name them.
 const UNITS: [&str; 20] = [
-    "_mm", "_m", "_um", "_in", "_deg", "_rad", "_mrad", "_n", "_kn", "_nm", "_kg", "_s", "_ms",
-    "_percent", " [mm]", " [deg]", " (N)", "", "_X", "_µm",
+    "_mm", "_m", "_um", "_in", "_deg", "_rad", "_mrad", "_n", "_kn", "_nm", "_kg", "_s", "_ms", "_percent", " [mm]",
+    " [deg]", " (N)", "", "_X", "_µm",
 ];
 
 /// Headings of some table or other.
@@ -41,14 +41,8 @@ type Rows = Vec<Vec<String>>;
 
 /// One change.
 pub fn change(text: &str, random: &mut Random) -> String {
-    let separator = [',', ';', '\t']
-        .into_iter()
-        .find(|s| text.contains(*s))
-        .unwrap_or(',');
-    let mut rows: Rows = text
-        .lines()
-        .map(|line| line.split(separator).map(String::from).collect())
-        .collect();
+    let separator = [',', ';', '\t'].into_iter().find(|s| text.contains(*s)).unwrap_or(',');
+    let mut rows: Rows = text.lines().map(|line| line.split(separator).map(String::from).collect()).collect();
     let Some(row) = random.place(&rows) else {
         return random.pick(&HEADINGS).to_string();
     };

@@ -4,20 +4,7 @@ use super::numbers::{WORDS, edge_number};
 use crate::random::Random;
 
 /// Ends of keys that name a unit.
-const UNITS: [&str; 12] = [
-    "_mm",
-    "_m",
-    "_deg",
-    "_rad",
-    "_n",
-    "_nm",
-    "_kg",
-    "_percent",
-    "_nm_per_rad",
-    "_um",
-    "_x",
-    "",
-];
+const UNITS: [&str; 12] = ["_mm", "_m", "_deg", "_rad", "_n", "_nm", "_kg", "_percent", "_nm_per_rad", "_um", "_x", ""];
 
 /// Values of another kind.
 const VALUES: [&str; 18] = [
@@ -44,9 +31,8 @@ const VALUES: [&str; 18] = [
 /// One change.
 pub fn change(text: &str, random: &mut Random) -> String {
     let mut lines: Vec<String> = text.lines().map(String::from).collect();
-    let keyed: Vec<usize> = (0..lines.len())
-        .filter(|i| lines[*i].contains('=') || lines[*i].starts_with('['))
-        .collect();
+    let keyed: Vec<usize> =
+        (0..lines.len()).filter(|i| lines[*i].contains('=') || lines[*i].starts_with('[')).collect();
     let Some(place) = random.place(&keyed) else {
         return format!("{text}\nname = \"x\"\n");
     };
@@ -82,9 +68,8 @@ pub fn change(text: &str, random: &mut Random) -> String {
         }
         // What a template offers as a comment.
         11 => {
-            let comments: Vec<usize> = (0..lines.len())
-                .filter(|i| lines[*i].starts_with('#') && lines[*i].contains('='))
-                .collect();
+            let comments: Vec<usize> =
+                (0..lines.len()).filter(|i| lines[*i].starts_with('#') && lines[*i].contains('=')).collect();
             if let Some(place) = random.place(&comments) {
                 let line = &mut lines[comments[place]];
                 *line = line.trim_start_matches(['#', ' ']).to_string();
@@ -93,9 +78,7 @@ pub fn change(text: &str, random: &mut Random) -> String {
         12 => lines[at] = format!("# {}", lines[at]),
         13 => {
             // A section twice, from its heading to the next.
-            let headings: Vec<usize> = (0..lines.len())
-                .filter(|i| lines[*i].starts_with('['))
-                .collect();
+            let headings: Vec<usize> = (0..lines.len()).filter(|i| lines[*i].starts_with('[')).collect();
             if let Some(place) = random.place(&headings) {
                 let start = headings[place];
                 let end = headings.get(place + 1).copied().unwrap_or(lines.len());
@@ -126,10 +109,7 @@ fn changed_value(value: &str, random: &mut Random) -> String {
     if close <= open {
         return edge_number(None, random);
     }
-    let mut items: Vec<String> = value[open + 1..close]
-        .split(',')
-        .map(String::from)
-        .collect();
+    let mut items: Vec<String> = value[open + 1..close].split(',').map(String::from).collect();
     let at = random.below(items.len());
     match random.below(6) {
         0 => {
@@ -150,11 +130,7 @@ fn changed_value(value: &str, random: &mut Random) -> String {
         _ => {
             let trimmed = items[at].trim_matches([' ', '[', ']', '{', '}']);
             let new = edge_number(trimmed.parse().ok(), random);
-            items[at] = if trimmed.is_empty() {
-                new
-            } else {
-                items[at].replacen(trimmed, &new, 1)
-            };
+            items[at] = if trimmed.is_empty() { new } else { items[at].replacen(trimmed, &new, 1) };
         }
     }
     format!("{}{}{}", &value[..=open], items.join(","), &value[close..])

@@ -30,12 +30,7 @@ pub fn make(target: &Target, seed: u64, index: u64) -> Input {
 /// The fault that it shows.
 pub fn judge(target: &Target, input: &Input) -> Result<bool, String> {
     keep_panics();
-    let place = || {
-        PANIC
-            .lock()
-            .map(|mut text| std::mem::take(&mut *text))
-            .unwrap_or_default()
-    };
+    let place = || PANIC.lock().map(|mut text| std::mem::take(&mut *text)).unwrap_or_default();
     // That of another input, or of its making.
     let _ = place();
     match catch_unwind(AssertUnwindSafe(|| (target.check)(input))) {

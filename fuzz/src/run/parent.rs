@@ -84,18 +84,13 @@ fn turn(plan: &Plan, ledger: &Mutex<Ledger>, start: Instant, at: &Path) -> bool 
         std::thread::sleep(Duration::from_millis(100));
         return true;
     };
-    let place = plan
-        .targets
-        .iter()
-        .position(|other| other.name == target.name);
+    let place = plan.targets.iter().position(|other| other.name == target.name);
     book.turn = place.unwrap_or(0) + 1;
     book.busy.push(target.name);
     let from = *book.next.get(target.name).unwrap_or(&plan.from);
     drop(book);
     let shares: u32 = plan.targets.iter().map(|t| t.share).sum();
-    let whole = plan
-        .time
-        .map(|time| time * plan.threads as u32 * target.share / shares);
+    let whole = plan.time.map(|time| time * plan.threads as u32 * target.share / shares);
     // Each target has its part of a bounded run, in one turn where it is short.
     let slice = whole.map_or(TURN, |whole| whole.min(TURN * target.share));
     let slice = left.map_or(slice, |left| slice.min(left));
@@ -125,12 +120,7 @@ fn child(
     let mut command = Command::new(program);
     command
         .args(["--worker", "--target", target.name])
-        .args([
-            "--seed",
-            &plan.seed.to_string(),
-            "--from",
-            &from.to_string(),
-        ])
+        .args(["--seed", &plan.seed.to_string(), "--from", &from.to_string()])
         .args(["--inputs", &inputs.to_string()])
         .args(["--milliseconds", &slice.as_millis().to_string()])
         .arg("--at")
@@ -149,17 +139,10 @@ fn child(
     };
     let mut done = None;
     let out = child.stdout.take().map(BufReader::new);
-    for line in out
-        .into_iter()
-        .flat_map(BufRead::lines)
-        .map_while(Result::ok)
-    {
+    for line in out.into_iter().flat_map(BufRead::lines).map_while(Result::ok) {
         if let Some(tally) = Tally::of_line(&line) {
             done = Some(tally);
-        } else if let Some((index, fault)) = line
-            .strip_prefix("fault ")
-            .and_then(|rest| rest.split_once(' '))
-        {
+        } else if let Some((index, fault)) = line.strip_prefix("fault ").and_then(|rest| rest.split_once(' ')) {
             note(plan, ledger, target, index.parse().unwrap_or(0), fault);
         }
     }
@@ -169,17 +152,8 @@ fn child(
         let text = std::fs::read_to_string(at).unwrap_or_default();
         let index = text.trim().parse().unwrap_or(from);
         let how = status.map_or_else(|e| e.to_string(), |status| status.to_string());
-        note(
-            plan,
-            ledger,
-            target,
-            index,
-            &format!("the process ended: {how}"),
-        );
-        Tally {
-            inputs: index + 1 - from,
-            ..Tally::default()
-        }
+        note(plan, ledger, target, index, &format!("the process ended: {how}"));
+        Tally { inputs: index + 1 - from, ..Tally::default() }
     });
     if let Ok(mut book) = ledger.lock() {
         book.tallies.entry(target.name).or_default().add(&tally);
@@ -195,10 +169,7 @@ fn note(plan: &Plan, ledger: &Mutex<Ledger>, target: &'static Target, index: u64
     let (count, first, _) = entry.or_insert((0, index, fault.clone()));
     *count += 1;
     if *count == 1 {
-        println!(
-            "fault: {fault}\n  cargo xtask fuzz --target {} --seed {} --input {first}",
-            target.name, plan.seed
-        );
+        println!("fault: {fault}\n  cargo xtask fuzz --target {} --seed {} --input {first}", target.name, plan.seed);
     }
 }
 
@@ -225,11 +196,7 @@ fn report(plan: &Plan, book: &Ledger, took: Duration) {
         summary(target.name, book);
     }
     let inputs: u64 = book.tallies.values().map(|tally| tally.inputs).sum();
-    println!(
-        "\n{inputs} inputs in {:.1} s, {} different faults",
-        took.as_secs_f64(),
-        book.faults.len()
-    );
+    println!("\n{inputs} inputs in {:.1} s, {} different faults", took.as_secs_f64(), book.faults.len());
     for ((name, _), (count, first, fault)) in &book.faults {
         let short: String = fault.chars().take(300).collect();
         println!("{count:6} x {name} (input {first}): {short}");

@@ -103,11 +103,7 @@ pub fn work(target: &'static Target, share: &Share, at: Option<&Path>) {
     make(target, share.seed, share.from);
     let begin = Instant::now();
     let at = at.and_then(|path| std::fs::File::create(path).ok());
-    let watched = Arc::new(Mutex::new(Watched {
-        tally: Tally::default(),
-        at: share.from,
-        since: Instant::now(),
-    }));
+    let watched = Arc::new(Mutex::new(Watched { tally: Tally::default(), at: share.from, since: Instant::now() }));
     watch(Arc::clone(&watched), begin);
     for index in share.from..share.from.saturating_add(share.inputs) {
         if begin.elapsed() > share.time {
@@ -153,10 +149,7 @@ fn watch(watched: Arc<Mutex<Watched>>, begin: Instant) {
                 return;
             };
             if watched.since.elapsed() > LONGEST {
-                tell(&format!(
-                    "fault {} took longer than {LONGEST:?}",
-                    watched.at
-                ));
+                tell(&format!("fault {} took longer than {LONGEST:?}", watched.at));
                 watched.tally.inputs += 1;
                 watched.tally.seconds = begin.elapsed().as_secs_f64();
                 tell(&watched.tally.line());
@@ -171,9 +164,7 @@ fn mark(file: &std::fs::File, index: u64) {
     use std::io::{Seek, SeekFrom};
     let mut file = file;
     // Without it an input that kills the process is only not known by number.
-    let _ = file
-        .seek(SeekFrom::Start(0))
-        .and_then(|_| file.write_all(format!("{index:020}").as_bytes()));
+    let _ = file.seek(SeekFrom::Start(0)).and_then(|_| file.write_all(format!("{index:020}").as_bytes()));
 }
 
 fn tell(line: &str) {
@@ -190,14 +181,7 @@ mod tests {
 
     #[test]
     fn a_tally_is_told_and_read() {
-        let tally = Tally {
-            inputs: 3,
-            accepted: 2,
-            slow: 1,
-            longest: (1.5, 7),
-            largest: (1024, 8),
-            seconds: 2.25,
-        };
+        let tally = Tally { inputs: 3, accepted: 2, slow: 1, longest: (1.5, 7), largest: (1024, 8), seconds: 2.25 };
         assert_eq!(Tally::of_line(&tally.line()), Some(tally));
         assert_eq!(Tally::of_line("fault 3 done"), None);
     }

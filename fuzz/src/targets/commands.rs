@@ -134,14 +134,8 @@ const OPTIONS: [(&str, &str); 40] = [
 
 /// The lines that [`OPTIONS`] name; no files but built-in ones and sound ones.
 const BASES: [(&str, &str); 11] = [
-    (
-        "identify",
-        "identify builtin:comau m.csv --brief | identify",
-    ),
-    (
-        "identify clamped",
-        "identify builtin:comau clamped.csv --clamped | identify-clamped",
-    ),
+    ("identify", "identify builtin:comau m.csv --brief | identify"),
+    ("identify clamped", "identify builtin:comau clamped.csv --clamped | identify-clamped"),
     ("validate", "validate builtin:comau s.json m.csv | validate"),
     ("folds", "validate builtin:comau m.csv | validate"),
     ("register", "register builtin:example-pairs | register"),
@@ -150,44 +144,28 @@ const BASES: [(&str, &str); 11] = [
         "simulate builtin:comau builtin:comau-group1 --measurements out-m.csv --readings out-r.csv | simulate",
     ),
     ("select", "select builtin:comau -n 3 --rounds 1 | select"),
-    (
-        "predict",
-        "predict builtin:comau s.json builtin:contour --axes base | predict",
-    ),
-    (
-        "compensate",
-        "compensate builtin:comau prior builtin:contour --axes base --output out-path.csv | compensate",
-    ),
+    ("predict", "predict builtin:comau s.json builtin:contour --axes base | predict"),
+    ("compensate", "compensate builtin:comau prior builtin:contour --axes base --output out-path.csv | compensate"),
     ("map", "map builtin:comau prior --steps 2 | map"),
     ("zones", "zones --steps 2 | zones"),
 ];
 
 /// Another line of [`BASES`]: it is not started without its option.
-const PLACE: &str =
-    "map builtin:comau prior --place builtin:contour --steps 2 --refine 0 | map-place";
+const PLACE: &str = "map builtin:comau prior --place builtin:contour --steps 2 --refine 0 | map-place";
 
 /// A command on files, one of which is mutated most often.
 pub fn make(random: &mut Random) -> Input {
     let line = *random.pick(&LINES);
-    let named: Vec<&(&str, Kind, Grammar)> = FILES
-        .iter()
-        .filter(|(name, ..)| line.split(' ').any(|word| word == *name))
-        .collect();
+    let named: Vec<&(&str, Kind, Grammar)> =
+        FILES.iter().filter(|(name, ..)| line.split(' ').any(|word| word == *name)).collect();
     let chosen = random.below(named.len());
     let all = random.one_in(10);
     let mut files = Vec::new();
     for (i, (name, kind, grammar)) in named.into_iter().enumerate() {
-        let text = if i == chosen || all {
-            changed(*kind, *grammar, random)
-        } else {
-            seed(*kind, random).to_string()
-        };
+        let text = if i == chosen || all { changed(*kind, *grammar, random) } else { seed(*kind, random).to_string() };
         files.push((name.to_string(), text));
     }
-    Input::Command {
-        words: words(line, random),
-        files,
-    }
+    Input::Command { words: words(line, random), files }
 }
 
 /// A mutated file, most often one that its reader takes: what readers refuse they refuse as
@@ -207,39 +185,25 @@ fn changed(kind: Kind, grammar: Grammar, random: &mut Random) -> String {
 /// A command with options at the edges.
 pub fn make_line(random: &mut Random) -> Input {
     let (base, _) = random.pick(&OPTIONS);
-    let line = BASES
-        .iter()
-        .find(|(name, _)| name == base)
-        .map_or(PLACE, |(_, line)| line);
+    let line = BASES.iter().find(|(name, _)| name == base).map_or(PLACE, |(_, line)| line);
     let mut words = words(line, random);
-    let fit: Vec<&str> = OPTIONS
-        .iter()
-        .filter(|(b, _)| b == base)
-        .map(|(_, o)| *o)
-        .collect();
+    let fit: Vec<&str> = OPTIONS.iter().filter(|(b, _)| b == base).map(|(_, o)| *o).collect();
     let count = 1 + random.below(2);
     for _ in 0..count {
         let (name, kind) = random.pick(&fit).split_once('=').unwrap_or_default();
         let value = match kind {
             "c" => random.pick(&COUNTS).to_string(),
             "w" => random.pick(&WORDS).to_string(),
-            "p" => format!(
-                "{}={}",
-                random.pick(&["x", "y", "z", "w", ""]),
-                edge_number(Some(800.0), random)
-            ),
+            "p" => format!("{}={}", random.pick(&["x", "y", "z", "w", ""]), edge_number(Some(800.0), random)),
             many => {
                 let many = many.parse().unwrap_or(1);
-                let numbers: Vec<String> =
-                    (0..many).map(|_| edge_number(Some(20.0), random)).collect();
+                let numbers: Vec<String> = (0..many).map(|_| edge_number(Some(20.0), random)).collect();
                 numbers.join(",")
             }
         };
         words.push(format!("{name}={value}"));
     }
-    let files = FILES
-        .iter()
-        .filter(|(name, ..)| words.iter().any(|word| word == name));
+    let files = FILES.iter().filter(|(name, ..)| words.iter().any(|word| word == name));
     let files = files.map(|(name, kind, _)| (name.to_string(), seed(*kind, random).to_string()));
     let files = files.collect();
     Input::Command { words, files }
@@ -277,8 +241,7 @@ pub fn check(input: &Input) -> Verdict {
     SCRATCH.with(|scratch| {
         scratch.clear();
         for (name, text) in files {
-            std::fs::write(scratch.path(name), text)
-                .map_err(|e| format!("no scratch file: {e}"))?;
+            std::fs::write(scratch.path(name), text).map_err(|e| format!("no scratch file: {e}"))?;
         }
         judged(scratch, words, files)
     })
@@ -303,11 +266,7 @@ fn judged(scratch: &Scratch, words: &[String], files: &[(String, String)]) -> Ve
         code => return Err(format!("exit code {code}: {}{}", ran.err, ran.out)),
     }
     oracle::text_is_plain(&ran.out)?;
-    let given: String = words.join(" ")
-        + &files
-            .iter()
-            .map(|(_, text)| text.as_str())
-            .collect::<String>();
+    let given: String = words.join(" ") + &files.iter().map(|(_, text)| text.as_str()).collect::<String>();
     if json {
         let value: Value = serde_json::from_str(&ran.out).map_err(|e| format!("no object: {e}"))?;
         if let Some(schema) = schema(words) {
@@ -340,12 +299,8 @@ fn schema(words: &[String]) -> Option<Value> {
     };
     SCHEMAS.with_borrow_mut(|schemas| {
         let made = schemas.entry(name.to_string()).or_insert_with(|| {
-            let line =
-                ["stiffarm", "schema", &format!("result-{name}")].map(std::ffi::OsString::from);
-            serde_json::from_str(
-                &stiffarm_cli::run_captured(&line, stiffarm_cli::Host::default()).out,
-            )
-            .ok()
+            let line = ["stiffarm", "schema", &format!("result-{name}")].map(std::ffi::OsString::from);
+            serde_json::from_str(&stiffarm_cli::run_captured(&line, stiffarm_cli::Host::default()).out).ok()
         });
         made.clone()
     })
@@ -375,20 +330,13 @@ fn outputs_are_read(scratch: &Scratch, words: &[String], given: &str) -> Result<
         Some("cell.toml") => text("cell.toml").unwrap_or_default(),
         Some(name) => {
             let name = name.trim_start_matches("builtin:");
-            stiffarm_files::builtin::cell_text(name)
-                .unwrap_or_default()
-                .to_string()
+            stiffarm_files::builtin::cell_text(name).unwrap_or_default().to_string()
         }
         None => return Ok(()),
     };
     let fault = |name: &str, e: stiffarm::Error| {
         let place = e.place();
-        format!(
-            "{name} was written and is refused: {} ({:?} {:?})",
-            e.message(),
-            place.line,
-            place.key
-        )
+        format!("{name} was written and is refused: {} ({:?} {:?})", e.message(), place.line, place.key)
     };
     if let Some(text) = text("out-reg.json") {
         read_registration(text.as_bytes(), "r").map_err(|e| fault("out-reg.json", e))?;

@@ -13,14 +13,7 @@ pub fn read(file: &[u8], name: &str, cell: &Cell) -> Result<Vec<PathPoint>> {
     let axes = ForceAxes::Base;
     let (force, moment) = (Vector3::new(-200.0, 40.0, 0.0), Vector3::zeros());
     let (loaded, idle) = (900.0, 100.0);
-    cell.work.process = Some(Process::Constant(
-        TipLoad {
-            force,
-            moment,
-            axes,
-        },
-        Some(SpindlePower { loaded, idle }),
-    ));
+    cell.work.process = Some(Process::Constant(TipLoad { force, moment, axes }, Some(SpindlePower { loaded, idle })));
     let (cell, axes) = (&cell, Some(axes));
     let log = read_log(file, name, cell, axes)?;
     let text = builtin::path_text("contour").unwrap_or_default();

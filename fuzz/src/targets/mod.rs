@@ -30,11 +30,7 @@ pub struct Target {
 pub const ALL: [Target; 20] = [
     reader("cell", readers::make_cell, readers::cell),
     reader("postures", readers::make_postures, readers::postures),
-    reader(
-        "measurements",
-        readers::make_displacements,
-        readers::measurements,
-    ),
+    reader("measurements", readers::make_displacements, readers::measurements),
     reader("readings", readers::make_readings, readers::measurements),
     reader("clamped", readers::make_clamped, readers::clamped),
     reader("pairs", readers::make_pairs, readers::pairs),
@@ -42,11 +38,7 @@ pub const ALL: [Target; 20] = [
     reader("path", readers::make_path, readers::path),
     reader("log", readers::make_log, readers::log),
     reader("stiffness", readers::make_stiffness, readers::stiffness),
-    reader(
-        "registration",
-        readers::make_registration,
-        readers::registration,
-    ),
+    reader("registration", readers::make_registration, readers::registration),
     reader("urdf", readers::make_urdf, readers::urdf),
     reader("rows", readers::make_rows, readers::rows),
     reader("tool-path", readers::make_tool_path, readers::tool_path),
@@ -54,34 +46,12 @@ pub const ALL: [Target; 20] = [
     reader("mesh", meshes::make, meshes::check),
     reader("workbook", workbooks::make, workbooks::check),
     reader("workbook-bytes", workbooks::make_bytes, workbooks::check),
-    Target {
-        name: "command",
-        make: commands::make,
-        check: commands::check,
-        is_command: true,
-        share: 4,
-    },
-    Target {
-        name: "line",
-        make: commands::make_line,
-        check: commands::check,
-        is_command: true,
-        share: 2,
-    },
+    Target { name: "command", make: commands::make, check: commands::check, is_command: true, share: 4 },
+    Target { name: "line", make: commands::make_line, check: commands::check, is_command: true, share: 2 },
 ];
 
-const fn reader(
-    name: &'static str,
-    make: fn(&mut Random) -> Input,
-    check: fn(&Input) -> Verdict,
-) -> Target {
-    Target {
-        name,
-        make,
-        check,
-        is_command: false,
-        share: 1,
-    }
+const fn reader(name: &'static str, make: fn(&mut Random) -> Input, check: fn(&Input) -> Verdict) -> Target {
+    Target { name, make, check, is_command: false, share: 1 }
 }
 
 /// The target of that name.

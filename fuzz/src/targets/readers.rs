@@ -24,9 +24,8 @@ use stiffarm_files::registration::read_registration;
 use stiffarm_files::result::read_result;
 use stiffarm_files::stiffness::read_stiffness;
 use stiffarm_files::table::{
-    read_clamped, read_dh_rows, read_measurements, read_pairs, read_path, read_poses,
-    read_postures, write_clamped, write_displacements, write_path, write_poses, write_postures,
-    write_readings,
+    read_clamped, read_dh_rows, read_measurements, read_pairs, read_path, read_poses, read_postures, write_clamped,
+    write_displacements, write_path, write_poses, write_postures, write_readings,
 };
 use stiffarm_files::tool_path::{self, ReadPath, read_tool_path};
 use stiffarm_files::urdf::{UrdfOptions, UrdfRobot, read_urdf};
@@ -45,24 +44,15 @@ pub fn cell_of_tables() -> &'static Cell {
 
 fn group() -> &'static [Posture] {
     static GROUP: OnceLock<Vec<Posture>> = OnceLock::new();
-    GROUP.get_or_init(|| {
-        builtin::postures("comau-group1", &cell_of_tables().setup.robot).unwrap_or_default()
-    })
+    GROUP.get_or_init(|| builtin::postures("comau-group1", &cell_of_tables().setup.robot).unwrap_or_default())
 }
 
 fn made(kind: Kind, grammar: Grammar, random: &mut Random) -> Input {
     static SEEDS: OnceLock<Vec<(Kind, Vec<&'static str>)>> = OnceLock::new();
     let all = SEEDS.get_or_init(|| Kind::ALL.map(|kind| (kind, seeds::of(kind))).to_vec());
-    let texts = all
-        .iter()
-        .find(|(k, _)| *k == kind)
-        .map_or(&[][..], |(_, texts)| texts);
+    let texts = all.iter().find(|(k, _)| *k == kind).map_or(&[][..], |(_, texts)| texts);
     let text = texts[random.below(texts.len())];
-    Input::File(if random.one_in(16) {
-        scraps(random)
-    } else {
-        mutate(text.as_bytes(), grammar, random)
-    })
+    Input::File(if random.one_in(16) { scraps(random) } else { mutate(text.as_bytes(), grammar, random) })
 }
 
 macro_rules! makers {
@@ -111,9 +101,7 @@ fn judged<T: Debug>(read: &Result<T>) -> Verdict {
 /// As [`judged`]; an error begins with the file that it is about.
 fn judged_in_file<T: Debug>(read: &Result<T>) -> Verdict {
     match read {
-        Err(error) if !error.to_string().starts_with("input:") => {
-            Err(format!("an error without its file: {error}"))
-        }
+        Err(error) if !error.to_string().starts_with("input:") => Err(format!("an error without its file: {error}")),
         read => judged(read),
     }
 }
@@ -128,8 +116,8 @@ pub fn written_again<T>(
         Ok(text) => text,
         Err(error) => return error_is_sound(&error),
     };
-    let back = read(text.as_bytes())
-        .map_err(|e| format!("written and not read: {} {:?}", e.message(), e.place().key))?;
+    let back =
+        read(text.as_bytes()).map_err(|e| format!("written and not read: {} {:?}", e.message(), e.place().key))?;
     let again = write(&back).map_err(|e| format!("not written again: {}", e.message()))?;
     if same_but_digits(&again, &text) {
         Ok(())
@@ -155,9 +143,7 @@ pub fn takes(kind: Kind, file: &[u8]) -> bool {
             read_path(file, NAME, cell, axes).is_ok()
         }
         Kind::Log => logs::read(file, NAME, cell).is_ok(),
-        Kind::ToolPath => TOOL_PATHS
-            .iter()
-            .any(|kind| read_tool_path(*kind, (NAME, file), None, cell).is_ok()),
+        Kind::ToolPath => TOOL_PATHS.iter().any(|kind| read_tool_path(*kind, (NAME, file), None, cell).is_ok()),
         Kind::Stiffness => read_stiffness(file, NAME, cell).is_ok(),
         Kind::Registration => read_registration(file, NAME).is_ok(),
         Kind::Saved => read_result(file, NAME).is_ok(),
@@ -230,10 +216,7 @@ pub fn pairs(input: &Input) -> Verdict {
 fn described(bytes: &[u8]) -> Result<UrdfRobot> {
     let text = String::from_utf8_lossy(bytes);
     // A finger hangs below the flange of the seed.
-    let options = UrdfOptions {
-        base: None,
-        tip: Some("tool0".to_string()),
-    };
+    let options = UrdfOptions { base: None, tip: Some("tool0".to_string()) };
     read_urdf(&text, NAME, &options)
 }
 
@@ -265,12 +248,7 @@ pub fn urdf(input: &Input) -> Verdict {
 
 /// Denavit–Hartenberg rows.
 pub fn rows(input: &Input) -> Verdict {
-    judged_robot(&read_dh_rows(
-        bytes(input),
-        NAME,
-        NAME,
-        DhConvention::Standard,
-    ))
+    judged_robot(&read_dh_rows(bytes(input), NAME, NAME, DhConvention::Standard))
 }
 
 /// A table of poses: the first convention that takes it is judged, and gives it
@@ -299,15 +277,12 @@ pub fn program(input: &Input) -> Verdict {
             Err(error) => error_is_sound(&error)?,
             Ok(read) => {
                 is_finite(&read)?;
-                let again = Program {
-                    name: language.name_for("again"),
-                    ..read.clone()
-                };
+                let again = Program { name: language.name_for("again"), ..read.clone() };
                 let Ok(files) = write_program(&again, language, &options) else {
                     return Err(format!("read and not written: {read:?}"));
                 };
-                let back = read_program(&files, language, &options, 6)
-                    .map_err(|e| format!("written and not read: {e}"))?;
+                let back =
+                    read_program(&files, language, &options, 6).map_err(|e| format!("written and not read: {e}"))?;
                 let count = |program: &Program| program.steps.len();
                 return if count(&back) == count(&read) {
                     Ok(true)
@@ -322,10 +297,7 @@ pub fn program(input: &Input) -> Verdict {
 
 /// The files of a program whose texts stand one after the other.
 fn program_files(language: Language, text: &str) -> Vec<ProgramFile> {
-    let file = |name: &str, text: &str| ProgramFile {
-        name: name.to_string(),
-        text: text.to_string(),
-    };
+    let file = |name: &str, text: &str| ProgramFile { name: name.to_string(), text: text.to_string() };
     match language {
         Language::Krl => {
             let at = text.rfind("&ACCESS").unwrap_or(0);
@@ -400,10 +372,7 @@ fn shifted(kind: tool_path::Kind, read: &ReadPath) -> Result<(), String> {
     let moved = |point: &PathPoint| PathPoint {
         target: match &point.target {
             PathTarget::Pose(pose) => PathTarget::Pose(step * pose),
-            PathTarget::Axis { position, axis } => PathTarget::Axis {
-                position: position + step.vector,
-                axis: *axis,
-            },
+            PathTarget::Axis { position, axis } => PathTarget::Axis { position: position + step.vector, axis: *axis },
             other => other.clone(),
         },
         ..point.clone()

@@ -16,30 +16,12 @@ use stiffarm_files::table::{read_measurements, read_pairs, read_path, read_postu
 use workbook::{Cell, Entry, archive, cells, workbook_with};
 
 /// Places of a cell in its sheet, within and beyond what a sheet may have.
-const PLACES: [&str; 12] = [
-    "A1",
-    "B2",
-    "XFD1",
-    "XFE1",
-    "ZZZZZZ1",
-    "A1048576",
-    "A1048577",
-    "A99999999999",
-    "A0",
-    "1A",
-    "",
-    "AA:3",
-];
+const PLACES: [&str; 12] =
+    ["A1", "B2", "XFD1", "XFE1", "ZZZZZZ1", "A1048576", "A1048577", "A99999999999", "A0", "1A", "", "AA:3"];
 
 /// A workbook of mutated cells, with odd cells, sheets and rows.
 pub fn make(random: &mut Random) -> Input {
-    let kinds = [
-        Kind::Postures,
-        Kind::Displacements,
-        Kind::Readings,
-        Kind::Pairs,
-        Kind::Path,
-    ];
+    let kinds = [Kind::Postures, Kind::Displacements, Kind::Readings, Kind::Pairs, Kind::Path];
     let texts = seeds::of(*random.pick(&kinds));
     let seed = random.pick(&texts).as_bytes();
     let changed = mutate(seed, Grammar::Table, random);
@@ -53,24 +35,15 @@ pub fn make(random: &mut Random) -> Input {
             continue;
         };
         let number = edge_number(None, random).parse().unwrap_or(f64::MAX);
-        rows[row][column] = [
-            Cell::Empty,
-            Cell::Date,
-            Cell::Duration,
-            Cell::True,
-            Cell::Fault,
-            Cell::Number(number),
-            Cell::Text("x"),
-        ][random.below(7)];
+        rows[row][column] =
+            [Cell::Empty, Cell::Date, Cell::Duration, Cell::True, Cell::Fault, Cell::Number(number), Cell::Text("x")]
+                [random.below(7)];
     }
     let mut more = String::new();
     if random.one_in(3) {
         let place = random.pick(&PLACES);
         let value = edge_number(None, random);
-        more = format!(
-            "<row r=\"{}\"><c r=\"{place}\"><v>{value}</v></c></row>",
-            edge_number(None, random)
-        );
+        more = format!("<row r=\"{}\"><c r=\"{place}\"><v>{value}</v></c></row>", edge_number(None, random));
     }
     let mut sheets = vec![("Sheet1", rows)];
     if random.one_in(6) {
@@ -98,17 +71,9 @@ pub fn make_bytes(random: &mut Random) -> Input {
     let mut parts = parts(&sound);
     let at = random.below(parts.len());
     let (_, content) = &mut parts[at];
-    *content = if random.one_in(2) {
-        mutate_bytes(content, random)
-    } else {
-        mutate(content, Grammar::Table, random)
-    };
+    *content = if random.one_in(2) { mutate_bytes(content, random) } else { mutate(content, Grammar::Table, random) };
     let size = |content: &[u8], random: &mut Random| {
-        if random.one_in(8) {
-            random.next() as u32
-        } else {
-            content.len() as u32
-        }
+        if random.one_in(8) { random.next() as u32 } else { content.len() as u32 }
     };
     let entries: Vec<Entry> = parts
         .into_iter()
@@ -126,10 +91,7 @@ pub fn make_bytes(random: &mut Random) -> Input {
 fn parts(archive: &[u8]) -> Vec<(String, Vec<u8>)> {
     let word = |at: usize, length: usize| {
         let bytes = archive.get(at..at + length).unwrap_or_default();
-        bytes
-            .iter()
-            .rev()
-            .fold(0usize, |n, b| n << 8 | usize::from(*b))
+        bytes.iter().rev().fold(0usize, |n, b| n << 8 | usize::from(*b))
     };
     let mut found = Vec::new();
     let mut at = 0;
@@ -158,12 +120,7 @@ pub fn check(input: &Input) -> Verdict {
     let measurements = read_measurements(bytes, "input.xlsx", cell, None);
     let pairs = read_pairs(bytes, "input.xlsx");
     let path = read_path(bytes, "input.xlsx", cell, None);
-    is_finite(&(
-        postures.as_ref().ok(),
-        measurements.as_ref().ok(),
-        pairs.as_ref().ok(),
-        path.as_ref().ok(),
-    ))?;
+    is_finite(&(postures.as_ref().ok(), measurements.as_ref().ok(), pairs.as_ref().ok(), path.as_ref().ok()))?;
     judge(postures.map(drop).map_err(|e| (e, ())))?;
     judge(measurements.map(drop).map_err(|e| (e, ())))?;
     judge(pairs.map(drop).map_err(|e| (e, ())))?;

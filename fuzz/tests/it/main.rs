@@ -9,10 +9,7 @@ use stiffarm_fuzz::targets::{ALL, named};
 fn faults_that_were_found_stay_away() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("regressions");
     let entries = |folder: &Path| {
-        let mut paths: Vec<_> = std::fs::read_dir(folder)
-            .unwrap()
-            .map(|entry| entry.unwrap().path())
-            .collect();
+        let mut paths: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
         paths.sort();
         paths
     };
@@ -58,10 +55,6 @@ fn readers_take_some_inputs_and_refuse_others() {
                 Err(fault) => panic!("{}, input {i} of seed 11: {fault}", target.name),
             })
             .count();
-        assert!(
-            accepted > 0 && accepted < INPUTS as usize,
-            "{}: {accepted}",
-            target.name
-        );
+        assert!(accepted > 0 && accepted < INPUTS as usize, "{}: {accepted}", target.name);
     }
 }

@@ -35,11 +35,7 @@ pub fn compare(folder: &Path, other: &Path) -> Result<Comparison, Failure> {
     }
     changes.extend(before.keys().map(|name| format!("{name}: missing")));
     let mut closing = format!("outputs: {} files", now.len());
-    for (count, what) in [
-        (differ, "differ"),
-        (before.len(), "missing"),
-        (extra, "extra"),
-    ] {
+    for (count, what) in [(differ, "differ"), (before.len(), "missing"), (extra, "extra")] {
         if count > 0 {
             closing += &format!(", {count} {what}");
         }

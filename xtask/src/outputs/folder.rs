@@ -8,8 +8,7 @@ use crate::run::{Failure, Workspace};
 
 /// The file by which a folder of outputs is known, and what it holds.
 const MARK: &str = "outputs.txt";
-const MARK_TEXT: &str =
-    "Made by `cargo xtask outputs`; the next run into this folder empties it first.\n";
+const MARK_TEXT: &str = "Made by `cargo xtask outputs`; the next run into this folder empties it first.\n";
 /// Folders of inputs in the workspace, and their names among the outputs.
 const INPUTS: [(&str, &str); 2] = [("xtask/inputs", "inputs"), ("cells", "cells")];
 
@@ -24,10 +23,7 @@ pub fn check(folder: &Path) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::usage(
-        format!(
-            "`{}` holds something else than the outputs of an earlier run",
-            folder.display()
-        ),
+        format!("`{}` holds something else than the outputs of an earlier run", folder.display()),
         "name a new folder, or an empty one",
     ))
 }
@@ -44,11 +40,7 @@ pub fn other(other: &Path, folder: &Path) -> Result<PathBuf, Failure> {
     }
     if real(&other).starts_with(real(folder)) || real(folder).starts_with(real(&other)) {
         return Err(Failure::usage(
-            format!(
-                "`{}` and `--against {}` lie one in the other",
-                folder.display(),
-                other.display()
-            ),
+            format!("`{}` and `--against {}` lie one in the other", folder.display(), other.display()),
             "name two folders side by side",
         ));
     }

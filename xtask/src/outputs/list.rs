@@ -8,14 +8,7 @@ use crate::run::Failure;
 pub const COMMANDS: &str = include_str!("commands.txt");
 
 /// Options with which a command writes a file or a folder.
-const WRITING: [&str; 6] = [
-    "--output",
-    "--output-dir",
-    "--sheet",
-    "--figure",
-    "--measurements",
-    "--readings",
-];
+const WRITING: [&str; 6] = ["--output", "--output-dir", "--sheet", "--figure", "--measurements", "--readings"];
 
 /// One run of `stiffarm`.
 #[derive(Debug, PartialEq, Eq)]
@@ -105,11 +98,7 @@ fn calls_of(line: &str) -> Result<Vec<Call>, &'static str> {
     if has_json {
         // What it writes is there already.
         let writes = !is_wrong && words.iter().any(|word| WRITING.contains(word));
-        let added: &[&str] = if writes {
-            &["--force", "--json"]
-        } else {
-            &["--json"]
-        };
+        let added: &[&str] = if writes { &["--force", "--json"] } else { &["--json"] };
         calls.push(call(format!("{name}.json.txt"), added));
     }
     Ok(calls)
@@ -162,10 +151,7 @@ mod tests {
     fn slips_in_the_list_are_named_with_their_line() {
         for (list, why) in [
             ("\nboth", "it has no name"),
-            (
-                "\ntwice a check",
-                "it begins with none of once, both, long, wrong",
-            ),
+            ("\ntwice a check", "it begins with none of once, both, long, wrong"),
             ("once a check\nboth a check", "its name is taken"),
         ] {
             let message = calls(list).unwrap_err().message;

@@ -16,13 +16,7 @@ use compare::Comparison;
 use list::{COMMANDS, Call, brief, calls};
 
 /// Variables that change what a command prints or how it works.
-const UNSET: [&str; 5] = [
-    "NO_COLOR",
-    "CLICOLOR",
-    "CLICOLOR_FORCE",
-    "COLUMNS",
-    "RAYON_NUM_THREADS",
-];
+const UNSET: [&str; 5] = ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "RAYON_NUM_THREADS"];
 /// How many runs pass between two signs of life.
 const TOLD_EVERY: usize = 100;
 
@@ -31,26 +25,18 @@ pub fn run(workspace: &Workspace, options: &OutputsOptions) -> Result<(), Failur
     let folder = absolute(&options.folder)?;
     folder::check(&folder)?;
     let against = options.against.as_deref();
-    let mut against = against
-        .map(|other| folder::other(other, &folder))
-        .transpose()?;
+    let mut against = against.map(|other| folder::other(other, &folder)).transpose()?;
     let mut calls = calls(COMMANDS)?;
     if options.is_brief {
         calls = brief(calls);
     }
     let binary = binary(workspace, options.binary.as_deref())?;
     // The first wish fills the folder itself. Without one it runs once, with the machine's own number of threads.
-    let mut passes = vec![Pass {
-        folder: folder.clone(),
-        threads: options.threads.first().copied(),
-    }];
+    let mut passes = vec![Pass { folder: folder.clone(), threads: options.threads.first().copied() }];
     for threads in options.threads.iter().skip(1) {
         let mut beside = folder.clone().into_os_string();
         beside.push(format!("-{threads}"));
-        passes.push(Pass {
-            folder: beside.into(),
-            threads: Some(*threads),
-        });
+        passes.push(Pass { folder: beside.into(), threads: Some(*threads) });
     }
     for pass in &passes {
         folder::check(&pass.folder)?;
@@ -112,10 +98,7 @@ fn binary(workspace: &Workspace, given: Option<&Path>) -> Result<PathBuf, Failur
 fn report(folder: &Path, against: Option<&Path>, unexpected: &[String]) -> Result<(), Failure> {
     let comparison = match against {
         Some(other) => compare::compare(folder, other)?,
-        None => Comparison {
-            changes: Vec::new(),
-            closing: format!("outputs: {} files", files::below(folder)?.len()),
-        },
+        None => Comparison { changes: Vec::new(), closing: format!("outputs: {} files", files::below(folder)?.len()) },
     };
     for line in &comparison.changes {
         println!("{line}");
@@ -124,11 +107,7 @@ fn report(folder: &Path, against: Option<&Path>, unexpected: &[String]) -> Resul
         println!("UNEXPECTED {line}");
     }
     println!("{}", comparison.closing);
-    if unexpected.is_empty() && comparison.changes.is_empty() {
-        Ok(())
-    } else {
-        Err(Failure::already_told())
-    }
+    if unexpected.is_empty() && comparison.changes.is_empty() { Ok(()) } else { Err(Failure::already_told()) }
 }
 
 /// Runs the calls in their order and keeps what they print. The result names those that ended with another exit code
@@ -162,11 +141,7 @@ fn run_one(binary: &Path, pass: &Pass, call: &Call) -> std::io::Result<Output> {
     // Its usage lines show the name it was called by.
     #[cfg(unix)]
     std::os::unix::process::CommandExt::arg0(&mut command, "stiffarm");
-    command
-        .args(&call.words)
-        .current_dir(&pass.folder)
-        .env("TERM", "dumb")
-        .stdin(Stdio::null());
+    command.args(&call.words).current_dir(&pass.folder).env("TERM", "dumb").stdin(Stdio::null());
     for name in UNSET {
         command.env_remove(name);
     }
@@ -198,12 +173,8 @@ fn transcript(call: &Call, output: &Output) -> Vec<u8> {
 }
 
 fn absolute(path: &Path) -> Result<PathBuf, Failure> {
-    std::path::absolute(path).map_err(|error| {
-        Failure::usage(
-            format!("`{}` is no path: {error}", path.display()),
-            "name a folder or file",
-        )
-    })
+    std::path::absolute(path)
+        .map_err(|error| Failure::usage(format!("`{}` is no path: {error}", path.display()), "name a folder or file"))
 }
 
 #[cfg(test)]
@@ -226,19 +197,13 @@ mod tests {
     #[test]
     fn an_unexpected_end_is_named_and_the_rest_still_runs() {
         let root = tempfile::tempdir().unwrap();
-        let pass = Pass {
-            folder: root.path().to_path_buf(),
-            threads: None,
-        };
+        let pass = Pass { folder: root.path().to_path_buf(), threads: None };
         files::write(&pass.folder.join("input.sh"), "exit 7").unwrap();
         let list = "once seven -s < input.sh\nwrong well -c true\n";
         let ended = run_all(Path::new("/bin/sh"), &pass, &calls(list).unwrap());
         let printed = files::below(&pass.folder.join("printed")).unwrap().len();
-        let names: Vec<String> = ended
-            .unwrap()
-            .iter()
-            .map(|line| line.split(':').next().unwrap().to_string())
-            .collect();
+        let names: Vec<String> =
+            ended.unwrap().iter().map(|line| line.split(':').next().unwrap().to_string()).collect();
         assert_eq!(names, ["seven.txt", "well.txt", "well.json.txt"]);
         assert_eq!(printed, 3);
     }

@@ -14,10 +14,7 @@ pub fn package(place: &Place, built: &Path, checked: &mut Checked) {
         Ok(sdist) => sdist,
         Err(why) => return checked.note("sdist", &Err::<(), _>(why)),
     };
-    checked.note(
-        "sdist holds the crates that it needs",
-        &unpacked(place, &sdist),
-    );
+    checked.note("sdist holds the crates that it needs", &unpacked(place, &sdist));
     let twine = place.tool("twine", &["check", "--strict"]);
     check(checked, "twine check", with(twine, &[built, &sdist]));
     let abi3audit = place.tool("abi3audit", &["--strict", "--report"]);
@@ -36,10 +33,7 @@ pub fn types(place: &Place, checked: &mut Checked) {
         .current_dir(&place.folder);
     check(checked, "mypy stubtest", stubtest);
     let mut basedpyright = place.tool("basedpyright", &["--project"]);
-    basedpyright
-        .arg(place.package.join("pyproject.toml"))
-        .arg("--pythonpath")
-        .arg(&place.python);
+    basedpyright.arg(place.package.join("pyproject.toml")).arg("--pythonpath").arg(&place.python);
     check(checked, "basedpyright --strict", basedpyright);
 }
 
@@ -66,9 +60,7 @@ fn unpacked(place: &Place, sdist: &Path) -> Result<(), String> {
         std::fs::remove_dir_all(&folder).map_err(|error| error.to_string())?;
     }
     let mut unpack = Command::new(&place.python);
-    unpack
-        .args(["-m", "tarfile", "--extract"])
-        .args([sdist, &folder]);
+    unpack.args(["-m", "tarfile", "--extract"]).args([sdist, &folder]);
     outcome(&mut unpack)?;
     let name = sdist.file_name().unwrap_or_default().to_string_lossy();
     let root = folder.join(name.trim_end_matches(".tar.gz"));
@@ -120,10 +112,7 @@ mod tests {
         let said = |texts: [&str; 2]| complaint(&texts.map(String::from));
         assert_eq!(said(["", " \n"]), None);
         assert_eq!(said(["a\nb\n\n", ""]).unwrap(), "b");
-        assert_eq!(
-            said(["1 error", "Error: x\nhelp: y\n"]).unwrap(),
-            "Error: x"
-        );
+        assert_eq!(said(["1 error", "Error: x\nhelp: y\n"]).unwrap(), "Error: x");
     }
 
     #[test]
@@ -136,11 +125,7 @@ mod tests {
         };
         check(&mut checked, "version", cargo("--version"));
         check(&mut checked, "wrong", cargo("--no-such-flag"));
-        check(
-            &mut checked,
-            "none",
-            Command::new("no-such-program-of-stiffarm"),
-        );
+        check(&mut checked, "none", Command::new("no-such-program-of-stiffarm"));
         assert_eq!(checked.passed, 1);
         assert!(checked.failures[0].starts_with("wrong: "));
         assert!(checked.failures[1].contains("could not be run"));

@@ -21,9 +21,7 @@ pub fn of_version(wanted: &str) -> Option<PathBuf> {
     let on_path = PathBuf::from(format!("python{wanted}"));
     let mut places = vec![on_path];
     places.extend(kept_by_pyenv(wanted));
-    places
-        .into_iter()
-        .find(|place| version(place).is_some_and(|found| found == wanted))
+    places.into_iter().find(|place| version(place).is_some_and(|found| found == wanted))
 }
 
 /// Where pyenv keeps releases of this version.

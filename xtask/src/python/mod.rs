@@ -25,11 +25,7 @@ const COMMAND_VARIABLE: &str = "STIFFARM_COMMAND";
 
 const ALONE: &str = "cargo xtask python shows it alone";
 
-const PYTEST: Script = Script {
-    name: "pytest",
-    word: "pytest",
-    fix: ALONE,
-};
+const PYTEST: Script = Script { name: "pytest", word: "pytest", fix: ALONE };
 
 /// Where everything lies, and the Python of the virtual environment.
 struct Place<'a> {
@@ -43,10 +39,7 @@ struct Place<'a> {
 }
 
 /// Builds the wheel and checks it; what comes of it, by the part of the tests it belongs to.
-pub fn run(
-    workspace: &Workspace,
-    options: &PythonOptions,
-) -> Result<Vec<(Part, Checked)>, Failure> {
+pub fn run(workspace: &Workspace, options: &PythonOptions) -> Result<Vec<(Part, Checked)>, Failure> {
     let mut checked = Checked::default();
     let place = match Place::prepared(workspace, options.install) {
         Ok(place) => place,
@@ -93,20 +86,14 @@ pub fn alone(workspace: &Workspace, options: &PythonOptions) -> Result<(), Failu
         all.add(checked);
     }
     let told = all.tell();
-    println!(
-        "python: {} passed, {} failed, {} skipped",
-        all.passed,
-        all.failures.len(),
-        all.skips.len()
-    );
+    println!("python: {} passed, {} failed, {} skipped", all.passed, all.failures.len(), all.skips.len());
     told
 }
 
 /// Takes the tests out that were skipped because the reference data are not there.
 fn without_reference(mut tested: Checked) -> (Checked, Checked) {
-    let (reference, rest): (Vec<_>, Vec<_>) = std::mem::take(&mut tested.skips)
-        .into_iter()
-        .partition(|[_, reason, _]| reason.contains(REFERENCE_VARIABLE));
+    let (reference, rest): (Vec<_>, Vec<_>) =
+        std::mem::take(&mut tested.skips).into_iter().partition(|[_, reason, _]| reason.contains(REFERENCE_VARIABLE));
     tested.skips = rest;
     let mut without = Checked::default();
     for [name, reason, _] in reference {
@@ -132,12 +119,7 @@ impl<'a> Place<'a> {
         }
         let imports = "import maturin, numpy, pytest";
         let python = tools::python(&folder, &requirements, imports, install)?;
-        Ok(Place {
-            workspace,
-            package,
-            folder,
-            python,
-        })
+        Ok(Place { workspace, package, folder, python })
     }
 
     /// All tests on the installed wheel, and the examples of its documentation.
@@ -205,11 +187,7 @@ impl<'a> Place<'a> {
 fn requirements(package: &Path, version: &str) -> PathBuf {
     let folder = package.join("requirements");
     let noted = folder.join(format!("python{version}.txt"));
-    if noted.is_file() {
-        noted
-    } else {
-        folder.join("wanted.txt")
-    }
+    if noted.is_file() { noted } else { folder.join("wanted.txt") }
 }
 
 #[cfg(test)]

@@ -18,17 +18,13 @@ const MODULE: &str = if cfg!(windows) {
 
 /// Puts the wheel together with the extension module of the one build and installs it into the virtual environment;
 /// none where it cannot be made, which is noted as a failure.
-pub fn built_and_installed(
-    place: &Place,
-    checked: &mut Checked,
-) -> Result<Option<PathBuf>, Failure> {
+pub fn built_and_installed(place: &Place, checked: &mut Checked) -> Result<Option<PathBuf>, Failure> {
     let folder = place.folder.join("wheels");
     empty(&folder)?;
     place.workspace.built()?;
     let script = place.workspace.root().join("xtask/python/wheel.py");
     let (module, command) = (tools::built(MODULE)?, tools::stiffarm()?);
-    let paths =
-        [&script, &place.package, &module, &command, &folder].map(|path| path.to_string_lossy());
+    let paths = [&script, &place.package, &module, &command, &folder].map(|path| path.to_string_lossy());
     let made = call(&place.python, &paths.each_ref().map(|path| path.as_ref()))
         .and_then(|_| only_file(&folder, "whl").ok_or_else(|| "there is not one".to_string()));
     let installed = made.and_then(|wheel| {
@@ -47,27 +43,14 @@ pub fn sdist(place: &Place) -> Result<PathBuf, String> {
     let folder = place.folder.join("wheels");
     let manifest = place.package.join("Cargo.toml");
     let [manifest, out] = [&manifest, &folder].map(|path| path.to_string_lossy());
-    let words = [
-        "-m",
-        "maturin",
-        "sdist",
-        "--manifest-path",
-        &manifest,
-        "--out",
-        &out,
-    ];
+    let words = ["-m", "maturin", "sdist", "--manifest-path", &manifest, "--out", &out];
     call(&place.python, &words)?;
     only_file(&folder, "gz").ok_or_else(|| "maturin made none".to_string())
 }
 
 /// A virtual environment of another Python with the wheel, and with what [`super::SMOKE`] needs in the versions that
 /// are noted for it; the error is why there is none.
-pub fn smoke_environment(
-    place: &Place,
-    version: &str,
-    interpreter: &Path,
-    wheel: &Path,
-) -> Result<PathBuf, String> {
+pub fn smoke_environment(place: &Place, version: &str, interpreter: &Path, wheel: &Path) -> Result<PathBuf, String> {
     let venv = place.folder.join(format!("venv-{version}"));
     let python = program_in(&venv, "python");
     let noted = venv.join("stiffarm.whl");
@@ -80,25 +63,14 @@ pub fn smoke_environment(
     install(wheel, &noted, || {
         let (python, list, wheel) = (path(&python), path(&list), path(wheel));
         let words = ["-m", "pip", "--python", &python, "install", "--quiet"];
-        let what = [
-            "--only-binary=:all:",
-            "--constraint",
-            &list,
-            "--force-reinstall",
-            "pytest",
-            &wheel,
-        ];
+        let what = ["--only-binary=:all:", "--constraint", &list, "--force-reinstall", "pytest", &wheel];
         call(&place.python, &[&words[..], &what].concat())
     })?;
     Ok(python)
 }
 
 /// Installs the wheel unless `noted` is a copy of it.
-fn install(
-    wheel: &Path,
-    noted: &Path,
-    install: impl FnOnce() -> Result<String, String>,
-) -> Result<(), String> {
+fn install(wheel: &Path, noted: &Path, install: impl FnOnce() -> Result<String, String>) -> Result<(), String> {
     let bytes = std::fs::read(wheel).map_err(|error| error.to_string())?;
     if std::fs::read(noted).is_ok_and(|noted| noted == bytes) {
         return Ok(());
@@ -116,19 +88,14 @@ fn empty(folder: &Path) -> Result<(), Failure> {
 }
 
 fn unusable(folder: &Path, error: &std::io::Error) -> Failure {
-    Failure::internal(
-        format!("`{}` cannot be written: {error}", folder.display()),
-        "delete it, and run it again",
-    )
+    Failure::internal(format!("`{}` cannot be written: {error}", folder.display()), "delete it, and run it again")
 }
 
 /// The file of `folder` with this extension, where there is exactly one.
 fn only_file(folder: &Path, extension: &str) -> Option<PathBuf> {
     let entries = std::fs::read_dir(folder).ok()?;
     let mut found = entries.flatten().map(|entry| entry.path());
-    let mut matching = found
-        .by_ref()
-        .filter(|path| path.extension().is_some_and(|e| e == extension));
+    let mut matching = found.by_ref().filter(|path| path.extension().is_some_and(|e| e == extension));
     let first = matching.next();
     first.filter(|_| matching.next().is_none())
 }

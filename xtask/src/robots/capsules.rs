@@ -48,12 +48,7 @@ struct Pairs {
 ///
 /// # Errors
 /// Something else than a pair of links.
-pub fn fields(
-    name: &str,
-    capsules: &Capsules,
-    distances: &Distances,
-    words: &Words,
-) -> Result<String, String> {
+pub fn fields(name: &str, capsules: &Capsules, distances: &Distances, words: &Words) -> Result<String, String> {
     let mut out = "capsules = [\n".to_string();
     for (link, shape) in &capsules.links {
         for Capsule { a, b, radius } in &shape.capsules {
@@ -65,9 +60,7 @@ pub fn fields(
     out += "]\n";
     let lists = &distances.pair_lists;
     let mut ignored = Vec::new();
-    for pair in (lists.capsules_always_overlap.iter())
-        .chain(&lists.capsules_overlap_but_meshes_never_in_samples)
-    {
+    for pair in (lists.capsules_always_overlap.iter()).chain(&lists.capsules_overlap_but_meshes_never_in_samples) {
         let links = pair.split_once('-');
         let links = links.and_then(|(i, j)| Some((i.parse().ok()?, j.parse().ok()?)));
         let links: (usize, usize) = links.ok_or_else(|| format!("{pair} is no pair of links"))?;
@@ -78,11 +71,7 @@ pub fn fields(
         let ignored = arrays(format!("{ignored:?}"));
         out += &format!("ignored_pairs = {ignored}\n");
     }
-    let parts: Vec<String> = capsules
-        .not_covered
-        .iter()
-        .map(|part| part.link.clone())
-        .collect();
+    let parts: Vec<String> = capsules.not_covered.iter().map(|part| part.link.clone()).collect();
     let remark = words.capsules(name, &parts);
     if !remark.is_empty() {
         out += &format!("capsules_remark = {remark:?}\n");

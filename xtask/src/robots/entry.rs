@@ -67,10 +67,7 @@ pub fn fields(name: &str, robot: &Robot, urdf: &str, words: &Words) -> Result<St
     let mut line = |text: String| out += &format!("{text}\n");
     line(format!("key = {:?}", name.replace('_', "-")));
     line(format!("brand = {:?}", robot.brand));
-    line(format!(
-        "name = {:?}",
-        format!("{} {}", robot.brand, robot.model)
-    ));
+    line(format!("name = {:?}", format!("{} {}", robot.brand, robot.model)));
     let payload = robot.payload_kg.zip(robot.payload_source.as_ref());
     if let Some((kg, source)) = payload {
         line(format!("payload = [{kg:?}, {source:?}]"));
@@ -92,9 +89,7 @@ pub fn fields(name: &str, robot: &Robot, urdf: &str, words: &Words) -> Result<St
     if !doubts.is_empty() {
         line("doubts = [".to_string());
         for (about, sentence) in doubts {
-            line(format!(
-                "    {{ about = {about:?}, sentence = {sentence:?} }},"
-            ));
+            line(format!("    {{ about = {about:?}, sentence = {sentence:?} }},"));
         }
         line("]".to_string());
     }
@@ -177,43 +172,26 @@ fn pose(matrix: &[[f64; 4]; 4]) -> [f64; 6] {
         let value = matrix[i][j];
         let whole = value.round();
         // Adding zero turns −0 into 0, which matters to atan2.
-        if (value - whole).abs() < NOISE {
-            whole + 0.0
-        } else {
-            value
-        }
+        if (value - whole).abs() < NOISE { whole + 0.0 } else { value }
     };
     let roll = r(2, 1).atan2(r(2, 2));
     let pitch = (-r(2, 0)).atan2(r(2, 1).hypot(r(2, 2)));
     // Yaw is what is left once this roll is undone.
     let (sine, cosine) = roll.sin_cos();
     let yaw = (sine * r(0, 2) - cosine * r(0, 1)).atan2(cosine * r(1, 1) - sine * r(1, 2));
-    [
-        millimetres(r(0, 3)),
-        millimetres(r(1, 3)),
-        millimetres(r(2, 3)),
-        degrees(roll),
-        degrees(pitch),
-        degrees(yaw),
-    ]
+    [millimetres(r(0, 3)), millimetres(r(1, 3)), millimetres(r(2, 3)), degrees(roll), degrees(pitch), degrees(yaw)]
 }
 
 /// The controller's base frame, which these descriptions call `base`, in `base_link`; the same where there is none.
 fn controller_base(urdf: &str) -> Result<[f64; 6], String> {
-    let mut joints = urdf
-        .split("<joint")
-        .skip(1)
-        .filter_map(|rest| rest.split("</joint>").next());
+    let mut joints = urdf.split("<joint").skip(1).filter_map(|rest| rest.split("</joint>").next());
     let Some(joint) = joints.find(|joint| joint.contains("<child link=\"base\"/>")) else {
         return Ok([0.0; 6]);
     };
     if !joint.contains("<parent link=\"base_link\"/>") {
         return Err("the frame base does not hang on base_link".to_string());
     }
-    let origin = joint
-        .split("<origin")
-        .nth(1)
-        .and_then(|rest| rest.split("/>").next());
+    let origin = joint.split("<origin").nth(1).and_then(|rest| rest.split("/>").next());
     let attribute = |name: &str| -> Result<[f64; 3], String> {
         let start = format!("{name}=\"");
         let text = origin.and_then(|o| o.split(start.as_str()).nth(1)?.split('"').next());
@@ -255,10 +233,7 @@ mod tests {
     fn the_controllers_base_is_read_from_the_description() {
         let urdf = r#"<joint name="a" type="fixed"><origin rpy="0 0 3.141592653589793" xyz="0 0 0.67"/>
             <parent link="base_link"/><child link="base"/></joint>"#;
-        assert_eq!(
-            controller_base(urdf).unwrap(),
-            [0.0, 0.0, 670.0, 0.0, 0.0, 180.0]
-        );
+        assert_eq!(controller_base(urdf).unwrap(), [0.0, 0.0, 670.0, 0.0, 0.0, 180.0]);
         assert_eq!(controller_base("<robot/>").unwrap(), [0.0; 6]);
     }
 }

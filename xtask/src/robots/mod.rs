@@ -48,10 +48,7 @@ pub fn run(workspace: &Workspace, folder: &Path, check: bool) -> Result<(), Fail
     }
     let line = first_difference(&there, text.as_bytes());
     Err(Failure::finding(
-        format!(
-            "{TARGET} is not what {} gives: line {line} differs",
-            folder.display()
-        ),
+        format!("{TARGET} is not what {} gives: line {line} differs", folder.display()),
         format!("run `cargo xtask robots {}`", folder.display()),
     ))
 }
@@ -71,10 +68,7 @@ fn generated(folder: &Path) -> Result<String, Failure> {
         let path = folder.join("urdf").join(format!("{name}.urdf"));
         let urdf = std::fs::read_to_string(&path).map_err(|e| wrong(&path, e))?;
         let (Some(capsules), Some(distances)) = (capsules.get(name), distances.get(name)) else {
-            return Err(wrong(
-                folder,
-                format!("{name} has no capsules or distances"),
-            ));
+            return Err(wrong(folder, format!("{name} has no capsules or distances")));
         };
         let fields = entry::fields(name, robot, &urdf, &words)
             .and_then(|own| Ok(own + &capsules::fields(name, capsules, distances, &words)?))

@@ -43,10 +43,7 @@ impl Words {
                 None => doubts.push(("geometry".to_string(), remark.clone())),
             }
         }
-        let angles = self
-            .angles
-            .iter()
-            .filter(|[text, _]| pendant.contains(text));
+        let angles = self.angles.iter().filter(|[text, _]| pendant.contains(text));
         doubts.extend(angles.map(|[_, said]| ("angles".to_string(), said.clone())));
         let elsewhere = self.elsewhere.iter().filter(|[robot, ..]| robot == name);
         doubts.extend(elsewhere.map(|[_, about, said]| (about.clone(), said.clone())));

@@ -41,8 +41,7 @@ impl Graph {
             false
         };
         let uses = self.uses.iter();
-        uses.filter(|one| ends(one).is_some_and(|(from, to)| leads(to, from)))
-            .collect()
+        uses.filter(|one| ends(one).is_some_and(|(from, to)| leads(to, from))).collect()
     }
 }
 

@@ -51,9 +51,7 @@ pub fn check(workspace: &Workspace) -> Result<(), Failure> {
                 faults.push(format!("{name}/src/{path}: {lines} lines of code"));
             }
             for number in compared_as_text(code) {
-                faults.push(format!(
-                    "{name}/src/{path}:{number}: the code of a finding is compared as text"
-                ));
+                faults.push(format!("{name}/src/{path}:{number}: the code of a finding is compared as text"));
             }
             codes.push((path, code.to_string()));
         }
@@ -84,11 +82,7 @@ pub fn check(workspace: &Workspace) -> Result<(), Failure> {
 
 /// The lines, from 1, in which the code of a finding is compared with a text that stands there.
 fn compared_as_text(code: &str) -> Vec<usize> {
-    let is_compared = |line: &str| {
-        [".code == \"", ".code != \""]
-            .iter()
-            .any(|own| line.contains(own))
-    };
+    let is_compared = |line: &str| [".code == \"", ".code != \""].iter().any(|own| line.contains(own));
     let lines = (1..).zip(code.lines());
     let found = lines.filter(|(_, line)| is_compared(line));
     found.map(|(number, _)| number).collect()
@@ -140,13 +134,9 @@ fn upward(library: &Graph, order: &[Vec<&str>], beside: Beside) -> BTreeSet<Stri
             continue;
         };
         match (level(from), level(to)) {
-            (Some(low), Some(high))
-                if from != to && (high > low || (high == low && beside == Beside::Refused)) =>
-            {
+            (Some(low), Some(high)) if from != to && (high > low || (high == low && beside == Beside::Refused)) => {
                 let (user, holder) = (&library.paths[user], &library.paths[holder]);
-                faults.insert(format!(
-                    "{user} uses {holder}: `{from}` must not know `{to}`"
-                ));
+                faults.insert(format!("{user} uses {holder}: `{from}` must not know `{to}`"));
             }
             (Some(_), Some(_)) => {}
             (None, _) => {
@@ -163,10 +153,7 @@ fn upward(library: &Graph, order: &[Vec<&str>], beside: Beside) -> BTreeSet<Stri
 /// How many modules the documentation of a root shows.
 fn public_modules(root: &str) -> usize {
     let lines: Vec<&str> = root.lines().collect();
-    lines
-        .windows(2)
-        .filter(|pair| pair[1].starts_with("pub mod ") && pair[0] != "#[doc(hidden)]")
-        .count()
+    lines.windows(2).filter(|pair| pair[1].starts_with("pub mod ") && pair[0] != "#[doc(hidden)]").count()
 }
 
 #[cfg(test)]
@@ -185,10 +172,7 @@ mod tests {
     }
 
     fn faults(files: &[(&str, &str)]) -> Vec<String> {
-        let order = order_of_modules(
-            "z\n```modules\nlow\nleft right\nhigh\n```\nd",
-            ORDER_HEADING,
-        );
+        let order = order_of_modules("z\n```modules\nlow\nleft right\nhigh\n```\nd", ORDER_HEADING);
         Vec::from_iter(upward(&library(files), &order, Beside::Refused))
     }
 
@@ -197,16 +181,10 @@ mod tests {
         let files = [
             ("lib.rs", "pub mod low; pub use high::deep::Item;"),
             ("low/mod.rs", "use crate::{left::{Part, other}, Item};"),
-            (
-                "left/mod.rs",
-                "use crate::low; fn a() { crate::right::b() }",
-            ),
+            ("left/mod.rs", "use crate::low; fn a() { crate::right::b() }"),
             ("right.rs", "use super::low::Thing; // use crate::high;"),
             ("high/mod.rs", "mod deep;"),
-            (
-                "high/deep.rs",
-                "use crate::left; use super::super::low; use super::Up;",
-            ),
+            ("high/deep.rs", "use crate::left; use super::super::low; use super::Up;"),
         ];
         assert_eq!(
             faults(&files),
@@ -216,20 +194,14 @@ mod tests {
                 "low/mod.rs uses left/mod.rs: `low` must not know `left`",
             ]
         );
-        assert_eq!(
-            faults(&[("low.rs", ""), ("new.rs", "use crate::low;")]),
-            ["`new` has no level in ARCHITECTURE.md"]
-        );
+        assert_eq!(faults(&[("low.rs", ""), ("new.rs", "use crate::low;")]), ["`new` has no level in ARCHITECTURE.md"]);
     }
 
     #[test]
     fn circles_are_found_through_re_exports_and_a_parent_makes_none() {
         let mut files = [
             ("lib.rs", "mod a; mod d;"),
-            (
-                "a/mod.rs",
-                "mod b; mod c; pub use b::B; use crate::d::D; struct A;",
-            ),
+            ("a/mod.rs", "mod b; mod c; pub use b::B; use crate::d::D; struct A;"),
             ("a/b.rs", "use super::{A, c::C};"),
             ("a/c.rs", "use super::B;"),
             ("d.rs", "use std::fmt;"),
@@ -237,8 +209,7 @@ mod tests {
         let found = |files: &[(&str, &str)]| {
             let library = library(files);
             let circles = library.circles().into_iter();
-            let uses =
-                circles.map(|(from, to)| format!("{} {}", library.paths[from], library.paths[to]));
+            let uses = circles.map(|(from, to)| format!("{} {}", library.paths[from], library.paths[to]));
             uses.collect::<Vec<String>>()
         };
         assert_eq!(found(&files), ["a/b.rs a/c.rs", "a/c.rs a/b.rs"]);
@@ -254,10 +225,7 @@ mod tests {
         files[3].1 = "";
         assert!(found(&files).is_empty());
         files[4].1 = "use crate::a::B;";
-        assert_eq!(
-            found(&files),
-            ["a/mod.rs d.rs", "a/b.rs a/mod.rs", "d.rs a/b.rs"]
-        );
+        assert_eq!(found(&files), ["a/mod.rs d.rs", "a/b.rs a/mod.rs", "d.rs a/b.rs"]);
     }
 
     #[test]

@@ -10,20 +10,12 @@ use super::source::is_name;
 /// The modules of the package `name` and what they import of it: path below the package, and code; a stub stands for a
 /// module that is no Python.
 pub fn graph(name: &str, codes: &[(String, String)]) -> Graph {
-    let modules = codes
-        .iter()
-        .map(|(path, _)| (module_of(path), path.clone()));
-    let mut graph = Graph {
-        paths: modules.collect(),
-        uses: BTreeSet::new(),
-    };
+    let modules = codes.iter().map(|(path, _)| (module_of(path), path.clone()));
+    let mut graph = Graph { paths: modules.collect(), uses: BTreeSet::new() };
     for (path, code) in codes {
         let module = module_of(path);
         let mut folder = module.clone();
-        if Path::new(path)
-            .file_stem()
-            .is_none_or(|stem| stem != "__init__")
-        {
+        if Path::new(path).file_stem().is_none_or(|stem| stem != "__init__") {
             folder.pop();
         }
         for used in imports(code, name, &folder) {
@@ -64,21 +56,13 @@ fn imports(code: &str, name: &str, folder: &[String]) -> Vec<Module> {
         let base = match dots {
             0 => Vec::new(),
             // One dot is the folder of the module itself.
-            dots => [
-                &[name.to_string()],
-                &folder[..(folder.len() + 1).saturating_sub(dots)],
-            ]
-            .concat(),
+            dots => [&[name.to_string()], &folder[..(folder.len() + 1).saturating_sub(dots)]].concat(),
         };
         for one in names.split(',') {
             let one = one.split_whitespace().next().unwrap_or_default();
             let parts = rest.split('.').chain(one.split('.'));
             let parts = parts.filter(|part| part.starts_with(is_name));
-            let whole: Module = base
-                .iter()
-                .cloned()
-                .chain(parts.map(String::from))
-                .collect();
+            let whole: Module = base.iter().cloned().chain(parts.map(String::from)).collect();
             if whole.first().is_some_and(|first| first == name) {
                 found.push(whole[1..].to_vec());
             }
@@ -120,11 +104,7 @@ fn after_text<'c>(mut rest: &'c str, quote: &str) -> &'c str {
         if let Some(behind) = rest.strip_prefix(quote) {
             return behind;
         }
-        let escaped = if sign == '\\' {
-            rest[1..].chars().next()
-        } else {
-            None
-        };
+        let escaped = if sign == '\\' { rest[1..].chars().next() } else { None };
         rest = &rest[sign.len_utf8() + escaped.map_or(0, char::len_utf8)..];
     }
     rest
@@ -135,44 +115,26 @@ mod tests {
     use super::*;
 
     fn graph_of(files: &[(&str, &str)]) -> Graph {
-        let codes: Vec<(String, String)> = files
-            .iter()
-            .map(|(path, code)| (path.to_string(), code.to_string()))
-            .collect();
+        let codes: Vec<(String, String)> =
+            files.iter().map(|(path, code)| (path.to_string(), code.to_string())).collect();
         graph("arm", &codes)
     }
 
     #[test]
     fn imports_count_wherever_they_stand_and_text_does_not() {
         let files = [
-            (
-                "__init__.py",
-                "\"\"\"\nfrom . import text\n\"\"\"\nfrom .a import (\n    One,  # from .b\n    Two,\n)\n",
-            ),
-            (
-                "a.py",
-                "from __future__ import annotations\nfrom . import _native, c as d\n",
-            ),
-            (
-                "b.py",
-                "def f():\n    s = 'it\\'s'\n    from .plot import look\n    import arm.c\n",
-            ),
+            ("__init__.py", "\"\"\"\nfrom . import text\n\"\"\"\nfrom .a import (\n    One,  # from .b\n    Two,\n)\n"),
+            ("a.py", "from __future__ import annotations\nfrom . import _native, c as d\n"),
+            ("b.py", "def f():\n    s = 'it\\'s'\n    from .plot import look\n    import arm.c\n"),
             ("c.py", "if TYPE_CHECKING:\n    from .b import B\n"),
             ("text.py", ""),
             ("_native.pyi", ""),
             ("plot/__init__.py", "from .look import draw\n"),
-            (
-                "plot/look.py",
-                "from .. import c, One\nimport numpy as np\n",
-            ),
+            ("plot/look.py", "from .. import c, One\nimport numpy as np\n"),
         ];
         let graph = graph_of(&files);
         let path = |module: &Module| graph.paths[module].as_str();
-        let uses: Vec<_> = graph
-            .uses
-            .iter()
-            .map(|(a, b)| format!("{} {}", path(a), path(b)))
-            .collect();
+        let uses: Vec<_> = graph.uses.iter().map(|(a, b)| format!("{} {}", path(a), path(b))).collect();
         assert_eq!(
             uses,
             [
@@ -187,11 +149,7 @@ mod tests {
                 "plot/look.py c.py",
             ]
         );
-        let circles: Vec<_> = graph
-            .circles()
-            .iter()
-            .map(|(a, b)| format!("{} {}", path(a), path(b)))
-            .collect();
+        let circles: Vec<_> = graph.circles().iter().map(|(a, b)| format!("{} {}", path(a), path(b))).collect();
         assert_eq!(
             circles,
             [

@@ -15,11 +15,7 @@ pub fn words(code: &str) -> Vec<String> {
         let mut rest = line.trim_start();
         while let Some(sign) = rest.chars().next() {
             let end_of_name = rest.find(|sign| !is_name(sign)).unwrap_or(rest.len());
-            let length = if rest.starts_with("::") {
-                2
-            } else {
-                end_of_name.max(sign.len_utf8())
-            };
+            let length = if rest.starts_with("::") { 2 } else { end_of_name.max(sign.len_utf8()) };
             words.push(rest[..length].to_string());
             rest = rest[length..].trim_start();
         }
@@ -37,13 +33,9 @@ mod tests {
 
     #[test]
     fn comments_and_tests_are_left_out() {
-        let text =
-            "//! use a;\nuse crate::b::{C, é}; // d\nfn e() {}\n\n#[cfg(test)]\nmod tests {\n}\n";
+        let text = "//! use a;\nuse crate::b::{C, é}; // d\nfn e() {}\n\n#[cfg(test)]\nmod tests {\n}\n";
         assert_eq!(code(text).lines().count(), 4);
-        assert_eq!(
-            words(code(text)).join(" "),
-            "use crate :: b :: { C , é } ; fn e ( ) { }"
-        );
+        assert_eq!(words(code(text)).join(" "), "use crate :: b :: { C , é } ; fn e ( ) { }");
         assert_eq!(code("a\nb\n"), "a\nb\n");
     }
 }

@@ -55,17 +55,12 @@ impl Crate {
     pub fn graph(&self) -> Graph {
         let paths = self.files.iter();
         let paths = paths.map(|(module, file)| (module.clone(), file.path.clone()));
-        Graph {
-            paths: paths.collect(),
-            uses: self.uses(),
-        }
+        Graph { paths: paths.collect(), uses: self.uses() }
     }
 
     /// The module whose file holds the item at `path` from the root, through re-exports.
     fn holder(&self, path: &[String], depth: usize) -> Option<Module> {
-        let length = (0..=path.len())
-            .rev()
-            .find(|&length| self.files.contains_key(&path[..length]))?;
+        let length = (0..=path.len()).rev().find(|&length| self.files.contains_key(&path[..length]))?;
         let (module, rest) = path.split_at(length);
         let again = rest.first().and_then(|name| {
             let target = self.files[module].names.get(name)?;
@@ -85,17 +80,11 @@ fn module_of(path: &Path) -> Module {
         Some("mod" | "lib" | "main") => path.with_file_name(""),
         _ => path.with_extension(""),
     };
-    path.iter()
-        .map(|part| part.to_string_lossy().into_owned())
-        .collect()
+    path.iter().map(|part| part.to_string_lossy().into_owned()).collect()
 }
 
 /// The names that `use` items give to items of this crate.
-fn imported_names(
-    module: &Module,
-    words: &[String],
-    modules: &BTreeSet<Module>,
-) -> BTreeMap<String, Module> {
+fn imported_names(module: &Module, words: &[String], modules: &BTreeSet<Module>) -> BTreeMap<String, Module> {
     let mut found = Vec::new();
     for at in (0..words.len()).filter(|&i| words[i] == "use") {
         let child = [module.as_slice(), &words[at + 1..at + 2]].concat();
@@ -139,12 +128,7 @@ fn base(module: &Module, words: &[String], start: usize) -> Option<(usize, Modul
 }
 
 /// Reads the path or `use` tree at `at` below `base`: every path with the name that it gets. Returns where it ends.
-fn read_tree(
-    words: &[String],
-    mut at: usize,
-    mut base: Module,
-    found: &mut Vec<(String, Module)>,
-) -> usize {
+fn read_tree(words: &[String], mut at: usize, mut base: Module, found: &mut Vec<(String, Module)>) -> usize {
     let word = |at: usize| words.get(at).map_or("", String::as_str);
     loop {
         match word(at) {

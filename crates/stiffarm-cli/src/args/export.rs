@@ -19,12 +19,7 @@ pub struct ExportArgs {
     #[arg(long, value_name = "LANGUAGE", value_parser = one_of(&Language::ALL, shown))]
     pub language: Option<Language>,
     /// Folder for the program
-    #[arg(
-        long,
-        value_name = "DIR",
-        required_unless_present = "compare",
-        conflicts_with = "compare"
-    )]
+    #[arg(long, value_name = "DIR", required_unless_present = "compare", conflicts_with = "compare")]
     pub output_dir: Option<PathBuf>,
     /// Write nothing: read this program, as it is or changed at the pendant, and say where its
     /// postures differ from the plan (KRL: both files)
@@ -73,12 +68,7 @@ pub struct ControllerArgs {
     #[arg(long, value_name = "N,…", value_delimiter = ',')]
     pub controller_axes: Vec<usize>,
     /// Encoder pulses per degree of each axis (inform only)
-    #[arg(
-        long,
-        value_name = "X,…",
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "X,…", value_delimiter = ',', allow_hyphen_values = true)]
     pub pulses_per_degree: Vec<f64>,
 }
 

@@ -7,17 +7,8 @@ use stiffarm::ask::{identify, map, predict, select};
 
 /// Groups of commands, in the order of the work.
 const GROUPS: [(&str, &[&str]); 5] = [
-    (
-        "Plan",
-        &[
-            "init", "check", "select", "evaluate", "simulate", "coverage", "zones", "robots",
-            "capsules",
-        ],
-    ),
-    (
-        "Measure",
-        &["route", "export", "pose", "register", "measure"],
-    ),
+    ("Plan", &["init", "check", "select", "evaluate", "simulate", "coverage", "zones", "robots", "capsules"]),
+    ("Measure", &["route", "export", "pose", "register", "measure"]),
     ("Identify", &["identify", "validate"]),
     ("Work", &["predict", "compensate", "map"]),
     ("Show", &["study", "report", "schema", "completions", "man"]),
@@ -96,9 +87,9 @@ pub fn grouped(command: Command) -> Command {
     };
     let command = command.mut_args(numbers);
     let command = command.mut_subcommands(|one| one.mut_args(numbers));
-    let command = NOT_WITH.iter().fold(command, |command, (name, rules)| {
-        command.mut_subcommand(name, |one| excluding(one, rules))
-    });
+    let command = NOT_WITH
+        .iter()
+        .fold(command, |command, (name, rules)| command.mut_subcommand(name, |one| excluding(one, rules)));
     EVERYDAY
         .iter()
         .fold(command, |command, (name, options)| {
@@ -112,17 +103,12 @@ pub fn grouped(command: Command) -> Command {
         .mut_subcommands(|one| one.hide(true))
         .override_usage("stiffarm [OPTIONS] <COMMAND>")
         .before_help(listed)
-        .help_template(
-            "{about-with-newline}\n{usage-heading} {usage}\n\n{before-help}{all-args}{after-help}",
-        )
+        .help_template("{about-with-newline}\n{usage-heading} {usage}\n\n{before-help}{all-args}{after-help}")
 }
 
 /// The command that refuses what `rules` exclude, as far as it has it.
 fn excluding(command: Command, rules: NotWith) -> Command {
-    let ids: Vec<String> = command
-        .get_arguments()
-        .map(|arg| arg.get_id().to_string())
-        .collect();
+    let ids: Vec<String> = command.get_arguments().map(|arg| arg.get_id().to_string()).collect();
     let there = |other: &&&str| ids.iter().any(|id| id == **other);
     command.mut_args(|arg| {
         let own = rules.iter().find(|(name, _)| arg.get_id() == name);
@@ -142,11 +128,7 @@ mod tests {
         let command = crate::args::Cli::command();
         let shown = command.get_subcommands().filter(|one| !one.is_hide_set());
         let mut shown: Vec<&str> = shown.map(Command::get_name).collect();
-        let mut listed: Vec<&str> = GROUPS
-            .iter()
-            .flat_map(|(_, names)| *names)
-            .copied()
-            .collect();
+        let mut listed: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| *names).copied().collect();
         shown.sort_unstable();
         listed.sort_unstable();
         assert_eq!(shown, listed);
@@ -159,10 +141,7 @@ mod tests {
             let one = command.find_subcommand(name).unwrap();
             for option in options {
                 let mut arguments = one.get_arguments();
-                assert!(
-                    arguments.any(|arg| arg.get_id() == option),
-                    "{name} {option}"
-                );
+                assert!(arguments.any(|arg| arg.get_id() == option), "{name} {option}");
             }
         }
     }

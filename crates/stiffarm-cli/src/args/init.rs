@@ -49,14 +49,6 @@ pub struct InitArgs {
 
 /// Conventions of Denavit–Hartenberg rows.
 const DH: &[Choice<DhConvention>] = &[
-    (
-        "modified",
-        "Craig: turn about x, shift along x, turn about z, shift along z",
-        DhConvention::Modified,
-    ),
-    (
-        "standard",
-        "Turn about z, shift along z, shift along x, turn about x",
-        DhConvention::Standard,
-    ),
+    ("modified", "Craig: turn about x, shift along x, turn about z, shift along z", DhConvention::Modified),
+    ("standard", "Turn about z, shift along z, shift along x, turn about x", DhConvention::Standard),
 ];

@@ -225,12 +225,7 @@ pub struct SplitArgs {
           value_parser = within::<u64>(1..=1000))]
     pub choose: Vec<u64>,
     /// Indices that choose [default: novel,expected-error,prediction]
-    #[arg(
-        long,
-        value_name = "NAME,…",
-        requires = "measured",
-        value_delimiter = ','
-    )]
+    #[arg(long, value_name = "NAME,…", requires = "measured", value_delimiter = ',')]
     pub indices: Vec<String>,
     /// Multiplies the sizes of what the index prediction takes to give way beyond the axes
     #[arg(long, value_name = "X", requires = "measured", value_parser = above_zero("1"))]
@@ -395,7 +390,5 @@ pub fn wants_json(words: &[OsString]) -> bool {
 }
 
 fn options(words: &[OsString]) -> impl Iterator<Item = &OsString> {
-    words
-        .iter()
-        .take_while(|word| word.as_os_str() != OsStr::new("--"))
+    words.iter().take_while(|word| word.as_os_str() != OsStr::new("--"))
 }

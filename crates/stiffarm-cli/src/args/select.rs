@@ -52,12 +52,7 @@ pub struct OutputArgs {
     pub figure: Option<String>,
     /// Load states of the sheet, in the order in which they are taken, for example
     /// preload,up-250,up-500,down-250; an unloaded state comes first [default: loaded]
-    #[arg(
-        long,
-        value_name = "NAME,…",
-        value_delimiter = ',',
-        requires = "readings"
-    )]
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', requires = "readings")]
     pub states: Vec<String>,
     /// In the sheet, each posture ends unloaded once more, which shows the drift
     #[arg(long, requires = "readings")]

@@ -72,10 +72,7 @@ pub fn run(session: &Session, args: &CapsulesArgs) -> Result<Answer> {
         .map(|(i, from)| {
             progress.report("meshes into capsules", i, args.meshes.len());
             if session.stopped() {
-                return Err(Error::new(
-                    Code::Interrupted,
-                    "Interrupted: there is no result.",
-                ));
+                return Err(Error::new(Code::Interrupted, "Interrupted: there is no result."));
             }
             fitted(session, &format!("mesh_{}", i + 1), from, args)
         })
@@ -85,12 +82,7 @@ pub fn run(session: &Session, args: &CapsulesArgs) -> Result<Answer> {
         (None, false) => table(&meshes),
         (link, _) => tables(&meshes, link),
     };
-    let options = Options {
-        unit: args.unit.name(),
-        most: args.most,
-        link: args.link,
-        tool: args.tool,
-    };
+    let options = Options { unit: args.unit.name(), most: args.most, link: args.link, tool: args.tool };
     let envelope = session.envelope("capsules", None, options, Fitted { meshes });
     Ok(Answer::table(Exit::Done, envelope, text))
 }
@@ -98,11 +90,7 @@ pub fn run(session: &Session, args: &CapsulesArgs) -> Result<Answer> {
 fn fitted(session: &Session, role: &str, from: &str, args: &CapsulesArgs) -> Result<Mesh> {
     let (name, bytes) = session.read(role, from)?;
     let mesh = parse_mesh(&bytes, &name, args.unit.length()).map_err(|e| {
-        if args.unit == MeshUnit::M && e.message().contains("unit is mm") {
-            e.hint("give --unit mm")
-        } else {
-            e
-        }
+        if args.unit == MeshUnit::M && e.message().contains("unit is mm") { e.hint("give --unit mm") } else { e }
     })?;
     let capsules = capsules_of_mesh(&mesh, args.most);
     let extent = mesh.extent();
@@ -124,11 +112,7 @@ fn hundredths(m: f64) -> f64 {
 
 fn in_millimetres(capsule: &Capsule) -> InMillimetres {
     let point = |p: &nalgebra::Vector3<f64>| [p.x, p.y, p.z].map(hundredths);
-    InMillimetres {
-        from_mm: point(&capsule.a),
-        to_mm: point(&capsule.b),
-        radius_mm: hundredths(capsule.radius),
-    }
+    InMillimetres { from_mm: point(&capsule.a), to_mm: point(&capsule.b), radius_mm: hundredths(capsule.radius) }
 }
 
 impl Mesh {
@@ -191,10 +175,7 @@ fn tables(meshes: &[Mesh], link: Option<usize>) -> String {
         for capsule in &mesh.capsules {
             out += &match link {
                 Some(link) => format!("[[robot.shape]]\nlink = {link}\n"),
-                None => format!(
-                    "[[tool.shape]]\nname = {}\nkind = \"capsule\"\n",
-                    quoted(&name(mesh))
-                ),
+                None => format!("[[tool.shape]]\nname = {}\nkind = \"capsule\"\n", quoted(&name(mesh))),
             };
             let _ = writeln!(
                 out,

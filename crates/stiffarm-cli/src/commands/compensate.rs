@@ -25,17 +25,11 @@ use stiffarm_files::tool_path::{Kind, MoveOptions, ToolPath, write_moves};
 use stiffarm_report::{compensation_figure, render_svg};
 
 /// Said where a path is asked for that is not to be commanded.
-const WITHHELD: &str =
-    "Nothing was written: the findings say why. `--beyond-data` writes it all the same.\n";
+const WITHHELD: &str = "Nothing was written: the findings say why. `--beyond-data` writes it all the same.\n";
 
 /// Compensates.
 pub fn run(session: &Session, args: &CompensateArgs) -> Result<Answer> {
-    let mut outputs = Outputs::new(
-        session,
-        args.output.as_deref(),
-        args.figure.as_deref(),
-        args.force,
-    )?;
+    let mut outputs = Outputs::new(session, args.output.as_deref(), args.figure.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let saved = read_stiffness(session, &args.stiffness, cell)?;
@@ -48,12 +42,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Answer> {
     let kept = path.program.as_ref().filter(|_| args.write.is_none());
     if let Some(output) = &args.output {
         let new = language.map(Kind::Robot);
-        check_ending(
-            output,
-            new.or(kept.map(ToolPath::kind)),
-            new.is_some(),
-            &path.name,
-        )?;
+        check_ending(output, new.or(kept.map(ToolPath::kind)), new.is_some(), &path.name)?;
         if let Some(ending) = kept.and_then(ToolPath::companion) {
             outputs.beside(session, output, ending, args.force)?;
         }
@@ -65,10 +54,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Answer> {
             options.compensate(cell, &saved, &followed, control)
         })
         .map_err(|e| path.in_file(e))?;
-    result
-        .postures
-        .findings
-        .extend(path.findings.iter().cloned());
+    result.postures.findings.extend(path.findings.iter().cloned());
     let wanted = args.output.is_some() || args.figure.is_some();
     let withheld = wanted && !args.beyond_data && is_objected(&result);
     let mut files = None;
@@ -108,8 +94,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Answer> {
 /// Whether something speaks against commanding the path.
 fn is_objected(result: &Compensated) -> bool {
     let mut of_path = result.postures.findings.iter();
-    of_path.any(|f| f.severity == Severity::Serious)
-        || result.compensation.objections().next().is_some()
+    of_path.any(|f| f.severity == Severity::Serious) || result.compensation.objections().next().is_some()
 }
 
 /// A new program of linear moves through the commanded points, which are poses.
@@ -128,23 +113,12 @@ fn moves(
     });
     let poses: Vec<_> = poses.collect();
     let hash = session.last_hash("path").unwrap_or_default();
-    let stem = args
-        .output
-        .as_deref()
-        .map(Path::new)
-        .and_then(Path::file_stem);
+    let stem = args.output.as_deref().map(Path::new).and_then(Path::file_stem);
     let name = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let options = MoveOptions {
-        name: if language == Language::Ls {
-            name.to_ascii_uppercase()
-        } else {
-            name
-        },
+        name: if language == Language::Ls { name.to_ascii_uppercase() } else { name },
         header: vec![
-            format!(
-                "Path compensated by stiffarm {}.",
-                env!("CARGO_PKG_VERSION")
-            ),
+            format!("Path compensated by stiffarm {}.", env!("CARGO_PKG_VERSION")),
             format!("path sha256 {}", &hash[..hash.len().min(16)]),
             "Check tool, base, speed and the first moves slowly.".to_string(),
         ],
@@ -170,9 +144,7 @@ fn check_ending(output: &str, kind: Option<Kind>, is_new: bool, input: &str) -> 
     };
     let hint = match kind {
         Some(_) if is_new => "give it the ending of such a program",
-        Some(_) => {
-            "give it the ending of the path, or write a table with `--write poses` or `--write angles`"
-        }
+        Some(_) => "give it the ending of the path, or write a table with `--write poses` or `--write angles`",
         None => "name it .csv; a program goes out as the program that came in, without --write",
     };
     let error = Error::new(Code::Usage, message).key("--output");
@@ -198,20 +170,16 @@ fn commanded(
     kind: PathKind,
 ) -> Result<Vec<PathPoint>> {
     let arm = LoadedArm::new(cell, predictor)?;
-    let points = table
-        .points
-        .iter()
-        .zip(&result.points)
-        .map(|(point, found)| PathPoint {
-            target: match kind {
-                // The angles as the result writes them.
-                PathKind::Angles => {
-                    let written = |q: &f64| deg_to_rad(rad_to_shortest_deg(*q));
-                    Aim::Angles(found.command.iter().map(written).collect())
-                }
-                _ => Aim::Pose(arm.tip_pose(&found.command)),
-            },
-            ..point.clone()
-        });
+    let points = table.points.iter().zip(&result.points).map(|(point, found)| PathPoint {
+        target: match kind {
+            // The angles as the result writes them.
+            PathKind::Angles => {
+                let written = |q: &f64| deg_to_rad(rad_to_shortest_deg(*q));
+                Aim::Angles(found.command.iter().map(written).collect())
+            }
+            _ => Aim::Pose(arm.tip_pose(&found.command)),
+        },
+        ..point.clone()
+    });
     Ok(points.collect())
 }

@@ -9,7 +9,6 @@ use stiffarm::{Code, Error, Result};
 pub fn run(args: &CompletionsArgs) -> Result<Answer> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "stiffarm", &mut script);
-    let script = String::from_utf8(script)
-        .map_err(|_| Error::new(Code::Internal, "The completions are not text."))?;
+    let script = String::from_utf8(script).map_err(|_| Error::new(Code::Internal, "The completions are not text."))?;
     Ok(Answer::text(script))
 }

@@ -24,12 +24,7 @@ fn errors() -> String {
         | code | meaning | exit code |\n|---|---|---|\n"
         .to_string();
     for code in Code::ALL {
-        out += &format!(
-            "| `{}` | {} | {} |\n",
-            code.as_str(),
-            cell(code.meaning()),
-            crate::error::exit_code(code)
-        );
+        out += &format!("| `{}` | {} | {} |\n", code.as_str(), cell(code.meaning()), crate::error::exit_code(code));
     }
     out + "\n## Exit codes\n\n\
         | exit code | meaning |\n|---|---|\n\

@@ -43,11 +43,7 @@ impl Earlier {
                 let groups = groups.into_iter().flatten();
                 let pictures = groups.filter_map(|group| text(&group["name"]));
                 let pictures = pictures.map(|name| format!("postures-{}.svg", slug(&name)));
-                ALWAYS
-                    .map(String::from)
-                    .into_iter()
-                    .chain(pictures)
-                    .collect()
+                ALWAYS.map(String::from).into_iter().chain(pictures).collect()
             }
         };
         Earlier(names.into_iter().filter(|name| is_ours(name)).collect())
@@ -73,10 +69,7 @@ impl Earlier {
             out += &format!("removed {removed} files of the earlier study that this one has not\n");
         }
         if !left.is_empty() {
-            out += &format!(
-                "these files of an earlier study could not be removed: {}\n",
-                left.join(", ")
-            );
+            out += &format!("these files of an earlier study could not be removed: {}\n", left.join(", "));
         }
         out
     }

@@ -11,9 +11,7 @@ use stiffarm::ask::coverage::CoverageOptions;
 use stiffarm::ask::path::PathOptions;
 use stiffarm::ask::register::PairOptions;
 use stiffarm::ask::select::{self, Asked};
-use stiffarm::ask::{
-    compensate, identify, map, measure, place, pose, predict, route, simulate, validate, zones,
-};
+use stiffarm::ask::{compensate, identify, map, measure, place, pose, predict, route, simulate, validate, zones};
 use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::estimate::coverage::Coverage;
 use stiffarm::estimate::simulate::{ElasticSimulation, ElasticSimulationOptions, Simulation};
@@ -62,9 +60,7 @@ pub fn generated() -> Result<BTreeMap<String, String>> {
         of::<study::measured::Options, study::measured::Written>("study --measured"),
         of::<study::Options, study::Written>("study"),
     ];
-    let texts = schemas
-        .into_iter()
-        .map(|(name, schema)| Ok((name, to_json(&schema)?)));
+    let texts = schemas.into_iter().map(|(name, schema)| Ok((name, to_json(&schema)?)));
     texts.collect()
 }
 
@@ -77,10 +73,7 @@ fn of<O: JsonSchema, R: JsonSchema>(command: &str) -> (String, Schema) {
     // Angles are radians in memory, and degrees where a key says so.
     let in_degrees = RecursiveTransform(|schema: &mut Schema| {
         let properties = schema.get_mut("properties").and_then(Value::as_object_mut);
-        let angles = properties
-            .into_iter()
-            .flatten()
-            .filter(|(key, _)| key.ends_with("_deg"));
+        let angles = properties.into_iter().flatten().filter(|(key, _)| key.ends_with("_deg"));
         for (_, property) in angles {
             if let Some(Value::String(text)) = property.get_mut("description") {
                 *text = text.replace("[rad", "[deg");

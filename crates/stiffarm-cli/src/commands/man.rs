@@ -16,19 +16,13 @@ pub fn run(session: &Session, args: &ManArgs) -> Result<Answer> {
     let Some(folder) = &args.output_dir else {
         return Ok(Answer::text(page(main)?));
     };
-    let mut commands: Vec<clap::Command> = main
-        .get_subcommands()
-        .filter(|c| !c.is_hide_set() && c.get_name() != "help")
-        .cloned()
-        .collect();
+    let mut commands: Vec<clap::Command> =
+        main.get_subcommands().filter(|c| !c.is_hide_set() && c.get_name() != "help").cloned().collect();
     commands.insert(0, main);
     let mut pages = Vec::with_capacity(commands.len());
     for command in commands {
         // Subcommands are called `stiffarm-check` in the manual.
-        let name = command
-            .get_display_name()
-            .unwrap_or(command.get_name())
-            .to_string();
+        let name = command.get_display_name().unwrap_or(command.get_name()).to_string();
         pages.push((format!("{name}.1"), page(command)?));
     }
     let names = pages.iter().map(|(name, _)| name.as_str());
@@ -40,14 +34,7 @@ pub fn run(session: &Session, args: &ManArgs) -> Result<Answer> {
 
 fn page(command: clap::Command) -> Result<String> {
     let mut text = Vec::new();
-    let failed = |e: String| {
-        Error::new(
-            Code::Internal,
-            format!("The manual page cannot be made: {e}."),
-        )
-    };
-    Man::new(command)
-        .render(&mut text)
-        .map_err(|e| failed(e.to_string()))?;
+    let failed = |e: String| Error::new(Code::Internal, format!("The manual page cannot be made: {e}."));
+    Man::new(command).render(&mut text).map_err(|e| failed(e.to_string()))?;
     String::from_utf8(text).map_err(|e| failed(e.to_string()))
 }

@@ -15,12 +15,7 @@ use stiffarm_report::{prediction_figure, render_svg};
 
 /// Predicts.
 pub fn run(session: &Session, args: &PredictArgs) -> Result<Answer> {
-    let outputs = Outputs::new(
-        session,
-        args.output.as_deref(),
-        args.figure.as_deref(),
-        args.force,
-    )?;
+    let outputs = Outputs::new(session, args.output.as_deref(), args.figure.as_deref(), args.force)?;
     let mut named = session.read_cell(&args.cell)?;
     let saved = read_stiffness(session, &args.stiffness, &named.cell)?;
     let request = &args.options;
@@ -32,17 +27,14 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Answer> {
     }
     let path = args.path.as_ref();
     let (axes, log) = (request.path.axes, args.along.log.as_deref());
-    let path = path
-        .map(|path| read_path(session, path, &named.cell, args.along.language, axes, log))
-        .transpose()?;
+    let path = path.map(|path| read_path(session, path, &named.cell, args.along.language, axes, log)).transpose()?;
     let points = path.as_ref().map(|path| path.table.points.as_slice());
     let in_file = |e: Error| match &path {
-        Some(path) if e.place().key.as_deref() == Some("cell_load") => Error::new(
-            e.code(),
-            "With --cell-load the postures must be joint angles.",
-        )
-        .file(&path.name)
-        .hint(e.hint_text().unwrap_or_default()),
+        Some(path) if e.place().key.as_deref() == Some("cell_load") => {
+            Error::new(e.code(), "With --cell-load the postures must be joint angles.")
+                .file(&path.name)
+                .hint(e.hint_text().unwrap_or_default())
+        }
         Some(path) => path.in_file(e),
         None => e,
     };
@@ -63,10 +55,8 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Answer> {
     let workpiece = result.postures.as_ref().map(|_| &named.cell.work.workpiece);
     let table = Rc::clone(&envelope);
     let rows = move |out: &mut dyn Write| table.result.prediction.write_csv(out);
-    let files = outputs.files(
-        || Ok(vec![Rows(rows)]),
-        || render_svg(&prediction_figure(&result.prediction, workpiece)),
-    )?;
+    let files =
+        outputs.files(|| Ok(vec![Rows(rows)]), || render_svg(&prediction_figure(&result.prediction, workpiece)))?;
     let findings = result.every_finding();
     let made_with = (named, &saved);
     let exit = Exit::of_findings(&findings);

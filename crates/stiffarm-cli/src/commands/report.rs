@@ -86,13 +86,10 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Answer> {
     let pictures = folder.map(|folder| paper(session, args, folder, &page));
     let pictures = pictures.transpose()?;
     let page = target.map(|target| Files::one(target, render_page(&page)));
-    let shown = given.iter().map(|one| Shown {
-        command: one.saved.command.clone(),
-        cell: one.cell.map(|cell| cell.name.clone()),
-    });
-    let result = Reported {
-        results: shown.collect(),
-    };
+    let shown = given
+        .iter()
+        .map(|one| Shown { command: one.saved.command.clone(), cell: one.cell.map(|cell| cell.name.clone()) });
+    let result = Reported { results: shown.collect() };
     let envelope = session.envelope("report", None, Options {}, result);
     let table = given.iter().map(line).collect();
     let answer = Answer::table(Exit::Done, envelope, table);

@@ -17,8 +17,8 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
     let (cell, options) = (&named.cell, &args.options);
     let plan = read_postures(session, "plan", &args.plan, &cell.setup.robot)?;
-    let (result, stops) = Progress::new(session, "finding the route")
-        .watch(|control| Routed::new(cell, &plan, options, control))?;
+    let (result, stops) =
+        Progress::new(session, "finding the route").watch(|control| Routed::new(cell, &plan, options, control))?;
     let table = target.map(|target| Files::one(target, write_postures(&stops)));
     let exit = Exit::of_findings(&result.findings);
     let envelope = session.envelope("route", Some(options.seed), options.clone(), result);

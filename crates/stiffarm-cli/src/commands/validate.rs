@@ -23,11 +23,8 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Answer> {
     match (&args.stiffness, request.folds) {
         (Some(stiffness), None) => held_out(session, args, request, stiffness),
         (None, Some(folds)) => cross(session, args, request, &args.measurements, folds),
-        (None, None) => Err(Error::new(
-            Code::Usage,
-            "There is no joint stiffness to validate.",
-        )
-        .hint("give the file that `stiffarm identify --output` wrote before the measurements, or --folds")),
+        (None, None) => Err(Error::new(Code::Usage, "There is no joint stiffness to validate.")
+            .hint("give the file that `stiffarm identify --output` wrote before the measurements, or --folds")),
         // A table of measurements before others is no stiffness.
         (Some(first), Some(folds)) if !ends_in(first, "json") => {
             let first = std::slice::from_ref(first);
@@ -44,12 +41,7 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Answer> {
 }
 
 /// Validates a saved stiffness.
-fn held_out(
-    session: &Session,
-    args: &ValidateArgs,
-    request: &ValidateOptions,
-    stiffness: &str,
-) -> Result<Answer> {
+fn held_out(session: &Session, args: &ValidateArgs, request: &ValidateOptions, stiffness: &str) -> Result<Answer> {
     request.fit.refuse()?;
     let named = session.read_cell(&args.cell)?;
     let saved = read_stiffness(session, stiffness, &named.cell)?;
@@ -68,11 +60,7 @@ fn cross(
     folds: Folds,
 ) -> Result<Answer> {
     if request.model != Model::Linear {
-        return Err(Error::new(
-            Code::Unsupported,
-            "With --folds only the linear model can be used.",
-        )
-        .key("--model"));
+        return Err(Error::new(Code::Unsupported, "With --folds only the linear model can be used.").key("--model"));
     }
     let named = session.read_cell(&args.cell)?;
     let fit = request.fit.options(&named.cell.setup.robot)?;

@@ -25,14 +25,8 @@ pub fn run(session: &Session, args: &ZonesArgs) -> Result<Answer> {
     }
     let (cell, _) = with_length(named.cell.clone());
     let options = args.options.options();
-    announce(
-        session,
-        options.steps.saturating_mul(options.steps),
-        MANY,
-        "postures to look at",
-    );
-    let result =
-        Progress::new(session, "mapping zones").watch(|control| zones(&cell, &options, control))?;
+    announce(session, options.steps.saturating_mul(options.steps), MANY, "postures to look at");
+    let result = Progress::new(session, "mapping zones").watch(|control| zones(&cell, &options, control))?;
     let envelope = session.envelope("zones", None, args.options.in_cell(&cell), result);
     let pictures = args.output_dir.as_ref().map(|folder| {
         let result = &envelope.result;

@@ -45,11 +45,9 @@ impl Target {
         let name = shown(path);
         let target = match fs::metadata(path) {
             Ok(meta) if meta.is_dir() => {
-                return Err(
-                    Error::new(Code::FileWrite, "This is a folder; the output is a file.")
-                        .file(name)
-                        .hint("give a file name inside it"),
-                );
+                return Err(Error::new(Code::FileWrite, "This is a folder; the output is a file.")
+                    .file(name)
+                    .hint("give a file name inside it"));
             }
             Ok(meta) if !meta.is_file() => return Ok(Target::Device(path.to_path_buf())),
             Ok(_) if !force => return Err(exists(path, "The file exists already.")),
@@ -68,18 +66,12 @@ impl Target {
         };
         let folder = folder_of(&target);
         if !folder.is_dir() {
-            return Err(Error::new(
-                Code::FileWrite,
-                format!("There is no folder {}.", shown(&folder)),
-            )
-            .file(name)
-            .hint("make the folder first"));
+            return Err(Error::new(Code::FileWrite, format!("There is no folder {}.", shown(&folder)))
+                .file(name)
+                .hint("make the folder first"));
         }
         temporary::probe(&target).map_err(|e| write_error(path, &e))?;
-        Ok(Target::File {
-            path: target,
-            force,
-        })
+        Ok(Target::File { path: target, force })
     }
 
     /// True for standard output.
@@ -146,11 +138,9 @@ pub fn check_folder<'n>(
 ) -> Result<()> {
     let name = shown(folder);
     if folder.exists() && !folder.is_dir() {
-        return Err(
-            Error::new(Code::FileWrite, "This is a file; the output is a folder.")
-                .file(name)
-                .hint("name another folder"),
-        );
+        return Err(Error::new(Code::FileWrite, "This is a file; the output is a folder.")
+            .file(name)
+            .hint("name another folder"));
     }
     if folder.is_dir() {
         for name in names {
@@ -169,17 +159,12 @@ pub fn check_folder<'n>(
     let nearest = above.into_iter().find(|above| above.exists());
     if let Some(file) = nearest.filter(|nearest| !nearest.is_dir()) {
         let message = format!("The folder cannot be made: {} is a file.", shown(file));
-        return Err(Error::new(Code::FileWrite, message)
-            .file(name)
-            .hint("name another folder"));
+        return Err(Error::new(Code::FileWrite, message).file(name).hint("name another folder"));
     }
     let nearest = nearest.unwrap_or(Path::new("."));
-    let inside = folder
-        .file_name()
-        .map_or_else(|| nearest.to_path_buf(), |name| nearest.join(name));
-    temporary::probe(&inside).map_err(|e| {
-        Error::new(Code::FileWrite, format!("The folder cannot be made: {e}.")).file(name)
-    })
+    let inside = folder.file_name().map_or_else(|| nearest.to_path_buf(), |name| nearest.join(name));
+    temporary::probe(&inside)
+        .map_err(|e| Error::new(Code::FileWrite, format!("The folder cannot be made: {e}.")).file(name))
 }
 
 /// Makes a folder with those above it.
@@ -201,16 +186,11 @@ pub fn shown(path: &Path) -> String {
 
 /// A file that is not overwritten unasked.
 fn exists(path: &Path, message: &str) -> Error {
-    Error::new(Code::FileExists, message)
-        .file(shown(path))
-        .hint("add --force to overwrite it, or choose another name")
+    Error::new(Code::FileExists, message).file(shown(path)).hint("add --force to overwrite it, or choose another name")
 }
 
 fn write_error(path: &Path, error: &std::io::Error) -> Error {
-    Error::new(
-        Code::FileWrite,
-        format!("The file cannot be written: {error}."),
-    )
-    .file(shown(path))
-    .hint("check the folder's permissions and the free space")
+    Error::new(Code::FileWrite, format!("The file cannot be written: {error}."))
+        .file(shown(path))
+        .hint("check the folder's permissions and the free space")
 }

@@ -68,11 +68,7 @@ impl Temporary {
             if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) || !path.exists() {
                 continue;
             }
-            return Ok(Temporary {
-                path,
-                file,
-                placed: false,
-            });
+            return Ok(Temporary { path, file, placed: false });
         }
         Err(Error::other("no temporary name is free"))
     }
@@ -93,10 +89,7 @@ impl Temporary {
             Err(e) if e.kind() != ErrorKind::AlreadyExists => {
                 // A file system without second names, FAT for one: an empty file takes the
                 // name where nothing has it, and then gives it up. A kill between leaves that.
-                OpenOptions::new()
-                    .write(true)
-                    .create_new(true)
-                    .open(target)?;
+                OpenOptions::new().write(true).create_new(true).open(target)?;
                 self.replace(target).inspect_err(|_| {
                     let _ = fs::remove_file(target);
                 })

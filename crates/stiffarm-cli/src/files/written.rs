@@ -23,11 +23,7 @@ enum Place {
     /// Each to a place of its own.
     Targets(Vec<(Target, Box<dyn Contents>)>),
     /// All under their names to a folder, which is made where it is not there.
-    Folder {
-        folder: PathBuf,
-        files: Vec<(String, Box<dyn Contents>)>,
-        force: bool,
-    },
+    Folder { folder: PathBuf, files: Vec<(String, Box<dyn Contents>)>, force: bool },
 }
 
 /// How files that were written are named to the user.
@@ -58,19 +54,11 @@ impl Files {
         force: bool,
     ) -> Self {
         let boxed = |(name, contents)| (name, Box::new(contents) as Box<dyn Contents>);
-        Files::at(Place::Folder {
-            folder: folder.to_path_buf(),
-            files: files.into_iter().map(boxed).collect(),
-            force,
-        })
+        Files::at(Place::Folder { folder: folder.to_path_buf(), files: files.into_iter().map(boxed).collect(), force })
     }
 
     fn at(place: Place) -> Self {
-        Files {
-            place,
-            said: Said::Names,
-            then: None,
-        }
+        Files { place, said: Said::Names, then: None }
     }
 
     /// Names them so.
@@ -80,10 +68,7 @@ impl Files {
 
     /// Does this once they are written; what it says is a remark.
     pub fn then(self, then: impl FnOnce() -> String + 'static) -> Self {
-        Files {
-            then: Some(Box::new(then)),
-            ..self
-        }
+        Files { then: Some(Box::new(then)), ..self }
     }
 
     /// Whether one of them is standard output.
@@ -112,15 +97,10 @@ impl Written {
     pub fn write(&mut self, session: &Session, group: Files) -> Result<()> {
         let files = match group.place {
             Place::Targets(files) => files,
-            Place::Folder {
-                folder,
-                files,
-                force,
-            } => {
+            Place::Folder { folder, files, force } => {
                 // It may have changed since it was looked at.
                 let target = |(name, _): &(String, _)| Target::file(&folder.join(name), force);
-                let targets =
-                    make_folder(&folder).and_then(|()| files.iter().map(target).collect());
+                let targets = make_folder(&folder).and_then(|()| files.iter().map(target).collect());
                 match targets {
                     Ok(targets) => {
                         let targets: Vec<Target> = targets;
@@ -129,9 +109,9 @@ impl Written {
                     }
                     Err(error) => {
                         self.failure.get_or_insert(error);
-                        return files.iter().try_for_each(|(name, contents)| {
-                            print_instead(session, &folder.join(name), &**contents)
-                        });
+                        return files
+                            .iter()
+                            .try_for_each(|(name, contents)| print_instead(session, &folder.join(name), &**contents));
                     }
                 }
             }
@@ -159,12 +139,10 @@ impl Written {
             return Ok(());
         }
         match group.said {
-            Said::Names => self
-                .names
-                .extend(files.iter().filter_map(|(target, _)| match target {
-                    Target::File { path, .. } | Target::Device(path) => Some(shown(path)),
-                    Target::Stdout => None,
-                })),
+            Said::Names => self.names.extend(files.iter().filter_map(|(target, _)| match target {
+                Target::File { path, .. } | Target::Device(path) => Some(shown(path)),
+                Target::Stdout => None,
+            })),
             Said::As(words) => self.names.push(words),
             Said::Nothing => {}
         }
@@ -188,22 +166,14 @@ impl Written {
 /// a screen, and what they show is printed anyway.
 fn print_instead(session: &Session, path: &Path, contents: &dyn Contents) -> Result<()> {
     if is_table(path) && !session.json {
-        session.print(&format!(
-            "not written, {}:\n{}\n",
-            shown(path),
-            contents.text()
-        ))
+        session.print(&format!("not written, {}:\n{}\n", shown(path), contents.text()))
     } else {
         Ok(())
     }
 }
 
 fn is_table(path: &Path) -> bool {
-    !path.extension().is_some_and(|e| {
-        ["svg", "json", "xlsx", "html"]
-            .iter()
-            .any(|other| e.eq_ignore_ascii_case(other))
-    })
+    !path.extension().is_some_and(|e| ["svg", "json", "xlsx", "html"].iter().any(|other| e.eq_ignore_ascii_case(other)))
 }
 
 /// Writes the files and devices among `files`, all or none: each file is complete under a temporary name beside its
@@ -232,20 +202,12 @@ pub fn place<C: Contents>(files: &[(Target, C)]) -> Result<()> {
     // The only moment at which a kill leaves new files beside old ones.
     let mut made: Vec<&PathBuf> = Vec::new();
     for (temporary, path, force) in finished {
-        let placed = if force {
-            temporary.replace(path)
-        } else {
-            temporary.place(path)
-        };
+        let placed = if force { temporary.replace(path) } else { temporary.place(path) };
         if let Err(error) = placed {
             // Without the others of its command none is of use.
-            made.into_iter()
-                .for_each(|path| drop(fs::remove_file(path)));
+            made.into_iter().for_each(|path| drop(fs::remove_file(path)));
             return Err(match error.kind() {
-                ErrorKind::AlreadyExists => exists(
-                    path,
-                    "Something else has made the file while this command ran.",
-                ),
+                ErrorKind::AlreadyExists => exists(path, "Something else has made the file while this command ran."),
                 _ => write_error(path, &error),
             });
         }

@@ -26,26 +26,17 @@ fn equal_runs_are_equal_bytes_on_any_number_of_threads() {
         assert_eq!(one.out, more.out, "{line}");
         assert_eq!((one.err.as_str(), more.err.as_str()), ("", ""));
     }
-    let seed = |seed: u32| {
-        folder.ok(&format!(
-            "select builtin:comau --rounds 1 -n 5 --seed {seed} --no-certificate --json"
-        ))
-    };
+    let seed =
+        |seed: u32| folder.ok(&format!("select builtin:comau --rounds 1 -n 5 --seed {seed} --no-certificate --json"));
     assert_ne!(seed(1), seed(2));
 }
 
 #[test]
 fn results_hold_no_paths() {
     let folder = Folder::new();
-    folder.write(
-        "cell.toml",
-        stiffarm_files::builtin::cell_text("comau").unwrap(),
-    );
+    folder.write("cell.toml", stiffarm_files::builtin::cell_text("comau").unwrap());
     let relative = folder.ok("check cell.toml --json");
-    let absolute = folder.ok(&format!(
-        "check {} --json",
-        folder.path("cell.toml").display()
-    ));
+    let absolute = folder.ok(&format!("check {} --json", folder.path("cell.toml").display()));
     assert_eq!(relative, absolute);
     assert!(!relative.contains("cell.toml"));
 }
@@ -54,8 +45,7 @@ fn results_hold_no_paths() {
 fn existing_files_are_kept_unless_forced() {
     let folder = Folder::new();
     folder.write("plan.csv", "mine");
-    let line =
-        "select builtin:comau --initial builtin:comau-group1 --output plan.csv --sheet sheet.csv";
+    let line = "select builtin:comau --initial builtin:comau-group1 --output plan.csv --sheet sheet.csv";
     let ran = folder.run(line);
     assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""));
     assert_eq!(folder.read("plan.csv"), "mine");
@@ -74,10 +64,7 @@ fn init_writes_all_or_nothing() {
     assert_eq!(folder.names(), ["measurements.csv"]);
     assert_eq!(folder.read("measurements.csv"), "mine");
     folder.ok("init --force");
-    assert_eq!(
-        folder.names(),
-        ["cell.toml", "measurements.csv", "postures.csv"]
-    );
+    assert_eq!(folder.names(), ["cell.toml", "measurements.csv", "postures.csv"]);
 }
 
 #[test]
@@ -86,36 +73,21 @@ fn dashes_are_standard_input_and_output() {
     let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     let ran = folder.run_with("check -", cell.as_bytes());
     assert_eq!(ran.code, Some(0));
-    assert!(
-        ran.out
-            .contains("\ncell: standard input (COMAU NJ 165-3.0, rope load)\n"),
-        "{}",
-        ran.out
-    );
+    assert!(ran.out.contains("\ncell: standard input (COMAU NJ 165-3.0, rope load)\n"), "{}", ran.out);
     // The plan alone is on standard output; the table goes to standard error.
     let ran = folder.run("select builtin:comau --initial builtin:comau-group1 --output -");
-    assert!(
-        ran.out.starts_with("posture,q1_deg") && ran.out.lines().count() == 7,
-        "{}",
-        ran.out
-    );
+    assert!(ran.out.starts_with("posture,q1_deg") && ran.out.lines().count() == 7, "{}", ran.out);
     assert!(ran.err.contains("\ncell: builtin:comau"), "{}", ran.err);
     let plan = ran.out;
     let ran = folder.run_with("evaluate builtin:comau -", plan.as_bytes());
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     let ran = folder.run("select builtin:comau --initial builtin:comau-group1 --output - --quiet");
     assert_eq!((ran.out, ran.err.as_str()), (plan, ""));
-    let ran =
-        folder.run("select builtin:comau --initial builtin:comau-group1 --output - --sheet -");
+    let ran = folder.run("select builtin:comau --initial builtin:comau-group1 --output - --sheet -");
     assert_eq!(ran.code, Some(2));
     let ran = folder.run_with("evaluate - -", cell.as_bytes());
     assert_eq!(ran.code, Some(2));
-    assert!(
-        ran.err
-            .contains("Standard input (`-`) can be used for one file only"),
-        "{}",
-        ran.err
-    );
+    assert!(ran.err.contains("Standard input (`-`) can be used for one file only"), "{}", ran.err);
 }
 
 #[test]
@@ -144,12 +116,7 @@ fn a_reader_that_has_gone_is_no_error() {
     drop(child.stdout.take());
     let status = child.wait().unwrap();
     let mut err = String::new();
-    child
-        .stderr
-        .take()
-        .unwrap()
-        .read_to_string(&mut err)
-        .unwrap();
+    child.stderr.take().unwrap().read_to_string(&mut err).unwrap();
     assert_eq!((status.code(), err.as_str()), (Some(0), ""));
 }
 
@@ -162,12 +129,7 @@ fn a_time_limit_ends_the_search_and_names_the_rounds_that_repeat_it() {
     assert_eq!(limited["options"]["time_limit_s"], 0.5);
     let table = folder.ok(&format!("{line} --time-limit 0.01"));
     let words: Vec<&str> = table.split_whitespace().collect();
-    assert!(
-        words
-            .join(" ")
-            .contains("until the time was over. `--rounds 1` repeats it."),
-        "{table}"
-    );
+    assert!(words.join(" ").contains("until the time was over. `--rounds 1` repeats it."), "{table}");
 }
 
 #[test]
@@ -178,12 +140,7 @@ fn manual_pages_and_completions() {
     assert!(folder.read("man/stiffarm-select.1").contains("expected"));
     assert!(!folder.path("man/stiffarm-docs.1").exists());
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
-        assert!(
-            folder
-                .ok(&format!("completions {shell}"))
-                .contains("stiffarm"),
-            "{shell}"
-        );
+        assert!(folder.ok(&format!("completions {shell}")).contains("stiffarm"), "{shell}");
     }
 }
 
@@ -208,9 +165,7 @@ fn displacements_in_metres_are_suspected() {
     let ran = folder.run("identify builtin:comau metres.csv");
     assert_eq!(ran.code, Some(1));
     assert!(
-        ran.out.starts_with(
-            "The stiffness cannot be used. The displacements look like metres under a heading"
-        ),
+        ran.out.starts_with("The stiffness cannot be used. The displacements look like metres under a heading"),
         "{}",
         ran.out
     );

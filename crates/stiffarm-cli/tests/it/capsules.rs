@@ -12,10 +12,7 @@ fn capsules_of_a_spindle() {
         "capsules builtin:spindle.obj --unit mm --most 3 --tool",
         "capsules builtin:spindle.obj --unit mm --most 1 --link 3",
     ];
-    let said: Vec<String> = lines
-        .iter()
-        .map(|line| format!("$ stiffarm {line}\n{}", folder.ok(line)))
-        .collect();
+    let said: Vec<String> = lines.iter().map(|line| format!("$ stiffarm {line}\n{}", folder.ok(line))).collect();
     let said = said.join("\n");
     assert!(said.lines().all(|l| l.chars().count() <= 80), "{said}");
     insta::assert_snapshot!(said);
@@ -28,10 +25,7 @@ fn names_and_numbers_are_toml() {
     folder.write("a\"b.obj", text);
     let said = folder.ok("capsules a\"b.obj --unit mm --most 1 --tool");
     assert!(said.contains("name = \"a\\\"b\"\n"), "{said}");
-    assert!(
-        said.lines()
-            .all(|l| !l.starts_with("radius_mm") || l.contains('.'))
-    );
+    assert!(said.lines().all(|l| !l.starts_with("radius_mm") || l.contains('.')));
 }
 
 #[test]

@@ -26,11 +26,7 @@ fn a_mesh_is_found_beside_the_cell_and_its_hash_is_kept() {
     let hash = |found: &serde_json::Value| {
         let inputs = found["inputs"].as_object().unwrap();
         let roles: Vec<&str> = inputs.keys().map(String::as_str).collect();
-        let all = [
-            "cell",
-            "cell mesh builtin:spindle.obj",
-            "cell mesh meshes/fixture.stl",
-        ];
+        let all = ["cell", "cell mesh builtin:spindle.obj", "cell mesh meshes/fixture.stl"];
         assert_eq!(roles, all);
         inputs["cell mesh meshes/fixture.stl"].clone()
     };
@@ -39,8 +35,7 @@ fn a_mesh_is_found_beside_the_cell_and_its_hash_is_kept() {
     folder.write("own/meshes/fixture.stl", block([800.0, 400.0, 1200.0]));
     assert_ne!(hash(&folder.json(line)), hash(&first));
     // It is not overwritten.
-    let said =
-        folder.refused("select own/cell.toml --rounds 1 --output own/meshes/fixture.stl --force");
+    let said = folder.refused("select own/cell.toml --rounds 1 --output own/meshes/fixture.stl --force");
     assert!(said.contains("input of the same command"), "{said}");
 }
 
@@ -63,10 +58,7 @@ fn wrong_meshes_are_answered_with_place_and_hint() {
         ("folder", shape("file = \".\"")),
         ("unit", shape("file = \"big.stl\"\nunit = \"cm\"")),
         ("own-unit", shape("file = \"part.dae\"\nunit = \"mm\"")),
-        (
-            "foreign",
-            shape("file = \"big.stl\"\nunit = \"mm\"\ncenter_mm = [0, 0, 0]"),
-        ),
+        ("foreign", shape("file = \"big.stl\"\nunit = \"mm\"\ncenter_mm = [0, 0, 0]")),
         ("tool", SPINDLE.replace("spindle.obj", "spindel.obj")),
     ];
     let lines = cells.map(|(name, tables)| {
@@ -91,10 +83,7 @@ fn the_tables_of_the_page_are_read() {
         count += 1;
         // Tables that the cell has already get more keys.
         for table in part.split("\n\n") {
-            match ["[robot]\n", "[tool]\n"]
-                .into_iter()
-                .find(|head| table.starts_with(head))
-            {
+            match ["[robot]\n", "[tool]\n"].into_iter().find(|head| table.starts_with(head)) {
                 Some(head) => text = text.replacen(head, &format!("{}\n", table.trim_end()), 1),
                 None => text += &format!("\n{table}\n"),
             }

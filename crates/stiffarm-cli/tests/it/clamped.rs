@@ -23,14 +23,8 @@ fn clamped(cell: &Cell) -> Vec<ClampedPosture> {
     let back = motor.iter().map(|q| -q).collect();
     let simulation = ClampedSimulation {
         moves: vec![
-            MotorMove {
-                state: "push".to_string(),
-                motor,
-            },
-            MotorMove {
-                state: "pull".to_string(),
-                motor: back,
-            },
+            MotorMove { state: "push".to_string(), motor },
+            MotorMove { state: "pull".to_string(), motor: back },
         ],
         angle_std: 1e-5,
         force_std: 1.0,
@@ -43,10 +37,7 @@ fn clamped(cell: &Cell) -> Vec<ClampedPosture> {
 fn folder() -> Folder {
     let folder = Folder::new();
     let cell = cell();
-    folder.write(
-        "clamped.csv",
-        write_clamped(&clamped(&cell), &cell.setup.robot),
-    );
+    folder.write("clamped.csv", write_clamped(&clamped(&cell), &cell.setup.robot));
     folder
 }
 
@@ -56,8 +47,7 @@ fn the_stiffness_of_a_clamped_arm() {
     let line = "identify builtin:comau clamped.csv --clamped --angle-noise-deg 0.0006";
     assert_snapshot!(folder.transcript(line));
     let value = folder.json(line);
-    let schema: serde_json::Value =
-        serde_json::from_str(&folder.ok("schema result-identify-clamped")).unwrap();
+    let schema: serde_json::Value = serde_json::from_str(&folder.ok("schema result-identify-clamped")).unwrap();
     let described = &schema["$defs"]["ClampedIdentification"]["properties"];
     for key in value["result"].as_object().unwrap().keys() {
         assert!(described.get(key).is_some(), "{key} is not described");
@@ -82,21 +72,14 @@ fn the_wrench_on_the_fixture_is_named() {
     folder.write("wrong.csv", write_clamped(&data, &cell.setup.robot));
     let ran = folder.run("identify builtin:comau wrong.csv --clamped");
     assert_eq!(ran.code, Some(1));
-    assert!(
-        ran.out.contains("of the robot on the fixture"),
-        "{}",
-        ran.out
-    );
+    assert!(ran.out.contains("of the robot on the fixture"), "{}", ran.out);
     assert!(ran.out.contains("negative"), "{}", ran.out);
 }
 
 #[test]
 fn wrong_requests_are_answered() {
     let folder = folder();
-    folder.write(
-        "heading.csv",
-        folder.read("clamped.csv").lines().next().unwrap(),
-    );
+    folder.write("heading.csv", folder.read("clamped.csv").lines().next().unwrap());
     let lines = [
         "identify builtin:comau clamped.csv",
         "identify builtin:comau clamped.csv --angle-noise-deg 0.001",

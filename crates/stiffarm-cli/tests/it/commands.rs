@@ -21,11 +21,7 @@ fn init() {
     let printed = folder.transcript("init --robot kuka-kr240-2 --output-dir cell");
     assert_snapshot!(printed.replace('\\', "/"));
     assert_eq!(folder.names(), ["cell"]);
-    for file in [
-        "cell/cell.toml",
-        "cell/postures.csv",
-        "cell/measurements.csv",
-    ] {
+    for file in ["cell/cell.toml", "cell/postures.csv", "cell/measurements.csv"] {
         assert!(folder.read(file).contains('#'), "{file} has comments");
     }
     folder.ok("check cell/cell.toml");
@@ -40,11 +36,7 @@ fn check() {
 fn check_finds_a_dark_joint() {
     let folder = Folder::new();
     let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
-    folder.write(
-        "cell.toml",
-        cell.replace("[200, 0, 250]", "[0, 0, 250]")
-            .replace("[1800, 0, 0]", "[1.8, 0, 0]"),
-    );
+    folder.write("cell.toml", cell.replace("[200, 0, 250]", "[0, 0, 250]").replace("[1800, 0, 0]", "[1.8, 0, 0]"));
     let ran = folder.run("check cell.toml");
     assert_eq!(ran.code, Some(1));
     assert_snapshot!(ran.transcript("check cell.toml"));
@@ -59,19 +51,13 @@ fn evaluate() {
 
 #[test]
 fn evaluate_json() {
-    assert_snapshot!(json(
-        &Folder::new(),
-        "evaluate builtin:comau-reference builtin:comau-group1"
-    ));
+    assert_snapshot!(json(&Folder::new(), "evaluate builtin:comau-reference builtin:comau-group1"));
 }
 
 #[test]
 fn evaluate_names_undetermined_joints_first() {
     let folder = Folder::new();
-    folder.write(
-        "p.csv",
-        "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\nA,0,0,-90,0,0,0\n",
-    );
+    folder.write("p.csv", "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\nA,0,0,-90,0,0,0\n");
     let line = "evaluate builtin:comau p.csv";
     let ran = folder.run(line);
     assert_eq!(ran.code, Some(1));
@@ -100,12 +86,7 @@ fn what_the_load_never_turns_is_left_out() {
     for line in lines {
         let ran = folder.run(line);
         assert_eq!(ran.code, Some(1), "{line}: {}", ran.out);
-        assert!(
-            ran.out
-                .contains("caution: No posture within the bounds determines joint 6"),
-            "{line}: {}",
-            ran.out
-        );
+        assert!(ran.out.contains("caution: No posture within the bounds determines joint 6"), "{line}: {}", ran.out);
         let value = folder.json(line);
         assert_eq!(value["result"]["findings"][0]["code"], "joint-left-out");
         if let Some(joints) = value["result"]["joints"].as_array() {
@@ -118,7 +99,10 @@ fn what_the_load_never_turns_is_left_out() {
 #[test]
 fn evaluate_notes_postures_outside_bounds_and_limits() {
     let folder = Folder::new();
-    folder.write("p.csv", "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\nA,10,0,-90,10,50,20\nB,100,60,-90,200,50,20\n");
+    folder.write(
+        "p.csv",
+        "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\nA,10,0,-90,10,50,20\nB,100,60,-90,200,50,20\n",
+    );
     assert_snapshot!(folder.transcript("evaluate builtin:comau p.csv"));
 }
 
@@ -137,9 +121,7 @@ fn simulate_with_model_errors_is_worse_than_expected() {
     let said = "fresh tracker noise and errors of the model";
     assert!(words.join(" ").contains(said), "{out}");
     let level = &folder.json(line)["result"]["groups"][0]["levels"][0];
-    assert!(
-        level["compliance_mean_deviation"][0].as_f64() > level["expected_deviation"][0].as_f64()
-    );
+    assert!(level["compliance_mean_deviation"][0].as_f64() > level["expected_deviation"][0].as_f64());
 }
 
 #[test]
@@ -161,9 +143,7 @@ fn simulated_measurements_bend_by_the_sizes_of_the_cell() {
     folder.write("rigid.toml", with(0.0));
     folder.write("soft.toml", with(1e-7));
     let line = |cell: &str, elastic: &str, file: &str| {
-        format!(
-            "simulate {cell} builtin:comau-group1 --runs 1 --levels 1{elastic} --measurements {file}"
-        )
+        format!("simulate {cell} builtin:comau-group1 --runs 1 --levels 1{elastic} --measurements {file}")
     };
     folder.ok(&line("builtin:comau", "", "axes.csv"));
     let out = folder.ok(&line("rigid.toml", " --elastic axes", "same.csv"));
@@ -173,10 +153,7 @@ fn simulated_measurements_bend_by_the_sizes_of_the_cell() {
     let out = folder.ok(&line("soft.toml", " --elastic mixed", "soft.csv"));
     let words: Vec<&str> = out.split_whitespace().collect();
     let said = words.join(" ");
-    assert!(
-        said.contains("that the cell declares in [elastic]"),
-        "{out}"
-    );
+    assert!(said.contains("that the cell declares in [elastic]"), "{out}");
     // Without springs the arm bends as ever; with them it does not.
     assert_eq!(folder.read("rigid.csv"), folder.read("axes.csv"));
     assert_eq!(folder.read("same.csv"), folder.read("axes.csv"));
@@ -194,18 +171,8 @@ fn a_study_may_hold_arms_that_give_way_beyond_their_axes() {
     assert!(page.contains(said));
     assert!(page.contains("stiffarm study --runs 1 --initial-groups 0 --elastic mixed"));
     let table = folder.read("out/elastic.csv");
-    let names: Vec<&str> = table
-        .lines()
-        .skip(1)
-        .filter_map(|line| line.split(',').next())
-        .collect();
-    let expected = [
-        "Group 1",
-        "Group 3 (novel)",
-        "expected error",
-        "prediction",
-        "random",
-    ];
+    let names: Vec<&str> = table.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
+    let expected = ["Group 1", "Group 3 (novel)", "expected error", "prediction", "random"];
     assert_eq!(names, expected);
     // Nothing of it in a study that was not asked for it.
     let plain = folder.json("study --runs 1 --initial-groups 0 --output-dir plain");
@@ -242,10 +209,7 @@ fn identify_fits_a_screen() {
 
 #[test]
 fn identify_json() {
-    assert_snapshot!(json(
-        &measured(),
-        "identify builtin:comau simulated.csv --exclude 6 --noise known"
-    ));
+    assert_snapshot!(json(&measured(), "identify builtin:comau simulated.csv --exclude 6 --noise known"));
 }
 
 #[test]
@@ -269,11 +233,7 @@ fn identify_names_undetermined_joints_before_any_number() {
 #[test]
 fn identify_says_when_the_sign_is_wrong_and_when_only_a_bound_is_left() {
     let folder = measured();
-    let mut lines = folder
-        .read("simulated.csv")
-        .lines()
-        .map(String::from)
-        .collect::<Vec<_>>();
+    let mut lines = folder.read("simulated.csv").lines().map(String::from).collect::<Vec<_>>();
     // Displacements against the force: every compliance turns negative.
     for line in lines.iter_mut().skip(1) {
         let mut fields: Vec<String> = line.split(',').map(String::from).collect();
@@ -290,30 +250,22 @@ fn identify_says_when_the_sign_is_wrong_and_when_only_a_bound_is_left() {
     assert!(ran.out.contains("negative"), "{}", ran.out);
 
     let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
-    folder.write(
-        "noisy.toml",
-        cell.replace("variance_mm2 = 9.23e-5", "variance_mm2 = 9.23e-2"),
-    );
+    folder.write("noisy.toml", cell.replace("variance_mm2 = 9.23e-5", "variance_mm2 = 9.23e-2"));
     let ran = folder.run("identify noisy.toml simulated.csv --noise known");
     assert_eq!(ran.code, Some(1));
     assert!(ran.out.contains("No ± for joint 2"), "{}", ran.out);
     assert!(ran.out.contains("above 0."), "{}", ran.out);
-    assert!(
-        ran.out.contains("the noise is stated too large"),
-        "{}",
-        ran.out
-    );
+    assert!(ran.out.contains("the noise is stated too large"), "{}", ran.out);
 }
 
 #[test]
 fn validate() {
     let folder = measured();
     folder.ok("identify builtin:comau simulated.csv --exclude 5,6 --output stiffness.json");
-    assert_snapshot!(folder.transcript(
-        "validate builtin:comau stiffness.json simulated.csv --only 5,6 --tolerance-mm 0.2"
-    ));
-    let strict =
-        folder.run("validate builtin:comau stiffness.json simulated.csv --tolerance-mm 0.001");
+    assert_snapshot!(
+        folder.transcript("validate builtin:comau stiffness.json simulated.csv --only 5,6 --tolerance-mm 0.2")
+    );
+    let strict = folder.run("validate builtin:comau stiffness.json simulated.csv --tolerance-mm 0.001");
     assert_eq!(strict.code, Some(1));
     assert!(
         strict.out.contains("not kept") && strict.out.contains("took part in the identification"),
@@ -322,24 +274,17 @@ fn validate() {
     );
     // Another version of the cell is named.
     let other = folder.ok("validate builtin:comau-reference stiffness.json simulated.csv --only 5");
-    assert!(
-        other.contains("identified with another version of this cell"),
-        "{other}"
-    );
+    assert!(other.contains("identified with another version of this cell"), "{other}");
 }
 
 #[test]
 fn validate_json_takes_a_bare_list() {
     let folder = measured();
-    folder.write(
-        "k.json",
-        r#"{"stiffness_nm_per_rad": [950000, 3000000, 900000, 250000, 200000, 150000]}"#,
-    );
+    folder.write("k.json", r#"{"stiffness_nm_per_rad": [950000, 3000000, 900000, 250000, 200000, 150000]}"#);
     let value = folder.json("validate builtin:comau k.json simulated.csv --model equilibrium");
     let result = &value["result"];
     // The truth leaves the noise alone.
-    let ratio = result["deviation_rms_m"].as_f64().unwrap()
-        / result["noise_expectation_m"].as_f64().unwrap();
+    let ratio = result["deviation_rms_m"].as_f64().unwrap() / result["noise_expectation_m"].as_f64().unwrap();
     assert!((0.7..1.6).contains(&ratio), "{ratio}");
     assert_eq!(result["points"][0]["label"], "1-1");
 }
@@ -348,20 +293,11 @@ fn validate_json_takes_a_bare_list() {
 fn robots() {
     let folder = Folder::new();
     let list = folder.transcript("robots");
-    assert!(
-        list.lines().all(|line| line.chars().count() <= 80),
-        "{list}"
-    );
+    assert!(list.lines().all(|line| line.chars().count() <= 80), "{list}");
     assert_snapshot!(list);
-    assert_snapshot!(
-        "robots_one",
-        folder.transcript("robots abb-irb4400l-30-243")
-    );
+    assert_snapshot!("robots_one", folder.transcript("robots abb-irb4400l-30-243"));
     let value = folder.json("robots comau-nj165-3.0");
-    assert_eq!(
-        value["result"]["robots"][0]["stiffness"][0]["verified"],
-        true
-    );
+    assert_eq!(value["result"]["robots"][0]["stiffness"][0]["verified"], true);
     let value = folder.json("robots fanuc-m10ia");
     let robot = &value["result"]["robots"][0];
     assert_eq!(robot["theta_from_q"][2][1], -1.0);
@@ -401,23 +337,14 @@ fn doubts_are_said_where_the_robot_is_used() {
         assert_eq!(findings[0]["severity"], "caution");
     }
     // Limits of one's own settle it.
-    let own =
-        "limits_deg = [[-90, 90], [-90, 150], [-100, 200], [-180, 180], [-180, 180], [-350, 350]]";
-    let limited = folder
-        .read("cell/cell.toml")
-        .replace("# limits_deg", &format!("{own}\n# limits_deg"));
-    let limited = limited
-        .replace("[-88.954374, 158.855225]", "[-89, 150]")
-        .replace("[-178.908748, 180]", "[-100, 180]");
+    let own = "limits_deg = [[-90, 90], [-90, 150], [-100, 200], [-180, 180], [-180, 180], [-350, 350]]";
+    let limited = folder.read("cell/cell.toml").replace("# limits_deg", &format!("{own}\n# limits_deg"));
+    let limited =
+        limited.replace("[-88.954374, 158.855225]", "[-89, 150]").replace("[-178.908748, 180]", "[-100, 180]");
     folder.write("own.toml", limited);
     let checked = folder.run("check own.toml");
     assert_eq!(times(&checked.out), 0, "{}{}", checked.out, checked.err);
-    assert!(
-        checked.out.contains("characteristic length"),
-        "{}{}",
-        checked.out,
-        checked.err
-    );
+    assert!(checked.out.contains("characteristic length"), "{}{}", checked.out, checked.err);
 }
 
 #[test]
@@ -440,68 +367,26 @@ fn coverage_draws_the_shift_that_a_posture_shares() {
 fn schemas_describe_what_the_commands_print() {
     let folder = measured();
     folder.ok("identify builtin:comau simulated.csv --output stiffness.json");
-    folder.write(
-        "poses.csv",
-        "x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n1800,0,1500,0,90,0\n9000,0,0,0,0,0\n",
-    );
+    folder.write("poses.csv", "x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n1800,0,1500,0,90,0\n9000,0,0,0,0,0\n");
     let lines = [
         ("result-check", "check"),
-        (
-            "result-capsules",
-            "capsules builtin:spindle.obj --unit mm --tool",
-        ),
-        (
-            "result-evaluate",
-            "evaluate builtin:comau builtin:comau-group1",
-        ),
-        (
-            "result-select",
-            "select builtin:comau --initial builtin:comau-group1",
-        ),
-        (
-            "result-select",
-            "select builtin:comau -n 2 --rounds 1 --sensitivity --anchor-box-mm 1700,0,0,1800,0,0",
-        ),
-        (
-            "result-select",
-            "select builtin:comau --given builtin:comau-group1 --rounds 1",
-        ),
-        (
-            "result-select-drop",
-            "select builtin:comau --given builtin:comau-group1 --drop",
-        ),
-        (
-            "result-select-curve",
-            "select builtin:comau --curve -n 2 --rounds 1",
-        ),
-        (
-            "result-select-space-filling",
-            "select builtin:comau --space-filling",
-        ),
-        (
-            "result-simulate",
-            "simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1",
-        ),
-        (
-            "result-simulate-elastic",
-            "simulate builtin:comau builtin:comau-group1 --elastic mixed --runs 1",
-        ),
+        ("result-capsules", "capsules builtin:spindle.obj --unit mm --tool"),
+        ("result-evaluate", "evaluate builtin:comau builtin:comau-group1"),
+        ("result-select", "select builtin:comau --initial builtin:comau-group1"),
+        ("result-select", "select builtin:comau -n 2 --rounds 1 --sensitivity --anchor-box-mm 1700,0,0,1800,0,0"),
+        ("result-select", "select builtin:comau --given builtin:comau-group1 --rounds 1"),
+        ("result-select-drop", "select builtin:comau --given builtin:comau-group1 --drop"),
+        ("result-select-curve", "select builtin:comau --curve -n 2 --rounds 1"),
+        ("result-select-space-filling", "select builtin:comau --space-filling"),
+        ("result-simulate", "simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1"),
+        ("result-simulate-elastic", "simulate builtin:comau builtin:comau-group1 --elastic mixed --runs 1"),
         ("result-register", "register builtin:example-pairs"),
         ("result-identify", "identify builtin:comau simulated.csv"),
-        (
-            "result-validate",
-            "validate builtin:comau stiffness.json simulated.csv",
-        ),
-        (
-            "result-validate",
-            "validate builtin:comau simulated.csv --folds 3 --extra tilt3 --estimator ordinary",
-        ),
+        ("result-validate", "validate builtin:comau stiffness.json simulated.csv"),
+        ("result-validate", "validate builtin:comau simulated.csv --folds 3 --extra tilt3 --estimator ordinary"),
         ("result-zones", "zones --steps 5"),
         ("result-pose", "pose builtin:comau builtin:comau-group1"),
-        (
-            "result-pose-poses",
-            "pose builtin:comau --poses poses.csv --convention kuka",
-        ),
+        ("result-pose-poses", "pose builtin:comau --poses poses.csv --convention kuka"),
         (
             "result-export",
             "export builtin:comau builtin:comau-group1 --language rapid --controller abb --output-dir program",
@@ -510,37 +395,20 @@ fn schemas_describe_what_the_commands_print() {
             "result-export-compare",
             "export builtin:comau builtin:comau-group1 --language rapid --controller abb --compare program/measure_comau_group1.mod",
         ),
-        (
-            "result-study",
-            "study --runs 2 --initial-groups 2 --output-dir study",
-        ),
-        (
-            "result-study",
-            "study --runs 1 --initial-groups 0 --elastic mixed --output-dir study-elastic",
-        ),
+        ("result-study", "study --runs 2 --initial-groups 2 --output-dir study"),
+        ("result-study", "study --runs 1 --initial-groups 0 --elastic mixed --output-dir study-elastic"),
     ];
     for (name, line) in lines {
-        let schema: serde_json::Value =
-            serde_json::from_str(&folder.ok(&format!("schema {name}"))).unwrap();
+        let schema: serde_json::Value = serde_json::from_str(&folder.ok(&format!("schema {name}"))).unwrap();
         let printed = folder.json(line);
         same_keys(&schema, &schema, &printed, name);
     }
 }
 
 /// Every key that is printed is described, and every required key is printed.
-fn same_keys(
-    root: &serde_json::Value,
-    schema: &serde_json::Value,
-    printed: &serde_json::Value,
-    at: &str,
-) {
+fn same_keys(root: &serde_json::Value, schema: &serde_json::Value, printed: &serde_json::Value, at: &str) {
     if let Some(name) = schema["$ref"].as_str() {
-        return same_keys(
-            root,
-            root.pointer(name.trim_start_matches('#')).unwrap(),
-            printed,
-            at,
-        );
+        return same_keys(root, root.pointer(name.trim_start_matches('#')).unwrap(), printed, at);
     }
     if let Some(options) = schema["anyOf"].as_array() {
         let option = options.iter().find(|o| o["type"] != "null").unwrap();
@@ -552,9 +420,7 @@ fn same_keys(
     match (printed, schema["properties"].as_object()) {
         (serde_json::Value::Object(object), Some(properties)) => {
             for (key, value) in object {
-                let described = properties
-                    .get(key)
-                    .unwrap_or_else(|| panic!("{at}.{key} is not described"));
+                let described = properties.get(key).unwrap_or_else(|| panic!("{at}.{key} is not described"));
                 same_keys(root, described, value, &format!("{at}.{key}"));
             }
             let required = schema["required"].as_array().into_iter().flatten();

@@ -182,27 +182,12 @@ fn a_day_beside_the_robot() {
         };
     };
     // What is said of each at once, and after it is corrected.
-    type Mistake<'a> = (
-        usize,
-        &'a dyn Fn(&mut Vec<String>),
-        &'a [&'a str],
-        [&'a str; 2],
-    );
+    type Mistake<'a> = (usize, &'a dyn Fn(&mut Vec<String>), &'a [&'a str], [&'a str; 2]);
     let judged = ["planned postures measured", "settled"];
     let refused = ["help: correct the angle", "can be read again"];
     let mistakes: [Mistake<'_>; 3] = [
-        (
-            3,
-            &exchanged,
-            &["SERIOUS", "Posture 3, up-500: points 1 and 2 are exchanged"],
-            judged,
-        ),
-        (
-            5,
-            &mistyped,
-            &["SERIOUS", "Posture 5, up-500", "factor 10", "load_n"],
-            judged,
-        ),
+        (3, &exchanged, &["SERIOUS", "Posture 3, up-500: points 1 and 2 are exchanged"], judged),
+        (5, &mistyped, &["SERIOUS", "Posture 5, up-500", "factor 10", "load_n"], judged),
         (6, &turned, &["joint 2 is at", "day.csv:252:"], refused),
     ];
 
@@ -244,18 +229,14 @@ fn a_day_beside_the_robot() {
     assert_eq!(day.child.wait().unwrap().code(), Some(0));
 
     // What is begun again reads everything from the files.
-    let again = folder.json(&format!(
-        "measure cell.toml plan.csv day.csv --once --until {GOAL}"
-    ));
+    let again = folder.json(&format!("measure cell.toml plan.csv day.csv --once --until {GOAL}"));
     assert_eq!(again["result"]["standing"]["reached"], true);
     assert_eq!(again["result"]["measured"].as_array().unwrap().len(), ended);
 
     // The arm that was simulated has the prior stiffness: it is within what is stated.
     let found = folder.json("identify cell.toml day.csv --postures plan.csv");
     let truth = [950e3, 3000e3, 900e3, 250e3, 200e3, 150e3];
-    let stated = found["result"]["systematic_errors"]["uncertainty"]
-        .as_array()
-        .unwrap();
+    let stated = found["result"]["systematic_errors"]["uncertainty"].as_array().unwrap();
     for (j, (own, k)) in stated.iter().zip(truth).enumerate() {
         let end = |at: usize| own["interval_nm_per_rad"][at].as_f64().unwrap();
         assert!(end(0) < k && k < end(1), "joint {}: {own}", j + 1);
@@ -267,22 +248,12 @@ fn a_day_beside_the_robot() {
 #[test]
 fn what_cannot_be_waited_for_is_refused_and_a_partly_filled_sheet_is_judged() {
     let folder = Folder::new();
-    folder.ok(
-        "select builtin:comau -n 3 --rounds 1 --no-certificate --output plan.csv --sheet sheet.csv",
-    );
+    folder.ok("select builtin:comau -n 3 --rounds 1 --no-certificate --output plan.csv --sheet sheet.csv");
     let ran = folder.run("measure builtin:comau plan.csv sheet.csv --json");
     assert_eq!(ran.code, Some(2));
     assert!(ran.out.contains("add --once"), "{}", ran.out);
-    refused(
-        &folder,
-        "measure builtin:comau plan.csv -",
-        "cannot be waited for",
-    );
-    refused(
-        &folder,
-        "measure builtin:comau plan.csv sheet.csv --once --until 200%",
-        "percentage",
-    );
+    refused(&folder, "measure builtin:comau plan.csv -", "cannot be waited for");
+    refused(&folder, "measure builtin:comau plan.csv sheet.csv --once --until 200%", "percentage");
     let empty = folder.json("measure builtin:comau plan.csv sheet.csv --once");
     assert_eq!(empty["result"]["standing"], Value::Null);
     assert_eq!(empty["result"]["left"].as_array().unwrap().len(), 3);
@@ -303,9 +274,7 @@ fn the_goal_may_be_a_deflection_at_the_tasks() {
     folder.ok("identify builtin:comau all.csv --output k.json");
     let predicted = folder.json("predict builtin:comau k.json");
     let points = predicted["result"]["points"].as_array().unwrap();
-    let widths = points
-        .iter()
-        .map(|p| p["band"]["size_m"][3].as_f64().unwrap());
+    let widths = points.iter().map(|p| p["band"]["size_m"][3].as_f64().unwrap());
     let largest = widths.fold(0.0, f64::max);
     let own = found["largest_m"].as_f64().unwrap();
     assert!((own / largest - 1.0).abs() < 1e-6, "{own} {largest}");
@@ -331,11 +300,7 @@ fn the_goal_may_be_a_deflection_at_the_tasks() {
     assert_eq!(early["result"]["deflection"]["reached"], false);
     let findings = &early["result"]["standing"]["findings"];
     assert_eq!(findings[0]["code"], "too-few-postures");
-    refused(
-        &folder,
-        "measure builtin:fanuc-r2000ic plan.csv all.csv --once --until 1mm",
-        "[[task]]",
-    );
+    refused(&folder, "measure builtin:fanuc-r2000ic plan.csv all.csv --once --until 1mm", "[[task]]");
 }
 
 #[test]
@@ -360,17 +325,11 @@ fn what_a_tracker_states_weighs_its_readings() {
     let ran = folder.run(&format!("{plain} --weights tracker"));
     let words: Vec<&str> = ran.out.split_whitespace().collect();
     let words = words.join(" ");
-    assert!(
-        words.contains("times what the tracker's uncertainty explains."),
-        "{words}"
-    );
+    assert!(words.contains("times what the tracker's uncertainty explains."), "{words}");
     let weighed = folder.json(&format!("{plain} --weights tracker"));
     let stiffness = |result: &Value| -> Vec<f64> {
         let joints = result["result"]["joints"].as_array().unwrap();
-        joints
-            .iter()
-            .map(|j| j["stiffness"].as_f64().unwrap())
-            .collect()
+        joints.iter().map(|j| j["stiffness"].as_f64().unwrap()).collect()
     };
     for (a, b) in stiffness(&alike).iter().zip(stiffness(&weighed)) {
         assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
@@ -393,10 +352,7 @@ fn a_rehearsal_comes_state_by_state() {
     let mut sizes: Vec<usize> = Vec::new();
     while child.try_wait().unwrap().is_none() {
         if let Ok(text) = std::fs::read_to_string(folder.path("day.csv")) {
-            assert!(
-                text.is_empty() || text.ends_with('\n'),
-                "half a row: {text}"
-            );
+            assert!(text.is_empty() || text.ends_with('\n'), "half a row: {text}");
             let rows = text.lines().count();
             if sizes.last() != Some(&rows) {
                 sizes.push(rows);
@@ -408,11 +364,7 @@ fn a_rehearsal_comes_state_by_state() {
     assert_eq!(folder.read("day.csv"), folder.read("at_once.csv"));
     // Heading, then each of five states of two postures.
     assert!(sizes.len() > 5 && sizes.is_sorted(), "{sizes:?}");
-    refused(
-        &folder,
-        "simulate builtin:comau plan.csv --runs 1 --readings - --slowly 1",
-        "need a file",
-    );
+    refused(&folder, "simulate builtin:comau plan.csv --runs 1 --readings - --slowly 1", "need a file");
 }
 
 /// Of a posture and the same with its wrist the other way round the second is turned, unless the wrist is to stay.

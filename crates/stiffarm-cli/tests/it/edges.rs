@@ -32,31 +32,16 @@ fn with_load(text: &str, load: &str) -> String {
 fn folder() -> Folder {
     let folder = Folder::new();
     let heading = "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n";
-    let equal: String = (1..=6)
-        .map(|p| format!("{p},10,5,-100,-20,-15,-30\n"))
-        .collect();
+    let equal: String = (1..=6).map(|p| format!("{p},10,5,-100,-20,-15,-30\n")).collect();
     folder.write("equal.csv", format!("{heading}{equal}"));
     folder.write("one.csv", format!("{heading}1,10,5,-100,-20,-15,-30\n"));
     folder.write("inf.csv", format!("{heading}1,inf,5,-100,-20,-15,-30\n"));
     folder.write("nan.csv", format!("{heading}1,10,NaN,-100,-20,-15,-30\n"));
     folder.write("one-point.toml", one_point());
-    folder.write(
-        "axis-6.toml",
-        replaced(
-            CELL,
-            "loading_point_mm = [200, 0, 250]",
-            "loading_point_mm = [0, 0, 250]",
-        ),
-    );
-    let without_rope: String = CELL
-        .lines()
-        .filter(|l| !l.starts_with("rope_length_mm"))
-        .map(|l| format!("{l}\n"))
-        .collect();
-    folder.write(
-        "weight.toml",
-        with_load(&without_rope, "kind = \"weight\"\nmagnitude_n = 500"),
-    );
+    folder.write("axis-6.toml", replaced(CELL, "loading_point_mm = [200, 0, 250]", "loading_point_mm = [0, 0, 250]"));
+    let without_rope: String =
+        CELL.lines().filter(|l| !l.starts_with("rope_length_mm")).map(|l| format!("{l}\n")).collect();
+    folder.write("weight.toml", with_load(&without_rope, "kind = \"weight\"\nmagnitude_n = 500"));
     let five = "format = 1\nname = \"five joints\"\n[robot]\nname = \"five\"\ndh_modified = [[0, 0, 400, 0], [-90, 100, 0, 0], \
                 [0, 600, 0, 0], [-90, 100, 500, 0], [90, 0, 100, 0]]\n[bounds]\nq_deg = [[-90, 90], [-90, 90], [-90, 90], \
                 [-90, 90], [-90, 90]]\n[tool]\nloading_point_mm = [100, 0, 50]\n[[tool.measuring_point]]\nname = \"a\"\n\

@@ -15,24 +15,12 @@ fn folder() -> Folder {
         assert!(cell.contains(from), "{from}");
         cell.replace(from, to)
     };
-    folder.write(
-        "unknown-key.toml",
-        slip("magnitude_n = 500", "magnitud_n = 500"),
-    );
+    folder.write("unknown-key.toml", slip("magnitude_n = 500", "magnitud_n = 500"));
     folder.write("nan.toml", slip("magnitude_n = 500", "magnitude_n = nan"));
-    folder.write(
-        "text.toml",
-        slip("magnitude_n = 500", "magnitude_n = \"500\""),
-    );
-    folder.write(
-        "comma.toml",
-        slip("magnitude_n = 500", "magnitude_n = 500,5"),
-    );
+    folder.write("text.toml", slip("magnitude_n = 500", "magnitude_n = \"500\""));
+    folder.write("comma.toml", slip("magnitude_n = 500", "magnitude_n = 500,5"));
     folder.write("robot.toml", slip("comau-nj165-3.0", "comau-nj165"));
-    folder.write(
-        "bom.toml",
-        format!("\u{feff}{}", slip("magnitude_n = 500", "magnitud_n = 500")),
-    );
+    folder.write("bom.toml", format!("\u{feff}{}", slip("magnitude_n = 500", "magnitud_n = 500")));
     folder.write("latin-1.toml", b"format = 1\nname = \"Pr\xfcfzelle\"\n");
     folder.write(
         "no-prior.toml",
@@ -44,43 +32,23 @@ fn folder() -> Folder {
     );
     folder.write("empty.csv", "");
     folder.write("heading.csv", HEADING);
-    folder.write(
-        "decimal-comma.csv",
-        format!("{HEADING}1,-35,-10,-95,\"10,5\",15.5,-20\n"),
-    );
-    folder.write(
-        "beyond.csv",
-        format!("{HEADING}1,0,0,-90,0,20,0\n2,-35,100,-95,10,15,-20\n"),
-    );
-    folder.write(
-        "twice.csv",
-        format!("{HEADING}1,0,0,-90,0,20,0\n1,0,0,-90,0,20,0\n"),
-    );
-    folder.write(
-        "five.csv",
-        "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg\n1,0,0,-90,0,20\n",
-    );
+    folder.write("decimal-comma.csv", format!("{HEADING}1,-35,-10,-95,\"10,5\",15.5,-20\n"));
+    folder.write("beyond.csv", format!("{HEADING}1,0,0,-90,0,20,0\n2,-35,100,-95,10,15,-20\n"));
+    folder.write("twice.csv", format!("{HEADING}1,0,0,-90,0,20,0\n1,0,0,-90,0,20,0\n"));
+    folder.write("five.csv", "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg\n1,0,0,-90,0,20\n");
     folder.write("one.csv", format!("{HEADING}1,-35,-10,-95,10,15,-20\n"));
     folder.write("raw.csv", "posture,point,x_mm,y_mm,z_mm\n1,1,0,0,0\n");
+    folder.write("readings.xlsx", include_bytes!("../../../stiffarm/tests/golden/xlsx/readings.xlsx"));
     folder.write(
-        "readings.xlsx",
-        include_bytes!("../../../stiffarm/tests/golden/xlsx/readings.xlsx"),
+        "few.csv",
+        "posture,point,dx_mm,dy_mm,dz_mm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\nA,1,0.1,0,0,0,0,-90,0,20,0\n",
     );
-    folder.write("few.csv", "posture,point,dx_mm,dy_mm,dz_mm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\nA,1,0.1,0,0,0,0,-90,0,20,0\n");
     folder.write("no-json.json", "k1 = 3\n");
-    folder.write(
-        "three.json",
-        "{\"stiffness_nm_per_rad\": [1e6, 2e6, 3e6]}\n",
-    );
-    folder.write(
-        "negative.json",
-        "{\"stiffness_nm_per_rad\": [1e6, 2e6, 3e6, -1e5, 1e5, 1e5]}\n",
-    );
+    folder.write("three.json", "{\"stiffness_nm_per_rad\": [1e6, 2e6, 3e6]}\n");
+    folder.write("negative.json", "{\"stiffness_nm_per_rad\": [1e6, 2e6, 3e6, -1e5, 1e5, 1e5]}\n");
     folder.write("other.json", "{\"result\": {\"groups\": []}}\n");
     folder.write("simulated.csv", measurements());
-    let named = folder
-        .ok("identify builtin:comau simulated.csv --json")
-        .replace("\"joint 2\"", "\"A2\"");
+    let named = folder.ok("identify builtin:comau simulated.csv --json").replace("\"joint 2\"", "\"A2\"");
     folder.write("kuka.json", named);
     folder
 }
@@ -178,10 +146,7 @@ fn a_group_that_cannot_determine_all_joints_is_a_finding_not_a_fault() {
     let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     let start = cell.find("[[tool.measuring_point]]\nname = \"2\"").unwrap();
     let end = cell.find("[load]").unwrap();
-    folder.write(
-        "one-point.toml",
-        format!("{}{}", &cell[..start], &cell[end..]),
-    );
+    folder.write("one-point.toml", format!("{}{}", &cell[..start], &cell[end..]));
     let mut report = String::new();
     for line in [
         "evaluate one-point.toml one.csv --json",
@@ -193,13 +158,7 @@ fn a_group_that_cannot_determine_all_joints_is_a_finding_not_a_fault() {
         assert_eq!(ran.code, Some(1), "{line}\n{}{}", ran.out, ran.err);
         if line.starts_with("evaluate") {
             let value: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
-            assert_eq!(
-                value["result"]["groups"][0]["undetermined_joints"]
-                    .as_array()
-                    .unwrap()
-                    .len(),
-                6
-            );
+            assert_eq!(value["result"]["groups"][0]["undetermined_joints"].as_array().unwrap().len(), 6);
             continue;
         }
         report += &ran.transcript(line);
@@ -228,11 +187,7 @@ fn with_json_errors_are_objects_on_standard_output() {
         let error = value["error"].as_object().unwrap();
         let mut keys: Vec<&str> = error.keys().map(String::as_str).collect();
         keys.sort_unstable();
-        assert_eq!(
-            keys,
-            ["code", "column", "file", "hint", "key", "line", "message"],
-            "{line}"
-        );
+        assert_eq!(keys, ["code", "column", "file", "hint", "key", "line", "message"], "{line}");
         report += &ran.transcript(line);
         report.push('\n');
     }
@@ -245,26 +200,11 @@ fn an_error_about_what_was_asked_names_the_option_whichever_function_finds_it() 
     for (line, key) in [
         ("select builtin:comau --index d --repeats", "--repeats"),
         ("zones builtin:comau --q-deg 1,2", "--q-deg"),
-        (
-            "map builtin:comau prior --force-n 0,0,0 --steps 2",
-            "--force-n",
-        ),
-        (
-            "map builtin:comau prior --from-mm 1,0,0 --to-mm 0,0,0",
-            "--from-mm",
-        ),
-        (
-            "simulate builtin:comau builtin:comau-group1 --levels -1",
-            "--levels",
-        ),
-        (
-            "identify builtin:comau simulated.csv --bootstrap 1",
-            "--bootstrap",
-        ),
-        (
-            "identify builtin:comau simulated.csv --free load.anchor_mm",
-            "--free",
-        ),
+        ("map builtin:comau prior --force-n 0,0,0 --steps 2", "--force-n"),
+        ("map builtin:comau prior --from-mm 1,0,0 --to-mm 0,0,0", "--from-mm"),
+        ("simulate builtin:comau builtin:comau-group1 --levels -1", "--levels"),
+        ("identify builtin:comau simulated.csv --bootstrap 1", "--bootstrap"),
+        ("identify builtin:comau simulated.csv --free load.anchor_mm", "--free"),
     ] {
         let ran = folder.run(&format!("{line} --json"));
         let value: serde_json::Value = serde_json::from_str(&ran.out).unwrap();

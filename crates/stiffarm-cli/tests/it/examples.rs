@@ -11,27 +11,18 @@ fn commands(folder: &Folder) -> Vec<String> {
     let list = help.split("\n\n").nth(2).unwrap();
     assert!(list.starts_with("Plan:"), "{list}");
     // Names stand two spaces from the edge, wrapped descriptions further in.
-    let named = list
-        .lines()
-        .filter(|line| line.starts_with("  ") && !line.starts_with("   "));
-    let mut names: Vec<String> = named
-        .map(|line| line.split_whitespace().next().unwrap().to_string())
-        .collect();
+    let named = list.lines().filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    let mut names: Vec<String> = named.map(|line| line.split_whitespace().next().unwrap().to_string()).collect();
     names.push("docs".to_string());
     names
 }
 
 /// What a person reads fits 80 columns; objects, generated pages and lines to copy are what they are.
 fn fits(line: &str, out: &str) {
-    let is_for_people = !["--json", "schema", "docs", "completions", "man"]
-        .iter()
-        .any(|word| line.contains(word));
+    let is_for_people = !["--json", "schema", "docs", "completions", "man"].iter().any(|word| line.contains(word));
     for shown in out.lines().filter(|_| is_for_people) {
         let width = shown.chars().count();
-        assert!(
-            width <= 80 || shown.contains(" = ["),
-            "{line}: {width}: {shown}"
-        );
+        assert!(width <= 80 || shown.contains(" = ["), "{line}: {width}: {shown}");
     }
 }
 
@@ -42,9 +33,8 @@ fn every_help_ends_with_examples_and_they_run() {
     assert!(names.len() >= 13, "{names:?}");
     for name in &names {
         let help = folder.ok(&format!("{name} --help"));
-        let (_, examples) = help
-            .rsplit_once("\n\nExamples:\n")
-            .unwrap_or_else(|| panic!("{name}: no examples\n{help}"));
+        let (_, examples) =
+            help.rsplit_once("\n\nExamples:\n").unwrap_or_else(|| panic!("{name}: no examples\n{help}"));
         let typed = |line: &&str| line.starts_with("  $") || line.starts_with("      ");
         for line in examples.lines().filter(typed) {
             assert!(line.len() <= 80, "too wide: {line}");
@@ -80,9 +70,6 @@ fn the_generated_pages_hold_every_command_and_every_code() {
     }
     let errors = folder.ok("docs errors");
     for code in stiffarm::Code::ALL {
-        assert!(
-            errors.contains(&format!("| `{}` |", code.as_str())),
-            "{code:?}"
-        );
+        assert!(errors.contains(&format!("| `{}` |", code.as_str())), "{code:?}");
     }
 }

@@ -6,25 +6,16 @@ use insta::assert_snapshot;
 use support::{Folder, blocks, is_narrow};
 
 const GROUP: &str = "export builtin:comau builtin:comau-group1";
-const PULSES: &str =
-    "--controller yaskawa --pulses-per-degree 1341.4,1341.4,1341.4,1000,1000,622.2";
+const PULSES: &str = "--controller yaskawa --pulses-per-degree 1341.4,1341.4,1341.4,1000,1000,622.2";
 
 /// The files of each language, with what it needs beside.
 const LANGUAGES: [(&str, &str, &[&str]); 7] = [
-    (
-        "krl",
-        "--controller kuka",
-        &["measure_comau_group1.dat", "measure_comau_group1.src"],
-    ),
+    ("krl", "--controller kuka", &["measure_comau_group1.dat", "measure_comau_group1.src"]),
     ("rapid", "--controller abb", &["measure_comau_group1.mod"]),
     ("ls", "--controller fanuc", &["measure_comau_group1.ls"]),
     ("inform", PULSES, &["MEASURE_COMAU_GROUP1.jbi"]),
     ("pdl2", "", &["measure_comau_group1.pdl"]),
-    (
-        "urscript",
-        "--controller ur",
-        &["measure_comau_group1.script"],
-    ),
+    ("urscript", "--controller ur", &["measure_comau_group1.script"]),
     ("csv", "", &["measure_comau_group1.csv"]),
 ];
 
@@ -42,10 +33,7 @@ fn the_controller_says_the_language() {
     assert_eq!(folder.names_in("own"), ["measure_comau_group1.pdl"]);
     folder.ok(&format!("{GROUP} --controller kuka --output-dir asked"));
     let names = folder.names_in("asked");
-    assert_eq!(
-        names,
-        ["measure_comau_group1.dat", "measure_comau_group1.src"]
-    );
+    assert_eq!(names, ["measure_comau_group1.dat", "measure_comau_group1.src"]);
     let refused = folder.refused(&format!("{GROUP} --controller staubli --output-dir none"));
     assert!(refused.contains("--language csv"), "{refused}");
 }
@@ -57,35 +45,22 @@ fn every_language_is_written_compared_and_not_overwritten() {
         let line = format!("{GROUP} --language {language} {more} --output-dir {language}");
         is_narrow(&folder.ok(&line));
         assert_eq!(folder.names_in(language), files);
-        let paths: Vec<String> = files
-            .iter()
-            .map(|file| format!("{language}/{file}"))
-            .collect();
+        let paths: Vec<String> = files.iter().map(|file| format!("{language}/{file}")).collect();
         let before = folder.read(&paths[0]);
         let warned = before.replace('\n', " ");
-        assert!(
-            warned.contains("WARNING") && warned.contains("sha256"),
-            "{before}"
-        );
+        assert!(warned.contains("WARNING") && warned.contains("sha256"), "{before}");
         let refused = folder.refused(&line);
         assert!(refused.contains("exists already"), "{refused}");
         folder.ok(&format!("{line} --force"));
         assert_eq!(folder.read(&paths[0]), before);
-        let compare = format!(
-            "{GROUP} --language {language} {more} --compare {}",
-            paths.join(" ")
-        );
+        let compare = format!("{GROUP} --language {language} {more} --compare {}", paths.join(" "));
         let said = folder.ok(&compare);
         assert!(said.contains("the same 6 postures as the plan"), "{said}");
         assert!(said.contains("and no other line"), "{said}");
         // Faster, and otherwise the same.
         let faster = folder.run(&compare.replace("--compare", "--speed-percent 20 --compare"));
         assert_eq!(faster.code, Some(1), "{language}");
-        assert!(
-            faster.out.contains("not a line that export"),
-            "{}",
-            faster.out
-        );
+        assert!(faster.out.contains("not a line that export"), "{}", faster.out);
         is_narrow(&faster.out);
     }
 }
@@ -93,13 +68,9 @@ fn every_language_is_written_compared_and_not_overwritten() {
 #[test]
 fn what_is_printed() {
     let folder = Folder::new();
-    folder.write(
-        "home.csv",
-        "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\nhome,0,0,-90,0,0,0\n",
-    );
-    let line = format!(
-        "{GROUP} --language krl --controller kuka --start home.csv --speed-percent 20 --output-dir program"
-    );
+    folder.write("home.csv", "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\nhome,0,0,-90,0,0,0\n");
+    let line =
+        format!("{GROUP} --language krl --controller kuka --start home.csv --speed-percent 20 --output-dir program");
     let ran = folder.run(&line);
     is_narrow(&ran.out);
     let printed = ran.transcript(&line);
@@ -123,55 +94,35 @@ fn a_plan_that_violates_limits_is_named_and_not_written() {
     let json = folder.json(line);
     assert_eq!(json["result"]["files"], serde_json::json!([]));
     let violations = json["result"]["violations"].as_array().unwrap();
-    assert!(
-        violations.iter().all(|v| v["posture"] == "b"),
-        "{violations:?}"
-    );
+    assert!(violations.iter().all(|v| v["posture"] == "b"), "{violations:?}");
     assert!(violations.iter().any(|v| v["limit"]["kind"] == "tool_box"));
     assert!(violations.iter().any(|v| v["limit"].is_null()));
     let ran = folder.run(&format!("{line} --despite-limits"));
     assert_eq!(ran.code, Some(1));
     let written = folder.read("program/measure_p.mod");
-    assert!(
-        written.contains("! WARNING: postures of this plan violate limits of its cell"),
-        "{written}"
-    );
+    assert!(written.contains("! WARNING: postures of this plan violate limits of its cell"), "{written}");
 }
 
 #[test]
 fn an_angle_beyond_the_robots_own_limits_is_never_written() {
     let folder = Folder::new();
     folder.write("p.csv", OUTSIDE.replace("80,70", "80,170"));
-    let said =
-        folder.refused("export builtin:comau p.csv --language csv --output-dir x --despite-limits");
-    assert!(
-        said.contains("outside the machine's limits") && said.contains("p.csv:3"),
-        "{said}"
-    );
+    let said = folder.refused("export builtin:comau p.csv --language csv --output-dir x --despite-limits");
+    assert!(said.contains("outside the machine's limits") && said.contains("p.csv:3"), "{said}");
     assert_eq!(folder.names(), ["p.csv"]);
 }
 
 #[test]
 fn a_comparison_names_what_was_changed() {
     let folder = Folder::new();
-    folder.ok(&format!(
-        "{GROUP} --language ls --controller fanuc --output-dir program"
-    ));
+    folder.ok(&format!("{GROUP} --language ls --controller fanuc --output-dir program"));
     let file = "program/measure_comau_group1.ls";
     let compare = format!("{GROUP} --language ls --controller fanuc --compare {file}");
     let written = folder.read(file);
-    folder.write(
-        file,
-        written.replacen("J3=   -110.00 deg", "J3=   -109.50 deg", 1),
-    );
+    folder.write(file, written.replacen("J3=   -110.00 deg", "J3=   -109.50 deg", 1));
     let ran = folder.run(&compare);
     assert_eq!(ran.code, Some(1));
-    assert!(
-        ran.out
-            .contains("2: joint 3 at -109.5000°, planned -110.0000°, off by 0.5000°"),
-        "{}",
-        ran.out
-    );
+    assert!(ran.out.contains("2: joint 3 at -109.5000°, planned -110.0000°, off by 0.5000°"), "{}", ran.out);
     is_narrow(&ran.out);
     let json = folder.json(&compare);
     assert_eq!(json["result"]["same"], false);
@@ -179,9 +130,11 @@ fn a_comparison_names_what_was_changed() {
     // Another speed, and a jump over the posture: no angle has changed.
     folder.write(
         file,
-        written
-            .replacen("J P[2] 10% FINE", "J P[2] 100% FINE", 1)
-            .replacen("J P[3]", "  JMP LBL[1] ;\r\n  99:J P[3]", 1),
+        written.replacen("J P[2] 10% FINE", "J P[2] 100% FINE", 1).replacen(
+            "J P[3]",
+            "  JMP LBL[1] ;\r\n  99:J P[3]",
+            1,
+        ),
     );
     let ran = folder.run(&compare);
     assert_eq!(ran.code, Some(1));
@@ -201,64 +154,38 @@ fn a_comparison_names_what_was_changed() {
     assert_eq!(lines[1]["line"], at);
     assert!(ran.out.contains(&format!("{file}:{at}")), "{}", ran.out);
     // Taken out at the pendant: the move, not its point.
-    let without: String = written
-        .split_inclusive("\r\n")
-        .filter(|line| !line.contains("J P[4]"))
-        .collect();
+    let without: String = written.split_inclusive("\r\n").filter(|line| !line.contains("J P[4]")).collect();
     folder.write(file, without);
     let ran = folder.run(&compare);
-    assert!(
-        ran.out.contains("4: the program does not go there"),
-        "{}",
-        ran.out
-    );
+    assert!(ran.out.contains("4: the program does not go there"), "{}", ran.out);
     let unstopped = written.replacen("unload] ;\r\n  36:  PAUSE ;", "unload] ;", 1);
     assert_ne!(unstopped, written);
     folder.write(file, unstopped);
     let ran = folder.run(&compare);
     assert_eq!(ran.code, Some(1));
-    assert!(
-        ran.out.contains("1: the program does not wait there"),
-        "{}",
-        ran.out
-    );
+    assert!(ran.out.contains("1: the program does not wait there"), "{}", ran.out);
     // Moved where a limit is violated.
-    folder.write(
-        file,
-        written.replacen("J2=     15.00 deg", "J2=     45.00 deg", 1),
-    );
+    folder.write(file, written.replacen("J2=     15.00 deg", "J2=     45.00 deg", 1));
     let ran = folder.run(&compare);
-    assert!(
-        ran.out.contains("limit: posture 2 has joint 2 at 45"),
-        "{}",
-        ran.out
-    );
-    folder.write(
-        file,
-        written.replacen("J1=    -20.00 deg", "X  =    -20.00  mm", 1),
-    );
+    assert!(ran.out.contains("limit: posture 2 has joint 2 at 45"), "{}", ran.out);
+    folder.write(file, written.replacen("J1=    -20.00 deg", "X  =    -20.00  mm", 1));
     let said = folder.refused(&compare);
-    assert!(
-        said.contains("joint representation") && said.contains(file),
-        "{said}"
-    );
+    assert!(said.contains("joint representation") && said.contains(file), "{said}");
 }
 
 #[test]
 fn wrong_inputs_are_refused_before_anything_is_written() {
     let folder = Folder::new();
     folder.write("two.csv", OUTSIDE);
-    folder.write(
-        "empty.csv",
-        "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n",
-    );
+    folder.write("empty.csv", "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n");
     folder.write("taken", "a file");
     let mut told = String::new();
     for line in [
         "--language krl".to_string(),
         "--language fortran --output-dir x".to_string(),
         "--language inform --controller yaskawa --output-dir x".to_string(),
-        "--language krl --controller kuka --pulses-per-degree 1341.4,1341.4,1341.4,1000,1000,622.2 --output-dir x".to_string(),
+        "--language krl --controller kuka --pulses-per-degree 1341.4,1341.4,1341.4,1000,1000,622.2 --output-dir x"
+            .to_string(),
         "--language inform --controller yaskawa --pulses-per-degree 1000,1000,nan,1000,1000,1000 --output-dir x"
             .to_string(),
         "--language krl --controller kuka --name move_it_quickly_to_the_left --output-dir x".to_string(),
@@ -308,10 +235,7 @@ fn the_page_about_programs_holds() {
         };
         let written = folder.read(&format!("program/{file}"));
         for line in text.lines() {
-            assert!(
-                written.lines().any(|own| own == line),
-                "{language}: {line}\n{written}"
-            );
+            assert!(written.lines().any(|own| own == line), "{language}: {line}\n{written}");
             excerpts += 1;
         }
     }

@@ -29,11 +29,7 @@ fn the_measured_fanuc_is_identified() {
     let axes = result["elastic"]["axes"].as_array().unwrap();
     for (joint, k) in axes.iter().zip(STIFFNESS) {
         let stiffness = joint["stiffness"].as_f64().unwrap();
-        assert!(
-            (stiffness / k - 1.0).abs() < 1e-9,
-            "{}: {stiffness}",
-            joint["name"]
-        );
+        assert!((stiffness / k - 1.0).abs() < 1e-9, "{}: {stiffness}", joint["name"]);
     }
     assert!((result["residual_rms_m"].as_f64().unwrap() / RESIDUAL_RMS - 1.0).abs() < 1e-9);
 
@@ -43,35 +39,25 @@ fn the_measured_fanuc_is_identified() {
     folder.ok(&format!(
         "identify builtin:fanuc-r2000ic builtin:fanuc-r2000ic-readings --exclude {kept} --output stiffness.json"
     ));
-    let value = folder.json(&format!(
-        "validate builtin:fanuc-r2000ic stiffness.json builtin:fanuc-r2000ic-readings --only {kept}"
-    ));
+    let value = folder
+        .json(&format!("validate builtin:fanuc-r2000ic stiffness.json builtin:fanuc-r2000ic-readings --only {kept}"));
     let result = &value["result"];
     assert_eq!(result["points"].as_array().unwrap().len(), 11);
-    let share = result["deviation_rms_m"].as_f64().unwrap()
-        / result["displacement_rms_m"].as_f64().unwrap();
+    let share = result["deviation_rms_m"].as_f64().unwrap() / result["displacement_rms_m"].as_f64().unwrap();
     assert!(share < 0.5, "{share}");
 
     // Each posture predicted from the other 42; a joint that tilts predicts better.
     let left_out = |terms: &str| {
-        let line = format!(
-            "validate builtin:fanuc-r2000ic builtin:fanuc-r2000ic-readings --folds all{terms}"
-        );
+        let line = format!("validate builtin:fanuc-r2000ic builtin:fanuc-r2000ic-readings --folds all{terms}");
         let ran = folder.run(&format!("{line} --json"));
         let value: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
         let band = &value["result"]["band"];
-        println!(
-            "{line}: {} of {} inside",
-            band["inside"], band["components"]
-        );
+        println!("{line}: {} of {} inside", band["inside"], band["components"]);
         // The readings scatter as the residuals say, whatever their cause.
         let inside = band["inside"].as_f64().unwrap() / band["components"].as_f64().unwrap();
         assert!((0.9..=0.99).contains(&inside), "{inside}");
         let factor = value["result"]["compensation_factor"].as_f64().unwrap();
-        (
-            value["result"]["component_rms_m"].as_f64().unwrap() * 1e3,
-            factor,
-        )
+        (value["result"]["component_rms_m"].as_f64().unwrap() * 1e3, factor)
     };
     let (axes, of_axes) = left_out(" --elastic axes");
     let (tilt, of_tilt) = left_out(" --extra tilt3");
@@ -80,10 +66,7 @@ fn the_measured_fanuc_is_identified() {
     println!("leave one out: {axes:.4} mm, with tilt of joint 3 {tilt:.4} mm");
     // README's first number.
     let (mixed, of_mixed) = left_out("");
-    assert!(
-        (mixed - 0.1340).abs() < 5e-5 && (of_mixed - 7.474).abs() < 5e-3,
-        "{mixed}"
-    );
+    assert!((mixed - 0.1340).abs() < 5e-5 && (of_mixed - 7.474).abs() < 5e-3, "{mixed}");
     assert!((axes - 0.2339).abs() < 5e-5, "{axes}");
     assert!((tilt - 0.1813).abs() < 5e-5, "{tilt}");
 }

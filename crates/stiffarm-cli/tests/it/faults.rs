@@ -105,13 +105,8 @@ fn a_killed_run_leaves_old_or_new_files_and_the_next_run_cleans_up() {
         run.wait().unwrap();
         let left = files(&folder.path(""));
         for (name, text) in new.iter() {
-            let left = left
-                .get(name)
-                .unwrap_or_else(|| panic!("{name} is gone: {line}"));
-            assert!(
-                left == text || left == OLD,
-                "{name} is half: {line}\n{left}"
-            );
+            let left = left.get(name).unwrap_or_else(|| panic!("{name} is gone: {line}"));
+            assert!(left == text || left == OLD, "{name} is half: {line}\n{left}");
         }
         folder.ok(line);
         let left = files(&folder.path(""));
@@ -141,10 +136,7 @@ fn a_disk_that_fills_up_in_the_middle_keeps_the_old_file() {
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(&path, OLD).unwrap();
         // SIGXFSZ is ignored, so that the write itself fails.
-        let script = format!(
-            "trap '' XFSZ; ulimit -f {kilobytes}; exec {} {line}",
-            env!("CARGO_BIN_EXE_stiffarm")
-        );
+        let script = format!("trap '' XFSZ; ulimit -f {kilobytes}; exec {} {line}", env!("CARGO_BIN_EXE_stiffarm"));
         let output = support::shell(&folder.path(""), &script).output().unwrap();
         let err = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{line}\n{err}");
@@ -166,10 +158,7 @@ fn a_closed_standard_output_costs_no_file() {
     for which in [0, 3, 4] {
         let (line, program) = (WRITERS[which], env!("CARGO_BIN_EXE_stiffarm"));
         // The reader is gone before the first byte; then there never was one.
-        for script in [
-            format!("{program} {line} | true"),
-            format!("{program} {line} >&-"),
-        ] {
+        for script in [format!("{program} {line} | true"), format!("{program} {line} >&-")] {
             let output = support::shell(&folder.path(""), &script).output().unwrap();
             let err = String::from_utf8_lossy(&output.stderr);
             assert!(!err.contains("failed"), "{script}\n{err}");
@@ -211,10 +200,7 @@ fn without_force_one_of_two_runs_wins_and_no_file_is_half() {
             let folder = prepared();
             let mut both = [start(&folder, line), start(&folder, line)];
             let codes = both.each_mut().map(|run| run.wait().unwrap().code());
-            assert!(
-                [[Some(0), Some(2)], [Some(2), Some(0)]].contains(&codes),
-                "{line}: {codes:?}"
-            );
+            assert!([[Some(0), Some(2)], [Some(2), Some(0)]].contains(&codes), "{line}: {codes:?}");
             assert_eq!(files(&folder.path("")), *new);
         }
     }
@@ -226,28 +212,13 @@ fn a_target_of_another_kind_is_refused_before_the_work() {
     fs::create_dir(folder.path("taken")).unwrap();
     folder.write("file", OLD);
     for (line, message) in [
-        (
-            "identify builtin:comau in.csv --output taken --force",
-            "This is a folder",
-        ),
-        (
-            "compensate builtin:comau prior builtin:contour --output taken --force",
-            "This is a folder",
-        ),
+        ("identify builtin:comau in.csv --output taken --force", "This is a folder"),
+        ("compensate builtin:comau prior builtin:contour --output taken --force", "This is a folder"),
         ("study --output-dir file --force", "This is a file"),
-        (
-            "map builtin:comau prior --plane z=800 --output-dir file --force",
-            "This is a file",
-        ),
+        ("map builtin:comau prior --plane z=800 --output-dir file --force", "This is a file"),
         ("zones --output-dir file/below --force", "cannot be made"),
-        (
-            "select builtin:comau --rounds 100000 --output nowhere/plan.csv",
-            "There is no folder nowhere",
-        ),
-        (
-            "identify builtin:comau in.csv --output file/k.json --force",
-            "no folder",
-        ),
+        ("select builtin:comau --rounds 100000 --output nowhere/plan.csv", "There is no folder nowhere"),
+        ("identify builtin:comau in.csv --output file/k.json --force", "no folder"),
     ] {
         let why = folder.refused(line);
         assert!(why.contains(message), "{line}\n{why}");

@@ -35,28 +35,15 @@ fn names_that_are_more_than_letters_are_refused_with_their_place() {
     let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     let line = "select builtin:comau --initial builtin:comau-group1 --sheet s.csv --states";
     for name in NAMES {
-        folder.write(
-            "p.csv",
-            format!("{HEADING}ok,0,0,-90,0,20,0\n\"{name}\",0,0,-80,0,20,0\n"),
-        );
+        folder.write("p.csv", format!("{HEADING}ok,0,0,-90,0,20,0\n\"{name}\",0,0,-80,0,20,0\n"));
         let ran = folder.run("evaluate builtin:comau p.csv");
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{name:?}");
-        assert!(
-            ran.err.contains("p.csv:3:1") && ran.err.contains("A name must not"),
-            "{}",
-            ran.err
-        );
+        assert!(ran.err.contains("p.csv:3:1") && ran.err.contains("A name must not"), "{}", ran.err);
         assert_shown(&ran);
         assert_shown(&folder.run("evaluate builtin:comau p.csv --json"));
 
-        let escaped: String = name
-            .chars()
-            .map(|c| format!("\\U{:08x}", u32::from(c)))
-            .collect();
-        folder.write(
-            "cell.toml",
-            cell.replacen("name = \"", &format!("name = \"{escaped}"), 1),
-        );
+        let escaped: String = name.chars().map(|c| format!("\\U{:08x}", u32::from(c))).collect();
+        folder.write("cell.toml", cell.replacen("name = \"", &format!("name = \"{escaped}"), 1));
         let ran = folder.run("check cell.toml");
         assert_eq!(ran.code, Some(2), "{name:?}\n{}", ran.out);
         assert_shown(&ran);
@@ -74,16 +61,9 @@ fn names_that_are_more_than_letters_are_refused_with_their_place() {
 fn signs_before_letters_and_digits_are_names_and_stay_the_same() {
     let folder = Folder::new();
     let line = "select builtin:comau --initial builtin:comau-group1 --sheet s.csv --states";
-    let ran = run(
-        &folder,
-        &[line.split(' ').collect(), vec!["+z 250,down_1"]].concat(),
-    );
+    let ran = run(&folder, &[line.split(' ').collect(), vec!["+z 250,down_1"]].concat());
     assert_eq!(ran.code, Some(0), "{}", ran.err);
-    assert!(
-        folder.read("s.csv").contains(",+z 250,"),
-        "{}",
-        folder.read("s.csv")
-    );
+    assert!(folder.read("s.csv").contains(",+z 250,"), "{}", folder.read("s.csv"));
 }
 
 #[test]
@@ -92,19 +72,12 @@ fn quoted_lines_keys_and_file_names_are_shown_in_letters() {
     for hidden in ["\u{1b}]0;title\u{7}", "\u{202e}", "\u{9b}1m"] {
         folder.write("p.csv", format!("{HEADING}a,0,0,x{hidden}y,0,20,0\n"));
         folder.write("h.csv", format!("posture,q1{hidden}\n1,2\n"));
-        folder.write(
-            "c.toml",
-            format!("# {hidden}\n[robot]\n\"na{hidden}me\" = 1\n"),
-        );
+        folder.write("c.toml", format!("# {hidden}\n[robot]\n\"na{hidden}me\" = 1\n"));
         folder.write(
             "k.json",
             format!(
                 "{{\"stiffness_nm_per_rad\": [1], \"a{}\": 1}}",
-                hidden
-                    .escape_unicode()
-                    .to_string()
-                    .replace("\\u{", "\\u00")
-                    .replace('}', "")
+                hidden.escape_unicode().to_string().replace("\\u{", "\\u00").replace('}', "")
             ),
         );
         for line in [
@@ -122,14 +95,8 @@ fn quoted_lines_keys_and_file_names_are_shown_in_letters() {
         assert_shown(&run(&folder, &["check", &name]));
         let ran = run(&folder, &["check", &name, "--json"]);
         assert_shown(&ran);
-        assert_shown(&run(
-            &folder,
-            &["check", "--no", &name, &format!("--{name}")],
-        ));
-        assert_shown(&run(
-            &folder,
-            &["select", "builtin:comau", "--output", &format!("{name}/x")],
-        ));
+        assert_shown(&run(&folder, &["check", "--no", &name, &format!("--{name}")]));
+        assert_shown(&run(&folder, &["select", "builtin:comau", "--output", &format!("{name}/x")]));
     }
 }
 
@@ -137,31 +104,18 @@ fn quoted_lines_keys_and_file_names_are_shown_in_letters() {
 #[test]
 fn a_file_name_of_two_lines_makes_one() {
     let folder = Folder::new();
-    folder.write(
-        "a\ncell: b\u{1b}[1m.toml",
-        stiffarm_files::builtin::cell_text("comau").unwrap(),
-    );
+    folder.write("a\ncell: b\u{1b}[1m.toml", stiffarm_files::builtin::cell_text("comau").unwrap());
     let ran = run(&folder, &["check", "a\ncell: b\u{1b}[1m.toml"]);
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     assert_shown(&ran);
-    assert!(
-        ran.out.contains("\ncell: a\\ncell: b\\u{1b}[1m.toml ("),
-        "{}",
-        ran.out
-    );
+    assert!(ran.out.contains("\ncell: a\\ncell: b\\u{1b}[1m.toml ("), "{}", ran.out);
 }
 
 #[test]
 fn a_line_as_long_as_its_file_gives_a_short_error() {
     let folder = Folder::new();
-    folder.write(
-        "p.csv",
-        format!("{HEADING}a,0,0,{},0,20,0\n", "x".repeat(4_000_000)),
-    );
-    for line in [
-        "evaluate builtin:comau p.csv",
-        "evaluate builtin:comau p.csv --json",
-    ] {
+    folder.write("p.csv", format!("{HEADING}a,0,0,{},0,20,0\n", "x".repeat(4_000_000)));
+    for line in ["evaluate builtin:comau p.csv", "evaluate builtin:comau p.csv --json"] {
         let ran = folder.run(line);
         assert_eq!(ran.code, Some(2));
         assert!(ran.err.len() + ran.out.len() < 20_000);
@@ -176,18 +130,7 @@ fn a_line_as_long_as_its_file_gives_a_short_error() {
 #[test]
 fn more_threads_than_a_machine_can_start_are_no_fault_of_the_program() {
     let folder = Folder::new();
-    let line = format!(
-        "ulimit -v 1500000; '{}' check --threads 1024",
-        env!("CARGO_BIN_EXE_stiffarm")
-    );
-    let output = std::process::Command::new("sh")
-        .current_dir(folder.path(""))
-        .args(["-c", &line])
-        .output()
-        .unwrap();
-    assert!(
-        matches!(output.status.code(), Some(0 | 2)),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    let line = format!("ulimit -v 1500000; '{}' check --threads 1024", env!("CARGO_BIN_EXE_stiffarm"));
+    let output = std::process::Command::new("sh").current_dir(folder.path("")).args(["-c", &line]).output().unwrap();
+    assert!(matches!(output.status.code(), Some(0 | 2)), "{}", String::from_utf8_lossy(&output.stderr));
 }

@@ -22,36 +22,18 @@ fn folder() -> Folder {
     };
     folder.write("arm.urdf", ARM);
     folder.write("malformed.urdf", slip("</robot>", ""));
-    folder.write(
-        "unclosed.urdf",
-        slip("<link name=\"tool0\"/>", "<link name=\"tool0\">"),
-    );
-    folder.write(
-        "inverted.urdf",
-        slip(
-            "lower=\"-1.2\" upper=\"1.5\"",
-            "lower=\"1.5\" upper=\"-1.2\"",
-        ),
-    );
-    folder.write(
-        "prismatic.urdf",
-        slip("\"J4\" type=\"continuous\"", "\"J4\" type=\"prismatic\""),
-    );
+    folder.write("unclosed.urdf", slip("<link name=\"tool0\"/>", "<link name=\"tool0\">"));
+    folder.write("inverted.urdf", slip("lower=\"-1.2\" upper=\"1.5\"", "lower=\"1.5\" upper=\"-1.2\""));
+    folder.write("prismatic.urdf", slip("\"J4\" type=\"continuous\"", "\"J4\" type=\"prismatic\""));
     folder.write(
         "coupled.urdf",
-        slip(
-            "<parent link=\"coupler\"/>",
-            "<origin xyz=\"0.2 0 0\"/><parent link=\"coupler\"/>",
-        ),
+        slip("<parent link=\"coupler\"/>", "<origin xyz=\"0.2 0 0\"/><parent link=\"coupler\"/>"),
     );
     folder.write(
         "two-tips.urdf",
         slip("<parent link=\"tool0\"/>", "<parent link=\"forearm\"/>").replace("tool0", "hand"),
     );
-    folder.write(
-        "commands.urdf",
-        slip("xyz=\"0 0 0.5\"", "xyz=\"0 0 ${height}\""),
-    );
+    folder.write("commands.urdf", slip("xyz=\"0 0 0.5\"", "xyz=\"0 0 ${height}\""));
     folder.write("arm.urdf.xacro", ARM);
     folder.write("rows.csv", ROWS);
     folder.write("no-column.csv", ROWS.replace(",d_mm", ",b_mm"));
@@ -81,10 +63,7 @@ fn an_arm_of_a_urdf_gets_a_cell_that_works() {
     assert!(folder.read("cell/measurements.csv").contains("q4_deg"));
     assert!(!cell.contains("robot.shape"));
     // Standard input is a URDF, too.
-    let ran = folder.run_with(
-        "init --urdf - --no-shapes --tip tool0 --output-dir stdin",
-        ARM.as_bytes(),
-    );
+    let ran = folder.run_with("init --urdf - --no-shapes --tip tool0 --output-dir stdin", ARM.as_bytes());
     assert_eq!(ran.code, Some(0), "{}", ran.err);
 }
 
@@ -147,10 +126,7 @@ fn rows_of_ones_own_get_a_cell_that_works() {
     folder.ok("check cell/cell.toml");
     // It is the arm of the catalogue with these rows.
     folder.ok("init --robot kuka-kr210-r2700-2 --output-dir catalogue");
-    folder.write(
-        "p.csv",
-        "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\np,10,-60,50,40,30,20\n",
-    );
+    folder.write("p.csv", "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\np,10,-60,50,40,30,20\n");
     let pose = |cell: &str| {
         let line = format!("pose {cell} p.csv --convention matrix");
         folder.json(&line)["result"]["postures"][0]["flange"].clone()
@@ -165,11 +141,7 @@ fn rows_of_ones_own_get_a_cell_that_works() {
          4,90,0,163.9,0\n5,-90,0,115.7,0\n6,0,0,92.2,0\n",
     );
     folder.ok("init --dh data-sheet.csv --dh-convention standard --output-dir standard");
-    assert!(
-        folder
-            .read("standard/cell.toml")
-            .contains("dh_standard = [")
-    );
+    assert!(folder.read("standard/cell.toml").contains("dh_standard = ["));
 }
 
 /// The frames and joints of `r2000ic165f.xacro` of ros-industrial/fanuc_experimental, whose joint 3 is
@@ -196,23 +168,14 @@ fn angles_of_a_urdf_are_nobodys_until_the_cell_says_so() {
     let folder = Folder::new();
     folder.write("fanuc.urdf", FANUC);
     let said = folder.ok("init --urdf fanuc.urdf --output-dir cell");
-    assert!(
-        said.contains("joint_3") && said.contains("couple joint 3"),
-        "{said}"
-    );
+    assert!(said.contains("joint_3") && said.contains("couple joint 3"), "{said}");
     let cell = folder.read("cell/cell.toml");
     assert!(cell.contains("\n# controller = \"fanuc\"\n"), "{cell}");
     assert!(cell.contains("CHECK FIRST: pendants of"), "{cell}");
     for (what, line) in [
-        (
-            "limits",
-            "    [-180, 180],\n    [-60, 76],\n    [-132, 180],\n    [-360, 360],",
-        ),
+        ("limits", "    [-180, 180],\n    [-60, 76],\n    [-132, 180],\n    [-360, 360],"),
         ("speeds", "\n[route]\n"),
-        (
-            "speeds",
-            "\njoint_speeds_deg_s = [120, 115, 125, 180, 180, 260]\n",
-        ),
+        ("speeds", "\njoint_speeds_deg_s = [120, 115, 125, 180, 180, 260]\n"),
     ] {
         assert!(cell.contains(line), "{what}: {cell}");
     }
@@ -230,42 +193,24 @@ fn angles_of_a_urdf_are_nobodys_until_the_cell_says_so() {
     ];
     for line in lines {
         let said = folder.refused(line);
-        assert!(
-            said.contains("robot.controller") && said.contains("controller = "),
-            "{line}\n{said}"
-        );
+        assert!(said.contains("robot.controller") && said.contains("controller = "), "{line}\n{said}");
     }
     // What is nobody's goes on as before.
     folder.ok("pose cell/cell.toml p.csv");
     folder.run("export cell/cell.toml p.csv --language csv --output-dir table --despite-limits");
-    assert!(
-        folder
-            .read("table/measure_p.csv")
-            .contains("a,10,30,-20,15,-40,5")
-    );
+    assert!(folder.read("table/measure_p.csv").contains("a,10,30,-20,15,-40,5"));
     // The controller alone: the maker's pendants count otherwise.
     let told = cell.replace("# controller =", "controller =");
     folder.write("cell/cell.toml", &told);
-    for line in [
-        &format!("{} --despite-limits --force", lines[0]),
-        "pose cell/cell.toml p.csv",
-    ] {
+    for line in [&format!("{} --despite-limits --force", lines[0]), "pose cell/cell.toml p.csv"] {
         let ran = folder.run(line);
-        assert!(
-            ran.out.contains("Pendants of FANUC count joint 3"),
-            "{line}\n{}{}",
-            ran.out,
-            ran.err
-        );
+        assert!(ran.out.contains("Pendants of FANUC count joint 3"), "{line}\n{}{}", ran.out, ran.err);
     }
     // With the lines that the comment offers it is the catalogue's arm, whose angles are the pendant's.
     let (head, tail) = told.split_once("# theta_from_q = [").unwrap();
     let (rows, tail) = tail.split_once("# ]").unwrap();
     let rows = rows.replace("\n# ", "\n");
-    folder.write(
-        "cell/cell.toml",
-        format!("{head}theta_from_q = [{rows}]{tail}"),
-    );
+    folder.write("cell/cell.toml", format!("{head}theta_from_q = [{rows}]{tail}"));
     folder.ok("init --robot fanuc-r2000ic165f --output-dir catalogue");
     let position = |cell: &str| -> Vec<f64> {
         let found = folder.json(&format!("pose {cell}/cell.toml p.csv --frame cell"));
@@ -274,25 +219,12 @@ fn angles_of_a_urdf_are_nobodys_until_the_cell_says_so() {
         serde_json::from_value(at).unwrap()
     };
     let (own, known) = (position("cell"), position("catalogue"));
-    assert!(
-        own.iter().zip(&known).all(|(a, b)| (a - b).abs() < 1e-6),
-        "{own:?} {known:?}"
-    );
+    assert!(own.iter().zip(&known).all(|(a, b)| (a - b).abs() < 1e-6), "{own:?} {known:?}");
     folder.run(&format!("{} --despite-limits --force", lines[0]));
-    assert!(
-        folder
-            .read("program/measure_p.ls")
-            .contains("J3=    -20.00 deg")
-    );
-    assert_ne!(
-        folder.run("route cell/cell.toml p.csv --equivalents").code,
-        Some(2)
-    );
+    assert!(folder.read("program/measure_p.ls").contains("J3=    -20.00 deg"));
+    assert_ne!(folder.run("route cell/cell.toml p.csv --equivalents").code, Some(2));
     let said = folder.refused("export cell/cell.toml p.csv --language krl --output-dir other");
-    assert!(
-        said.contains("--controller kuka") && said.contains("--language ls"),
-        "{said}"
-    );
+    assert!(said.contains("--controller kuka") && said.contains("--language ls"), "{said}");
 }
 
 #[test]
@@ -330,27 +262,14 @@ fn wrong_descriptions_are_answered_with_place_and_hint() {
 #[test]
 fn a_gripper_behind_the_arm_is_said_in_the_cell() {
     let folder = folder();
-    let drive = ARM.replace(
-        "\"grip\" type=\"prismatic\"",
-        "\"jointGripper\" type=\"revolute\"",
-    );
+    let drive = ARM.replace("\"grip\" type=\"prismatic\"", "\"jointGripper\" type=\"revolute\"");
     folder.write("drive.urdf", drive);
     let said = folder.ok("init --urdf drive.urdf --no-shapes --tip finger --output-dir cell");
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(
-        said.contains("chain: 5 joints, J1 to jointGripper,"),
-        "{said}"
-    );
-    assert!(
-        said.contains("caution: jointGripper: The joint looks like one of a gripper"),
-        "{said}"
-    );
+    assert!(said.contains("chain: 5 joints, J1 to jointGripper,"), "{said}");
+    assert!(said.contains("caution: jointGripper: The joint looks like one of a gripper"), "{said}");
     assert!(said.contains("--tip tool0"), "{said}");
-    assert!(
-        folder
-            .read("cell/cell.toml")
-            .contains("CHECK FIRST, jointGripper")
-    );
+    assert!(folder.read("cell/cell.toml").contains("CHECK FIRST, jointGripper"));
     let said = folder.ok("check cell/cell.toml");
     assert!(said.contains("caution: By its name jointGripper"), "{said}");
     // Without a tip, tool0 is taken.
@@ -363,18 +282,10 @@ fn a_gripper_behind_the_arm_is_said_in_the_cell() {
 fn meshes_show_how_far_they_are_and_stop() {
     use std::sync::{Arc, Mutex};
     let folder = folder();
-    let meshes: String = (0..4)
-        .map(|i| {
-            format!("<collision><geometry><mesh filename=\"m{i}.stl\"/></geometry></collision>")
-        })
-        .collect();
-    folder.write(
-        "many.urdf",
-        ARM.replace(
-            "<link name=\"column\"/>",
-            &format!("<link name=\"column\">{meshes}</link>"),
-        ),
-    );
+    let meshes: String =
+        (0..4).map(|i| format!("<collision><geometry><mesh filename=\"m{i}.stl\"/></geometry></collision>")).collect();
+    folder
+        .write("many.urdf", ARM.replace("<link name=\"column\"/>", &format!("<link name=\"column\">{meshes}</link>")));
     std::fs::create_dir_all(folder.path("pkg/own_arm/meshes")).unwrap();
     folder.write("pkg/own_arm/meshes/base.stl", block([0.6, 0.5, 0.5]));
     for i in 0..4 {
@@ -405,10 +316,7 @@ fn meshes_show_how_far_they_are_and_stop() {
             move || asked.lock().unwrap().len() > most,
             move |what, done, of| all.lock().unwrap().push((what.to_string(), done, of)),
         );
-        let host = Host {
-            watch: Some(watch),
-            ..Host::default()
-        };
+        let host = Host { watch: Some(watch), ..Host::default() };
         let ran = run_captured(&words, host);
         let told = told.lock().unwrap();
         let counted: Vec<usize> = told.iter().map(|(_, done, _)| *done).collect();
@@ -419,37 +327,18 @@ fn meshes_show_how_far_they_are_and_stop() {
         }
         assert_eq!(ran.code, 0, "{}", ran.err);
         assert_eq!(counted, [0, 1, 2, 3, 4]);
-        assert!(
-            told.iter()
-                .all(|(what, _, of)| what == "meshes into capsules" && *of == 5)
-        );
+        assert!(told.iter().all(|(what, _, of)| what == "meshes into capsules" && *of == 5));
         std::fs::remove_dir_all(folder.path("told")).unwrap();
     }
     assert!(!folder.path("told").exists());
     // `capsules`, too.
     told.lock().unwrap().clear();
     let all = Arc::clone(&told);
-    let watch = Watch::new(
-        || false,
-        move |what, done, of| all.lock().unwrap().push((what.to_string(), done, of)),
-    );
-    let words: Vec<OsString> = ["stiffarm", "capsules", &at("pkg/m0.stl"), &at("pkg/m1.stl")]
-        .iter()
-        .map(OsString::from)
-        .collect();
-    let ran = run_captured(
-        &words,
-        Host {
-            watch: Some(watch),
-            ..Host::default()
-        },
-    );
-    assert_eq!(
-        (ran.code, told.lock().unwrap().len()),
-        (0, 2),
-        "{}",
-        ran.err
-    );
+    let watch = Watch::new(|| false, move |what, done, of| all.lock().unwrap().push((what.to_string(), done, of)));
+    let words: Vec<OsString> =
+        ["stiffarm", "capsules", &at("pkg/m0.stl"), &at("pkg/m1.stl")].iter().map(OsString::from).collect();
+    let ran = run_captured(&words, Host { watch: Some(watch), ..Host::default() });
+    assert_eq!((ran.code, told.lock().unwrap().len()), (0, 2), "{}", ran.err);
 }
 
 /// The command where only the programs of `bin` are found.
@@ -457,10 +346,7 @@ fn with_programs(folder: &Folder, line: &str) -> (Option<i32>, String) {
     let mut run = command(&folder.path("."));
     run.env("PATH", folder.path("bin"));
     let output = run.args(line.split_whitespace()).output().unwrap();
-    (
-        output.status.code(),
-        String::from_utf8(output.stderr).unwrap(),
-    )
+    (output.status.code(), String::from_utf8(output.stderr).unwrap())
 }
 
 #[test]
@@ -487,11 +373,7 @@ fn xacro_is_run_where_it_is_found_and_its_errors_are_passed_on() {
     program("while read -r line; do echo \"$line\"; done < \"$1\"");
     let (code, said) = with_programs(&folder, line);
     assert_eq!(code, Some(0), "{said}");
-    assert!(
-        folder
-            .read("cell/cell.toml")
-            .contains("from arm.urdf.xacro:")
-    );
+    assert!(folder.read("cell/cell.toml").contains("from arm.urdf.xacro:"));
     program("echo 'No such file or directory: materials.xacro' >&2; exit 2");
     let (code, said) = with_programs(&folder, &line.replace("cell", "other"));
     assert_eq!(code, Some(2), "{said}");
@@ -508,18 +390,12 @@ fn xacro_is_run_where_it_is_found_and_its_errors_are_passed_on() {
     let line = line.replace("cell", "found");
     let (code, said) = with_programs(&folder, &line);
     assert_eq!(code, Some(2), "{said}");
-    assert!(
-        said.contains("without ROS say where it is with --package-dir"),
-        "{said}"
-    );
+    assert!(said.contains("without ROS say where it is with --package-dir"), "{said}");
     std::fs::create_dir_all(folder.path("packages/arm-main")).unwrap();
     let (code, said) = with_programs(&folder, &format!("{line} --package-dir packages"));
     assert_eq!(code, Some(2), "{said}");
     assert!(said.contains("in no --package-dir"), "{said}");
-    folder.write(
-        "packages/arm-main/package.xml",
-        "<package><name>own_arm</name></package>",
-    );
+    folder.write("packages/arm-main/package.xml", "<package><name>own_arm</name></package>");
     let (code, said) = with_programs(&folder, &format!("{line} --package-dir packages"));
     assert_eq!(code, Some(0), "{said}");
 }

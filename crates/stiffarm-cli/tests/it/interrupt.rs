@@ -38,9 +38,7 @@ fn printed(stdout: &[u8]) -> Option<Value> {
 /// The same with `--json`: exit code 130 and the result.
 fn result(folder: &Folder, line: &str, signal: &str, enough: &dyn Fn(&Value) -> bool) -> Value {
     let line = format!("{line} --json");
-    let output = stopped(folder, &line, signal, &|out| {
-        printed(out).is_some_and(|result| enough(&result))
-    });
+    let output = stopped(folder, &line, signal, &|out| printed(out).is_some_and(|result| enough(&result)));
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(130), "{line}: {errors}");
     printed(&output.stdout).unwrap()
@@ -57,7 +55,8 @@ fn measured() -> Folder {
 #[test]
 fn a_stopped_search_for_postures_keeps_the_best_so_far() {
     let folder = Folder::new();
-    let line = "select builtin:comau --index expected-error --rounds 1000000 -n 3 --sensitivity --output plan.csv --force";
+    let line =
+        "select builtin:comau --index expected-error --rounds 1000000 -n 3 --sensitivity --output plan.csv --force";
     let found = result(&folder, line, "-INT", &|_| true);
     assert_eq!(found["termination"], "interrupted");
     assert_eq!(folder.read("plan.csv").lines().count(), 4);
@@ -74,9 +73,8 @@ fn a_stopped_identification_keeps_its_estimates() {
     assert_eq!(whole["result"]["not_computed"], Value::Array(Vec::new()));
     let line = "identify builtin:comau m.csv --bootstrap 1000000 --output k.json";
     for signal in ["-INT", "-TERM"] {
-        let found = result(&folder, &format!("{line} --force"), signal, &|found| {
-            found["not_computed"][0] == "bootstrap"
-        });
+        let found =
+            result(&folder, &format!("{line} --force"), signal, &|found| found["not_computed"][0] == "bootstrap");
         let values = |result: &Value| -> Vec<Value> {
             let joints = result["joints"].as_array().unwrap().iter();
             joints.map(|joint| joint["stiffness"].clone()).collect()
@@ -90,13 +88,8 @@ fn a_stopped_identification_keeps_its_estimates() {
     folder.ok("predict builtin:comau k.json plan.csv --force-n 0,0,100 --axes base");
     let line = format!("{line} --report k.html --force");
     let said = "The command was stopped before it was done: the bootstrap intervals";
-    let table = stopped(&folder, &line, "-INT", &|out| {
-        !out.is_empty() && folder.read("k.html").contains(said)
-    });
-    assert!(
-        folder.read("k.html").contains(said),
-        "the page does not say that it was stopped"
-    );
+    let table = stopped(&folder, &line, "-INT", &|out| !out.is_empty() && folder.read("k.html").contains(said));
+    assert!(folder.read("k.html").contains(said), "the page does not say that it was stopped");
     let text = String::from_utf8(table.stdout).unwrap();
     assert!(text.contains("caution: The command was stopped"), "{text}");
     assert!(text.contains("joint 6"), "{text}");
@@ -107,19 +100,10 @@ fn random_postures(count: usize, seed: u64) -> String {
     let mut state = seed;
     let mut next = || {
         // An own generator: the table is the same everywhere.
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 11) as f64 / (1_u64 << 53) as f64
     };
-    let bounds = [
-        [-90.0, 90.0],
-        [-60.0, 40.0],
-        [-180.0, -40.0],
-        [-180.0, 180.0],
-        [-90.0, 90.0],
-        [-180.0, 180.0],
-    ];
+    let bounds = [[-90.0, 90.0], [-60.0, 40.0], [-180.0, -40.0], [-180.0, 180.0], [-90.0, 90.0], [-180.0, 180.0]];
     let mut text = "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n".to_string();
     for row in 0..count {
         let angles = bounds.map(|b: [f64; 2]| format!("{:.2}", b[0] + (b[1] - b[0]) * next()));
@@ -149,13 +133,7 @@ fn every_command_ends_with_130_and_a_word() {
             .unwrap();
         std::thread::sleep(Duration::from_millis(300));
         let id = child.id().to_string();
-        assert!(
-            Command::new("kill")
-                .args(["-INT", &id])
-                .status()
-                .unwrap()
-                .success()
-        );
+        assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
         let sent = std::time::Instant::now();
         while child.try_wait().unwrap().is_none() {
             assert!(sent.elapsed() < Duration::from_secs(60), "{line} goes on");
@@ -164,10 +142,7 @@ fn every_command_ends_with_130_and_a_word() {
         let output = child.wait_with_output().unwrap();
         let errors = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(130), "{line}: {errors}");
-        assert!(
-            errors.to_lowercase().contains("interrupted"),
-            "{line}: {errors}"
-        );
+        assert!(errors.to_lowercase().contains("interrupted"), "{line}: {errors}");
     }
 }
 
@@ -176,15 +151,10 @@ fn a_stopped_map_holds_the_nodes_that_were_done() {
     let folder = Folder::new();
     let line = "map builtin:comau prior --steps 30,30,30 --free-turn=720 --output-dir out --force";
     // Of a few nodes nothing can be said.
-    let found = result(&folder, line, "-TERM", &|found| {
-        found["counts"]["reachable"].as_u64() > Some(50)
-    });
+    let found = result(&folder, line, "-TERM", &|found| found["counts"]["reachable"].as_u64() > Some(50));
     assert_eq!(found["interrupted"], true);
     let counts = &found["counts"];
-    let (left, reached) = (
-        counts["not_computed"].as_u64(),
-        counts["reachable"].as_u64(),
-    );
+    let (left, reached) = (counts["not_computed"].as_u64(), counts["reachable"].as_u64());
     assert!(left > Some(0) && reached > Some(0), "{counts}");
     let nodes = found["nodes"].as_array().unwrap();
     assert_eq!(nodes.len(), 30 * 30 * 30);
@@ -234,29 +204,17 @@ fn a_stopped_simulation_of_springs_gives_the_runs_that_were_made() {
 #[test]
 fn a_stopped_study_says_so_and_leaves_nothing_older_beside_its_page() {
     let folder = Folder::new();
-    let cell = std::fs::read(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../cells/comau.toml"
-    ));
+    let cell = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cells/comau.toml"));
     folder.write("my-cell.toml", cell.unwrap());
     let line = "study my-cell.toml --runs 2 --initial-groups 2 --seed 3 --output-dir out";
     folder.ok(line);
     // As an older version of the program would have left it.
     let json = folder.read("out/study.json");
-    let listed = json.replace(
-        "\"indices.csv\"",
-        "\"indices.csv\" \"study.md\" \"old-figure.svg\" \"../mine.csv\"",
-    );
+    let listed = json.replace("\"indices.csv\"", "\"indices.csv\" \"study.md\" \"old-figure.svg\" \"../mine.csv\"");
     assert_ne!(json, listed);
     let listed = listed.replace("\" \"", "\", \"");
     folder.write("out/study.json", listed);
-    for name in [
-        "out/study.md",
-        "out/old-figure.svg",
-        "out/postures-mine.csv",
-        "out/notes.txt",
-        "mine.csv",
-    ] {
+    for name in ["out/study.md", "out/old-figure.svg", "out/postures-mine.csv", "out/notes.txt", "mine.csv"] {
         folder.write(name, "text");
     }
     let line = "study my-cell.toml --initial-groups 1000000 --seed 3 --output-dir out --force";
@@ -264,10 +222,7 @@ fn a_stopped_study_says_so_and_leaves_nothing_older_beside_its_page() {
     assert_eq!(found["interrupted"], true);
     let page = folder.read("out/report.html");
     let top = page.split("The cell in 3D").next().unwrap();
-    assert!(
-        top.contains("The study was stopped before its end."),
-        "{top}"
-    );
+    assert!(top.contains("The study was stopped before its end."), "{top}");
     assert!(top.contains("of 1000000 other initial groups"), "{top}");
     let mut files = folder.names_in("out");
     files.retain(|name| !["postures-mine.csv", "notes.txt"].contains(&name.as_str()));

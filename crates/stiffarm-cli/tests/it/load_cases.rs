@@ -37,21 +37,10 @@ fn from_the_cell_to_the_stiffness() {
     run("predict cell.toml prior plan.csv --cell-load --load-case push");
     // States of a posture in the sheet: each load between unloaded ones.
     let sheet = std::fs::read_to_string(folder.path("sheet.csv")).unwrap();
-    let mut states: Vec<&str> = sheet
-        .lines()
-        .skip(1)
-        .filter(|line| line.starts_with("1,"))
-        .filter_map(|line| line.split(',').nth(1))
-        .collect();
+    let mut states: Vec<&str> =
+        sheet.lines().skip(1).filter(|line| line.starts_with("1,")).filter_map(|line| line.split(',').nth(1)).collect();
     states.dedup();
-    let expected = [
-        "unloaded",
-        "left",
-        "unloaded-2",
-        "push",
-        "unloaded-3",
-        "weight",
-    ];
+    let expected = ["unloaded", "left", "unloaded-2", "push", "unloaded-3", "weight"];
     assert_eq!(states, expected);
     let ran = folder.run("simulate cell.toml plan.csv --runs 20 --readings readings.csv");
     assert_eq!(ran.code, Some(0), "{}", ran.err);
@@ -82,7 +71,9 @@ fn wrong_load_cases_are_answered_with_place_and_hint() {
     folder.write("two-sizes.csv", format!("{heading}{}", states.concat()));
     folder.write(
         "no-state.csv",
-        format!("posture,point,dx_mm,dy_mm,dz_mm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n1,1,0.1,0.2,0.3,{angles}\n"),
+        format!(
+            "posture,point,dx_mm,dy_mm,dz_mm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n1,1,0.1,0.2,0.3,{angles}\n"
+        ),
     );
     assert_snapshot!(folder.refusals([
         "check like-another.toml",
@@ -117,13 +108,7 @@ fn a_sheet_with_two_sizes_of_one_load_asks_for_them() {
     let line = "select cell.toml --space-filling --count 2 --sheet plain.csv";
     assert_eq!(folder.run(line).code, Some(0));
     let sheet = std::fs::read_to_string(folder.path("plain.csv")).unwrap();
-    let expected = [
-        "unloaded ",
-        "left 500",
-        "unloaded-2 ",
-        "push 400",
-        "unloaded-3 ",
-    ];
+    let expected = ["unloaded ", "left 500", "unloaded-2 ", "push 400", "unloaded-3 "];
     let loads = loads(&sheet);
     assert_eq!(loads[..5], expected);
     assert!(loads[5].starts_with("weight 490."), "{}", loads[5]);

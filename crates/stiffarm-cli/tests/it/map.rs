@@ -17,11 +17,7 @@ fn working_cell(load: &str) -> String {
 fn path() -> String {
     let mut text = "x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg\n".to_string();
     let corner = |i: i32| {
-        if i <= 15 {
-            (20 * i, 0)
-        } else {
-            (300, 20 * (i - 15))
-        }
+        if i <= 15 { (20 * i, 0) } else { (300, 20 * (i - 15)) }
     };
     for (x, y) in (0..=25).map(corner) {
         text += &format!("{x},{y},50,180,0,0\n");
@@ -65,11 +61,7 @@ fn the_object_the_table_and_the_picture_agree() {
     }
     assert!(reachable > 0);
     assert_eq!(result["counts"]["reachable"], reachable);
-    assert!(
-        folder
-            .read("out/map.svg")
-            .contains("deflection per newton [µm/N]")
-    );
+    assert!(folder.read("out/map.svg").contains("deflection per newton [µm/N]"));
 }
 
 #[test]
@@ -86,10 +78,7 @@ fn the_load_of_the_cell_is_taken_in_its_axes() {
         ("tool", [10.0, -20.0, -30.0]),
         ("workpiece", [10.0, 20.0, 30.0]),
     ] {
-        folder.write(
-            "cell.toml",
-            working_cell(&format!("force_n = [10, 20, 30]\naxes = \"{axes}\"")),
-        );
+        folder.write("cell.toml", working_cell(&format!("force_n = [10, 20, 30]\naxes = \"{axes}\"")));
         let printed = folder.json(line);
         assert_eq!(force(&printed), expected, "{axes}");
         let size = 1400_f64.sqrt();
@@ -97,17 +86,11 @@ fn the_load_of_the_cell_is_taken_in_its_axes() {
         assert!((along - expected[0] / size).abs() < 1e-12);
     }
     // A path's axes are no axes of a map.
-    folder.write(
-        "cell.toml",
-        working_cell("force_n = [10, 20, 30]\naxes = \"path\""),
-    );
+    folder.write("cell.toml", working_cell("force_n = [10, 20, 30]\naxes = \"path\""));
     assert_eq!(force(&folder.json(line)), [0.0, 0.0, 1.0]);
     let said = folder.ok(line);
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(
-        said.contains("axes of a path, which a map has not"),
-        "{said}"
-    );
+    assert!(said.contains("axes of a path, which a map has not"), "{said}");
 }
 
 #[test]
@@ -121,18 +104,11 @@ fn nothing_reachable_is_a_finding() {
 fn the_best_place_of_a_path() {
     let folder = Folder::new();
     folder.write("path.csv", path());
-    folder.write(
-        "cell.toml",
-        working_cell("force_n = [-250, 150, 80]\naxes = \"path\""),
-    );
+    folder.write("cell.toml", working_cell("force_n = [-250, 150, 80]\naxes = \"path\""));
     let line = "map cell.toml prior --place path.csv --yaw-deg 0,90 --steps 5 --output-dir out";
     assert_snapshot!(folder.ok(line));
     assert_eq!(folder.names(), ["cell.toml", "out", "path.csv"]);
-    assert!(
-        folder
-            .read("out/placement.svg")
-            .contains("RMS deflection [mm]")
-    );
+    assert!(folder.read("out/placement.svg").contains("RMS deflection [mm]"));
     let printed = folder.json("map cell.toml prior --place path.csv --yaw-deg 0,90 --steps 5");
     let result = &printed["result"];
     let rows = folder.read("out/placement.csv").lines().count();
@@ -146,19 +122,14 @@ fn the_best_place_of_a_path() {
     };
     let moved = working_cell("force_n = [-250, 150, 80]\naxes = \"path\"").replace(
         "workpiece_mm = [1700, 900, 700]",
-        &format!(
-            "workpiece_mm = {}\nworkpiece_rpy_deg = {}",
-            list("position_m", 1e3),
-            list("rpy_deg", 1.0)
-        ),
+        &format!("workpiece_mm = {}\nworkpiece_rpy_deg = {}", list("position_m", 1e3), list("rpy_deg", 1.0)),
     );
     folder.write("moved.toml", moved);
     let there = folder.json("map moved.toml prior --place path.csv --steps 2 --refine 0");
     let rms = |v: &Value| v["deflection_rms_m"].as_f64().unwrap();
     assert!((rms(&there["result"]["given"]) / rms(best) - 1.0).abs() < 1e-9);
     // Nowhere is a finding.
-    let far =
-        "map cell.toml prior --place path.csv --from-mm 5000,0,700 --to-mm 6000,0,700 --steps 2";
+    let far = "map cell.toml prior --place path.csv --from-mm 5000,0,700 --to-mm 6000,0,700 --steps 2";
     let ran = folder.run(far);
     assert_eq!(ran.code, Some(1), "{}{}", ran.out, ran.err);
     assert!(ran.out.contains("At no place of the grid"), "{}", ran.out);
@@ -202,21 +173,14 @@ fn a_saved_identification_brings_bands() {
     let folder = Folder::with("m.csv", measurements());
     folder.write("full.json", stiffness());
     folder.ok("identify builtin:comau m.csv --brief --output brief.json");
-    let map =
-        |file: &str| folder.json(&format!("map builtin:comau {file} --plane z=800 --steps 7"));
+    let map = |file: &str| folder.json(&format!("map builtin:comau {file} --plane z=800 --steps 7"));
     let (full, brief, prior) = (map("full.json"), map("brief.json"), map("prior"));
     let widths = |v: &Value| -> Vec<f64> {
         let nodes = v["result"]["nodes"].as_array().unwrap().iter();
-        nodes
-            .filter_map(|n| n["values"]["half_width_m"].as_f64())
-            .collect()
+        nodes.filter_map(|n| n["values"]["half_width_m"].as_f64()).collect()
     };
     let (full, brief) = (widths(&full), widths(&brief));
     assert!(!full.is_empty() && full.len() == brief.len() && widths(&prior).is_empty());
     // The budget of common errors widens every band.
-    assert!(
-        full.iter()
-            .zip(&brief)
-            .all(|(full, brief)| full > brief && *brief > 0.0)
-    );
+    assert!(full.iter().zip(&brief).all(|(full, brief)| full > brief && *brief > 0.0));
 }

@@ -11,62 +11,26 @@ const OPTIONS: [(&str, &str); 24] = [
     ("map builtin:comau prior --to-mm 0,0,0 --from-mm ", ",0,0"),
     ("map builtin:comau prior --plane z=800 --rpy-deg ", ",0,0"),
     ("map builtin:comau prior --plane z=800 --force-n ", ",0,0"),
-    (
-        "map builtin:comau prior --plane z=800 --force-n 1,0,0 --moment-nm ",
-        ",0,0",
-    ),
+    ("map builtin:comau prior --plane z=800 --force-n 1,0,0 --moment-nm ", ",0,0"),
     ("map builtin:comau prior --plane z=800 --direction ", ",0,0"),
-    (
-        "map builtin:comau prior --place builtin:contour --yaw-deg ",
-        "",
-    ),
-    (
-        "predict builtin:comau prior builtin:contour --axes base --force-n ",
-        ",0,0",
-    ),
-    (
-        "predict builtin:comau prior builtin:contour --load-uncertainty-percent ",
-        "",
-    ),
-    (
-        "predict builtin:comau prior builtin:contour --near-deg 0,0,0,0,0,",
-        "",
-    ),
-    (
-        "predict builtin:comau prior builtin:contour --max-step-deg ",
-        "",
-    ),
+    ("map builtin:comau prior --place builtin:contour --yaw-deg ", ""),
+    ("predict builtin:comau prior builtin:contour --axes base --force-n ", ",0,0"),
+    ("predict builtin:comau prior builtin:contour --load-uncertainty-percent ", ""),
+    ("predict builtin:comau prior builtin:contour --near-deg 0,0,0,0,0,", ""),
+    ("predict builtin:comau prior builtin:contour --max-step-deg ", ""),
     ("simulate builtin:comau builtin:comau-group1 --levels ", ""),
-    (
-        "simulate builtin:comau builtin:comau-group1 --force-error-percent ",
-        "",
-    ),
-    (
-        "simulate builtin:comau builtin:comau-group1 --joint-angle-error-deg ",
-        "",
-    ),
-    (
-        "simulate builtin:comau builtin:comau-group1 --anchor-error-mm ",
-        "",
-    ),
+    ("simulate builtin:comau builtin:comau-group1 --force-error-percent ", ""),
+    ("simulate builtin:comau builtin:comau-group1 --joint-angle-error-deg ", ""),
+    ("simulate builtin:comau builtin:comau-group1 --anchor-error-mm ", ""),
     ("register builtin:example-pairs --std-mm ", ""),
     ("zones builtin:comau --q-deg 0,0,0,0,0,", ""),
     ("select builtin:comau --rounds 1 --largest-load-n ", ""),
-    (
-        "select builtin:comau --rounds 1 --anchor-box-mm 0,0,0,1,1,",
-        "",
-    ),
+    ("select builtin:comau --rounds 1 --anchor-box-mm 0,0,0,1,1,", ""),
     ("select builtin:comau --time-limit ", ""),
     ("identify builtin:comau m.csv --confidence ", ""),
     ("identify builtin:comau m.csv --prior-std-percent ", ""),
-    (
-        "identify builtin:comau m.csv --clamped --angle-noise-deg ",
-        "",
-    ),
-    (
-        "validate builtin:comau m.csv --folds all --tolerance-mm ",
-        "",
-    ),
+    ("identify builtin:comau m.csv --clamped --angle-noise-deg ", ""),
+    ("validate builtin:comau m.csv --folds all --tolerance-mm ", ""),
 ];
 
 #[test]
@@ -78,16 +42,10 @@ fn a_number_that_cannot_be_meant_is_refused() {
             // In this process: nothing but the words counts, and there are many of them.
             let words = ["stiffarm"].into_iter().chain(line.split(' '));
             let words: Vec<OsString> = words.map(OsString::from).collect();
-            let host = Host {
-                inputs: [("m.csv".to_string(), table.clone())].into(),
-                ..Host::default()
-            };
+            let host = Host { inputs: [("m.csv".to_string(), table.clone())].into(), ..Host::default() };
             let ran = run_captured(&words, host);
             assert_eq!(ran.code, 2, "{line}\n{}{}", ran.out, ran.err);
-            let option = before
-                .split(' ')
-                .rfind(|word| word.starts_with("--"))
-                .unwrap();
+            let option = before.split(' ').rfind(|word| word.starts_with("--")).unwrap();
             assert!(ran.err.contains(option), "{line}\n{}", ran.err);
         }
     }
@@ -105,17 +63,11 @@ fn a_load_that_can_hardly_be_meant_is_a_finding() {
         let ran = folder.run(&format!("{command} 200000,0,0"));
         assert_eq!(ran.code, Some(1), "{command}\n{}{}", ran.out, ran.err);
         // The whole result is there, and what is wrong with it.
-        assert!(
-            ran.out.contains("2.0000e5 N can hardly be meant"),
-            "{}",
-            ran.out
-        );
+        assert!(ran.out.contains("2.0000e5 N can hardly be meant"), "{}", ran.out);
         assert!(ran.out.contains("weighs 1618 N"), "{}", ran.out);
         folder.ok(&format!("{command} 300,0,0"));
     }
-    let line = format!(
-        "compensate builtin:comau prior builtin:contour {load} 200000,0,0 --beyond-data --output -"
-    );
+    let line = format!("compensate builtin:comau prior builtin:contour {load} 200000,0,0 --beyond-data --output -");
     let ran = folder.run(&line);
     assert_eq!(ran.code, Some(1));
     assert!(ran.err.contains("can hardly be meant"), "{}", ran.err);
@@ -133,12 +85,7 @@ fn work_that_outgrows_its_counts_says_so_first() {
         "note: 115200 positions and turns of the tip to look at; this takes a while, and Ctrl-C stops it\n"
     );
     assert_eq!(folder.run(&format!("{line} --quiet")).err, "");
-    assert_eq!(
-        folder
-            .run("map builtin:comau prior --plane z=800 --steps 5")
-            .err,
-        ""
-    );
+    assert_eq!(folder.run("map builtin:comau prior --plane z=800 --steps 5").err, "");
 }
 
 /// A cell file of the repository with one line replaced.

@@ -16,11 +16,7 @@ fn two_results_in_one_file_are_refused_in_every_spelling() {
     for other in ["p.csv", "./p.csv", "a/../p.csv", &absolute] {
         let ran = folder.run(&format!("{PLAN} --output p.csv --sheet {other}"));
         assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{other}");
-        assert!(
-            ran.err.contains("Two results would go to the same file"),
-            "{}",
-            ran.err
-        );
+        assert!(ran.err.contains("Two results would go to the same file"), "{}", ran.err);
     }
     assert_eq!(folder.names(), ["a"]);
 }
@@ -48,11 +44,7 @@ fn a_link_to_nothing_is_not_replaced_unasked() {
     let line = format!("{PLAN} --output link.csv");
     let ran = folder.run(&line);
     assert_eq!(ran.code, Some(2));
-    assert!(
-        ran.err.contains("a link to a file that is not there"),
-        "{}",
-        ran.err
-    );
+    assert!(ran.err.contains("a link to a file that is not there"), "{}", ran.err);
     assert!(folder.path("link.csv").is_symlink());
     // The second time it is a link to a file.
     for _ in 0..2 {
@@ -63,12 +55,7 @@ fn a_link_to_nothing_is_not_replaced_unasked() {
     // A device is written in place.
     folder.ok(&format!("{PLAN} --output /dev/null"));
     std::os::unix::fs::symlink("circle.csv", folder.path("circle.csv")).unwrap();
-    assert_eq!(
-        folder
-            .run(&format!("{PLAN} --output circle.csv --force"))
-            .code,
-        Some(2)
-    );
+    assert_eq!(folder.run(&format!("{PLAN} --output circle.csv --force")).code, Some(2));
 }
 
 #[cfg(unix)]
@@ -90,12 +77,8 @@ fn standard_input_is_not_overwritten() {
 #[test]
 fn an_input_as_output_is_refused_before_the_work() {
     let folder = Folder::new();
-    folder.write(
-        "plan.csv",
-        stiffarm_files::builtin::postures_text("comau-group1").unwrap(),
-    );
-    let line =
-        "select builtin:comau --given plan.csv --add 2 --rounds 100000 --output ./plan.csv --force";
+    folder.write("plan.csv", stiffarm_files::builtin::postures_text("comau-group1").unwrap());
+    let line = "select builtin:comau --given plan.csv --add 2 --rounds 100000 --output ./plan.csv --force";
     let ran = folder.run(line);
     assert_eq!(ran.code, Some(2));
     assert!(ran.err.contains("input of the same command"), "{}", ran.err);
@@ -133,25 +116,16 @@ fn what_killed_runs_left_goes_with_the_next_run_into_the_same_folder() {
     folder.write(".stiffarm-0000000000000002-0000000000000003.tmp", "half");
     let alive = ".stiffarm-0000000000000004.tmp";
     folder.write(alive, "another run, still at work");
-    let lock = fs::OpenOptions::new()
-        .write(true)
-        .open(folder.path(alive))
-        .unwrap();
+    let lock = fs::OpenOptions::new().write(true).open(folder.path(alive)).unwrap();
     lock.lock().unwrap();
     // Neither a file nor of this program.
     fs::create_dir(folder.path(".stiffarm-folder.tmp")).unwrap();
     folder.write("mine.tmp", "other");
     folder.ok(&format!("{PLAN} --output p.csv"));
-    assert_eq!(
-        folder.names(),
-        [alive, ".stiffarm-folder.tmp", "mine.tmp", "p.csv"]
-    );
+    assert_eq!(folder.names(), [alive, ".stiffarm-folder.tmp", "mine.tmp", "p.csv"]);
     drop(lock);
     folder.ok(&format!("{PLAN} --output other.csv"));
-    assert_eq!(
-        folder.names(),
-        [".stiffarm-folder.tmp", "mine.tmp", "other.csv", "p.csv"]
-    );
+    assert_eq!(folder.names(), [".stiffarm-folder.tmp", "mine.tmp", "other.csv", "p.csv"]);
 }
 
 #[test]
@@ -218,98 +192,44 @@ fn a_disk_that_is_full_costs_the_file_and_not_the_result() {
     assert!(ran.out.contains("cell: builtin:comau"), "{}", ran.out);
     let ran = folder.run(&format!("{PLAN} --output /dev/full --json"));
     assert_eq!(ran.code, Some(2));
-    assert!(
-        serde_json::from_str::<serde_json::Value>(&ran.out).is_ok(),
-        "{}",
-        ran.out
-    );
+    assert!(serde_json::from_str::<serde_json::Value>(&ran.out).is_ok(), "{}", ran.out);
     assert!(ran.err.contains("cannot be written"), "{}", ran.err);
     let line = "compensate builtin:comau prior builtin:contour --output /dev/full";
     let ran = folder.run(line);
     assert_eq!(ran.code, Some(2));
-    assert!(
-        !ran.out.contains("wrote") && ran.out.lines().count() > 60,
-        "{}",
-        ran.out
-    );
+    assert!(!ran.out.contains("wrote") && ran.out.lines().count() > 60, "{}", ran.out);
 }
 
 /// Command lines with the options for a file that each has; `*` stands for the option and its value.
 const WITH_OUTPUTS: [(&str, &[&str]); 17] = [
-    (
-        "check builtin:comau --force *",
-        &["--figure x.svg", "--report x.html"],
-    ),
+    ("check builtin:comau --force *", &["--figure x.svg", "--report x.html"]),
     (
         "select builtin:comau --initial builtin:comau-group1 --force *",
-        &[
-            "--output x.csv",
-            "--sheet x.csv",
-            "--figure x.svg",
-            "--print x.html",
-            "--report x.html",
-        ],
+        &["--output x.csv", "--sheet x.csv", "--figure x.svg", "--print x.html", "--report x.html"],
     ),
-    (
-        "select builtin:comau --curve -n 2 --rounds 1 --force *",
-        &["--output x.csv", "--report x.html"],
-    ),
-    (
-        "evaluate builtin:comau builtin:comau-group1 --force *",
-        &["--report x.html"],
-    ),
+    ("select builtin:comau --curve -n 2 --rounds 1 --force *", &["--output x.csv", "--report x.html"]),
+    ("evaluate builtin:comau builtin:comau-group1 --force *", &["--report x.html"]),
     (
         "simulate builtin:comau builtin:comau-group1 --runs 2 --force *",
-        &[
-            "--measurements x.csv",
-            "--readings x.csv",
-            "--report x.html",
-        ],
+        &["--measurements x.csv", "--readings x.csv", "--report x.html"],
     ),
     (
         "simulate builtin:comau builtin:comau-group1 --runs 2 --elastic mixed --force *",
         &["--measurements x.csv", "--report x.html"],
     ),
-    (
-        "coverage builtin:comau builtin:comau-group1 --runs 2 --force *",
-        &["--report x.html"],
-    ),
-    (
-        "register builtin:example-pairs --force *",
-        &["--output x.json"],
-    ),
-    (
-        "identify builtin:comau m.csv --brief --force *",
-        &["--output x.json", "--report x.html"],
-    ),
-    (
-        "validate builtin:comau k.json m.csv --force *",
-        &["--report x.html"],
-    ),
-    (
-        "predict builtin:comau prior builtin:contour --force *",
-        &["--output x.csv", "--figure x.svg", "--report x.html"],
-    ),
+    ("coverage builtin:comau builtin:comau-group1 --runs 2 --force *", &["--report x.html"]),
+    ("register builtin:example-pairs --force *", &["--output x.json"]),
+    ("identify builtin:comau m.csv --brief --force *", &["--output x.json", "--report x.html"]),
+    ("validate builtin:comau k.json m.csv --force *", &["--report x.html"]),
+    ("predict builtin:comau prior builtin:contour --force *", &["--output x.csv", "--figure x.svg", "--report x.html"]),
     (
         "compensate builtin:comau prior builtin:contour --force *",
         &["--output x.csv", "--figure x.svg", "--report x.html"],
     ),
-    (
-        "map builtin:comau prior --plane z=800 --steps 7 --force *",
-        &["--report x.html"],
-    ),
-    (
-        "zones builtin:comau --steps 5 --force *",
-        &["--report x.html"],
-    ),
-    (
-        "pose builtin:comau builtin:comau-group1 --force *",
-        &["--output x.csv"],
-    ),
-    (
-        "route builtin:comau builtin:comau-group1 --force *",
-        &["--output x.csv", "--report x.html"],
-    ),
+    ("map builtin:comau prior --plane z=800 --steps 7 --force *", &["--report x.html"]),
+    ("zones builtin:comau --steps 5 --force *", &["--report x.html"]),
+    ("pose builtin:comau builtin:comau-group1 --force *", &["--output x.csv"]),
+    ("route builtin:comau builtin:comau-group1 --force *", &["--output x.csv", "--report x.html"]),
     ("report k.json --force *", &["--output x.html"]),
 ];
 

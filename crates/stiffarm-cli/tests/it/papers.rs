@@ -22,13 +22,7 @@ fn pictures_and_data_without_a_page() {
     // Of a chart also what it shows; the cell is a drawing.
     assert_eq!(
         folder.names_in("pictures"),
-        [
-            "cell.svg",
-            "path-components.csv",
-            "path-components.svg",
-            "path.csv",
-            "path.svg"
-        ]
+        ["cell.svg", "path-components.csv", "path-components.svg", "path.csv", "path.svg"]
     );
     let svg = folder.read("pictures/path.svg");
     assert!(svg.contains(r#"width="60mm""#), "{svg}");
@@ -41,12 +35,8 @@ fn pictures_and_data_without_a_page() {
 #[test]
 fn pictures_of_several_results_begin_with_their_names() {
     let folder = folder();
-    let said =
-        folder.ok("report path.json other.json --figures p --format csv,svg --output page.html");
-    assert!(
-        said.ends_with("\nwrote page.html and 10 files in p\n"),
-        "{said}"
-    );
+    let said = folder.ok("report path.json other.json --figures p --format csv,svg --output page.html");
+    assert!(said.ends_with("\nwrote page.html and 10 files in p\n"), "{said}");
     assert_eq!(
         folder.names_in("p"),
         [
@@ -73,10 +63,7 @@ fn wrong_requests_are_answered_and_write_nothing() {
     for (options, answer) in [
         ("--figures p --width-mm 10", "must be 20 to 500 mm, got 10"),
         ("--figures p --font-pt 3", "must be 4 to 30 pt, got 3"),
-        (
-            "--figures p --format gif",
-            "invalid value 'gif' for '--format <FORMAT,...>': svg and csv are written",
-        ),
+        ("--figures p --format gif", "invalid value 'gif' for '--format <FORMAT,...>': svg and csv are written"),
         ("--figures p --format svg,PDF", "convert the SVG"),
         ("--width-mm 88", "--figures <DIR>"),
         ("--figures path.json", "the output is a folder"),

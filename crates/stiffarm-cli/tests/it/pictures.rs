@@ -20,11 +20,7 @@ fn folder() -> Folder {
 /// What the command says about the picture.
 fn about(folder: &Folder, line: &str) -> String {
     let ran = folder.run(line);
-    assert!(
-        ran.code == Some(0) || ran.code == Some(1),
-        "{line}\n{}",
-        ran.err
-    );
+    assert!(ran.code == Some(0) || ran.code == Some(1), "{line}\n{}", ran.err);
     let told = ran.out.split_once("\nPicture\n").unwrap().1;
     format!("$ stiffarm {line}\n{told}\n")
 }
@@ -55,10 +51,7 @@ fn the_command_says_what_the_picture_shows() {
         ("red-all", true),
     ] {
         let svg = folder.read(&format!("{name}.svg"));
-        assert!(
-            svg.starts_with("<svg ") && svg.ends_with("</svg>\n"),
-            "{name}"
-        );
+        assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"), "{name}");
         assert_eq!(svg.contains(RED), red, "{name}");
     }
 }
@@ -90,14 +83,9 @@ fn a_plan_comes_with_its_picture() {
         ("--space-filling -n 5", 5),
         ("--candidates builtin:comau-group1 -n 4 --no-certificate", 4),
     ] {
-        folder.ok(&format!(
-            "select builtin:comau {line} --figure plan.svg --output plan.csv --force"
-        ));
+        folder.ok(&format!("select builtin:comau {line} --figure plan.svg --output plan.csv --force"));
         let svg = folder.read("plan.svg");
-        assert!(
-            svg.contains(&format!(" of {count}, the one with the least room")),
-            "{line}"
-        );
+        assert!(svg.contains(&format!(" of {count}, the one with the least room")), "{line}");
         assert_eq!(folder.read("plan.csv").lines().count(), count + 1);
         // The plan that was written gives the same picture.
         folder.ok("check --postures plan.csv --figure again.svg --force");

@@ -45,14 +45,10 @@ fn poses_of_a_kuka_and_back() {
 #[test]
 fn every_convention_goes_there_and_back() {
     let folder = kuka();
-    for convention in [
-        "kuka", "abb", "fanuc", "comau", "yaskawa", "staubli", "ur", "matrix",
-    ] {
+    for convention in ["kuka", "abb", "fanuc", "comau", "yaskawa", "staubli", "ur", "matrix"] {
         for rest in ["", " --point tip --frame cell"] {
             let options = format!("--convention {convention}{rest} --force");
-            let printed = folder.ok(&format!(
-                "pose cell/cell.toml postures.csv --output poses.csv {options}"
-            ));
+            let printed = folder.ok(&format!("pose cell/cell.toml postures.csv --output poses.csv {options}"));
             is_narrow(&printed);
             let line = format!("pose cell/cell.toml --poses poses.csv {options}");
             is_narrow(&folder.ok(&line));
@@ -61,8 +57,7 @@ fn every_convention_goes_there_and_back() {
             let wanted = [30.0, -60.0, 70.0, 20.0, -40.0, 200.0];
             let is_wanted = postures.iter().any(|posture| {
                 let q = posture["q_deg"].as_array().unwrap().iter();
-                q.zip(wanted)
-                    .all(|(a, b)| (a.as_f64().unwrap() - b).abs() < 1e-5)
+                q.zip(wanted).all(|(a, b)| (a.as_f64().unwrap() - b).abs() < 1e-5)
             });
             assert!(is_wanted, "{line}");
         }
@@ -74,18 +69,11 @@ fn the_frame_is_the_controllers() {
     let folder = Folder::new();
     folder.ok("init --robot fanuc-m10ia --output-dir fanuc");
     folder.ok("init --robot ur5e --output-dir ur");
-    folder.write(
-        "zero.csv",
-        POSTURES
-            .replace("-90,90", "0,0")
-            .replace("-60,70", "-60,30"),
-    );
+    folder.write("zero.csv", POSTURES.replace("-90,90", "0,0").replace("-60,70", "-60,30"));
     let height = |options: &str| {
         let line = format!("pose fanuc/cell.toml zero.csv {options}");
         let value = folder.json(&line);
-        value["result"]["postures"][0]["flange"]["position_mm"][2]
-            .as_f64()
-            .unwrap()
+        value["result"]["postures"][0]["flange"]["position_mm"][2].as_f64().unwrap()
     };
     assert!((height("") + 450.0 - height("--frame cell")).abs() < 1e-9);
     let own = "z on the pendant is smaller";
@@ -126,10 +114,7 @@ fn turns_are_counted_for_each_pose() {
     let folder = Folder::new();
     folder.ok("init --robot ur10e --output-dir cell");
     let pose = "600,200,500,0.1,0.2,0.3";
-    folder.write(
-        "poses.csv",
-        format!("posture,x_mm,y_mm,z_mm,rx_rad,ry_rad,rz_rad\nP,{pose}\nP-1.5,{pose}\n"),
-    );
+    folder.write("poses.csv", format!("posture,x_mm,y_mm,z_mm,rx_rad,ry_rad,rz_rad\nP,{pose}\nP-1.5,{pose}\n"));
     let json = folder.ok("pose cell/cell.toml --poses poses.csv --json");
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     let printed = folder.ok("pose cell/cell.toml --poses poses.csv");
@@ -152,28 +137,17 @@ fn turns_are_counted_for_each_pose() {
 #[test]
 fn a_pose_without_a_posture_is_a_finding() {
     let folder = kuka();
-    folder.write(
-        "poses.csv",
-        "posture,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\nfar,9000,0,0,0,0,0\nnear,1765,0,1910,0,90,0\n",
-    );
+    folder
+        .write("poses.csv", "posture,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\nfar,9000,0,0,0,0,0\nnear,1765,0,1910,0,90,0\n");
     let line = "pose cell/cell.toml --poses poses.csv";
     let ran = folder.run(line);
     assert_eq!(ran.code, Some(1));
-    insta::assert_snapshot!(
-        "pose_without_posture",
-        ran.transcript(line).replace('\\', "/")
-    );
+    insta::assert_snapshot!("pose_without_posture", ran.transcript(line).replace('\\', "/"));
     let ran = folder.run(&format!("{line} --json"));
     assert_eq!(ran.code, Some(1));
     let value: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
-    assert_eq!(
-        value["result"]["findings"][0]["code"],
-        "pose-without-posture"
-    );
-    assert_eq!(
-        value["result"]["poses"][0]["postures"],
-        serde_json::json!([])
-    );
+    assert_eq!(value["result"]["findings"][0]["code"], "pose-without-posture");
+    assert_eq!(value["result"]["poses"][0]["postures"], serde_json::json!([]));
 }
 
 #[test]
@@ -181,18 +155,9 @@ fn what_is_refused() {
     let folder = kuka();
     folder.write("missing.csv", "x_mm,y_mm,z_mm,a_deg,b_deg\n1,2,3,0,0\n");
     folder.write("empty.csv", "x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n");
-    folder.write(
-        "quaternion.csv",
-        "x_mm,y_mm,z_mm,q1,q2,q3,q4\n1,2,3,0.5,0,0,0\n",
-    );
-    folder.write(
-        "word.csv",
-        "x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n1,2,3,nan,0,0\n",
-    );
-    folder.write(
-        "vector.csv",
-        "x_mm,y_mm,z_mm,rx_rad,ry_rad,rz_rad\n1,2,3,0,90,0\n",
-    );
+    folder.write("quaternion.csv", "x_mm,y_mm,z_mm,q1,q2,q3,q4\n1,2,3,0.5,0,0,0\n");
+    folder.write("word.csv", "x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\n1,2,3,nan,0,0\n");
+    folder.write("vector.csv", "x_mm,y_mm,z_mm,rx_rad,ry_rad,rz_rad\n1,2,3,0,90,0\n");
     let report = folder.refusals([
         "pose cell/cell.toml",
         "pose cell/cell.toml postures.csv --convention euler",

@@ -71,10 +71,7 @@ fn a_wrong_point_is_a_finding() {
 #[test]
 fn a_set_without_a_registration_is_refused() {
     let few = changed(|rows| rows.truncate(2));
-    assert_snapshot!(few.refusals([
-        "register pairs.csv --output registration.json",
-        "register pairs.csv --json",
-    ]));
+    assert_snapshot!(few.refusals(["register pairs.csv --output registration.json", "register pairs.csv --json",]));
     assert_eq!(few.names(), ["pairs.csv"], "nothing is written");
 }
 
@@ -82,22 +79,10 @@ fn a_set_without_a_registration_is_refused() {
 fn wrong_tables_are_answered_with_place_and_hint() {
     let folder = Folder::new();
     let row = "A,1,2,3,4,5,6\n";
-    folder.write(
-        "metres.csv",
-        format!("{}\n{row}", HEADING.replace("tracker_y_mm", "tracker_y_m")),
-    );
-    folder.write(
-        "no-unit.csv",
-        format!("{}\n{row}", HEADING.replace("base_z_mm", "base_z")),
-    );
-    folder.write(
-        "missing.csv",
-        "name,tracker_x_mm,tracker_y_mm,tracker_z_mm\nA,1,2,3\n",
-    );
-    folder.write(
-        "other.csv",
-        format!("{}\n{row}", HEADING.replace("name", "point")),
-    );
+    folder.write("metres.csv", format!("{}\n{row}", HEADING.replace("tracker_y_mm", "tracker_y_m")));
+    folder.write("no-unit.csv", format!("{}\n{row}", HEADING.replace("base_z_mm", "base_z")));
+    folder.write("missing.csv", "name,tracker_x_mm,tracker_y_mm,tracker_z_mm\nA,1,2,3\n");
+    folder.write("other.csv", format!("{}\n{row}", HEADING.replace("name", "point")));
     folder.write("twice.csv", format!("{HEADING}\n{row}B,1,2,3,4,5,6\n{row}"));
     folder.write("text.csv", format!("{HEADING}\nA,1,2,3,4,5 mm,6\n"));
     folder.write("nan.csv", format!("{HEADING}\nA,1,2,nan,4,5,6\n"));
@@ -128,10 +113,7 @@ fn wrong_tables_are_answered_with_place_and_hint() {
 fn european_spreadsheets_are_read() {
     let folder = changed(|_| {});
     let text = folder.read("pairs.csv");
-    let european = text
-        .replace(',', ";")
-        .replace('.', ",")
-        .replace('\n', "\r\n");
+    let european = text.replace(',', ";").replace('.', ",").replace('\n', "\r\n");
     folder.write("european.csv", format!("\u{feff}{european}"));
     let [a, b] = ["pairs.csv", "european.csv"].map(|file| folder.json(&format!("register {file}")));
     assert_eq!(a["result"], b["result"]);
@@ -168,24 +150,13 @@ fn a_saved_registration_is_read_back() {
     let turned = nalgebra::UnitQuaternion::from_euler_angles(rpy[0], rpy[1], rpy[2]);
     assert!(turned.angle_to(&saved.base_from_tracker.rotation) < 3e-9);
     let origin = saved.base_from_tracker.translation.vector * 1e3;
-    assert!(
-        origin
-            .iter()
-            .zip(&xyz)
-            .all(|(a, b)| (a - b).abs() <= 5.1e-5)
-    );
+    assert!(origin.iter().zip(&xyz).all(|(a, b)| (a - b).abs() <= 5.1e-5));
 
     for (text, said) in [
         ("no json", "not JSON"),
         ("{}", "holds no registration"),
-        (
-            r#"{"rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}"#,
-            "missing field `translation_m`",
-        ),
-        (
-            &text.replace("\"rotation\": [\n      [-", "\"rotation\": [\n      ["),
-            "not a rotation",
-        ),
+        (r#"{"rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}"#, "missing field `translation_m`"),
+        (&text.replace("\"rotation\": [\n      [-", "\"rotation\": [\n      ["), "not a rotation"),
     ] {
         let error = read_registration(text.as_bytes(), "wrong.json").unwrap_err();
         assert_eq!(error.code(), stiffarm::Code::ResultFile);

@@ -48,15 +48,12 @@ fn what_is_no_result_is_refused_with_a_reason() {
     let folder = Folder::new();
     folder.write("broken.json", "{\"format\": 1,");
     folder.write("other.json", "{\"a\": 1}");
+    folder.write("future.json", "{\"format\": 2, \"stiffarm\": \"9\", \"command\": \"predict\", \"result\": {}}");
     folder.write(
-        "future.json",
-        "{\"format\": 2, \"stiffarm\": \"9\", \"command\": \"predict\", \"result\": {}}",
+        "poor.json",
+        "{\"format\": 1, \"stiffarm\": \"0.1.0\", \"command\": \"predict\", \"result\": {\"model\": \"linear\"}}",
     );
-    folder.write("poor.json", "{\"format\": 1, \"stiffarm\": \"0.1.0\", \"command\": \"predict\", \"result\": {\"model\": \"linear\"}}");
-    folder.write(
-        "error.json",
-        folder.run("predict builtin:comau nowhere.json --json").out,
-    );
+    folder.write("error.json", folder.run("predict builtin:comau nowhere.json --json").out);
     folder.write("robots.json", folder.ok("robots --json"));
     for (line, said) in [
         ("report broken.json", "This JSON ends too early"),
@@ -69,10 +66,7 @@ fn what_is_no_result_is_refused_with_a_reason() {
     ] {
         let refused = folder.refused(line);
         assert!(refused.contains(said), "{line}\n{refused}");
-        assert!(
-            !folder.names().contains(&"report.html".to_string()),
-            "{line}"
-        );
+        assert!(!folder.names().contains(&"report.html".to_string()), "{line}");
     }
 }
 
@@ -91,10 +85,7 @@ fn a_cell_is_known_by_its_hash() {
     let scenes = |page: &str| folder.read(page).matches("<div class=\"scene\"").count();
     assert_eq!((scenes("without.html"), scenes("with.html")), (0, 1));
     let refused = folder.refused("report own.json --cell builtin:comau --output other.html");
-    assert!(
-        refused.contains("No result was made with this version"),
-        "{refused}"
-    );
+    assert!(refused.contains("No result was made with this version"), "{refused}");
 }
 
 #[test]
@@ -105,10 +96,7 @@ fn work_that_was_added_to_a_cell_changes_no_picture() {
     let (before, work) = cell.split_once("[[task]]").unwrap();
     let before = before.trim_end();
     folder.write("own.toml", format!("{before}\n"));
-    folder.write(
-        "own.json",
-        folder.ok("predict own.toml prior builtin:contour --json"),
-    );
+    folder.write("own.json", folder.ok("predict own.toml prior builtin:contour --json"));
     folder.write("own.toml", format!("{before}\n\n[[task]]{work}"));
     folder.ok("report own.json --cell own.toml --output page.html");
     let page = folder.read("page.html");
@@ -127,12 +115,7 @@ fn work_that_was_added_to_a_cell_changes_no_picture() {
 fn every_page_of_a_stopped_command_says_so() {
     let folder = measured();
     for (name, line, from, to) in [
-        (
-            "i",
-            "identify builtin:comau r.csv --brief",
-            "\"not_computed\": []",
-            "\"not_computed\": [\"next_posture\"]",
-        ),
+        ("i", "identify builtin:comau r.csv --brief", "\"not_computed\": []", "\"not_computed\": [\"next_posture\"]"),
         (
             "s",
             "simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1",
@@ -145,12 +128,7 @@ fn every_page_of_a_stopped_command_says_so() {
             "\"termination\": \"iteration_limit\"",
             "\"termination\": \"interrupted\"",
         ),
-        (
-            "c",
-            "select builtin:comau --curve -n 5 --rounds 1 --no-certificate",
-            "\"largest\": 5,",
-            "\"largest\": 6,",
-        ),
+        ("c", "select builtin:comau --curve -n 5 --rounds 1 --no-certificate", "\"largest\": 5,", "\"largest\": 6,"),
     ] {
         let json = folder.ok(&format!("{line} --json"));
         assert!(json.contains(from), "{line}: {json}");
@@ -176,11 +154,7 @@ fn results_as_the_powershell_saves_them_are_read() {
         let text = format!("\u{feff}{text}");
         text.encode_utf16().flat_map(order).collect()
     };
-    let files = [
-        format!("\u{feff}{text}").into_bytes(),
-        wide(u16::to_le_bytes),
-        wide(u16::to_be_bytes),
-    ];
+    let files = [format!("\u{feff}{text}").into_bytes(), wide(u16::to_le_bytes), wide(u16::to_be_bytes)];
     let plain = folder.json("predict builtin:comau k.json builtin:contour");
     for bytes in files {
         folder.write("w.json", bytes);
@@ -193,10 +167,7 @@ fn results_as_the_powershell_saves_them_are_read() {
 #[test]
 fn the_words_of_a_result_make_it_again() {
     let folder = measured();
-    folder.write(
-        "group.csv",
-        folder.ok("select builtin:comau --space-filling -n 6 --quiet --output -"),
-    );
+    folder.write("group.csv", folder.ok("select builtin:comau --space-filling -n 6 --quiet --output -"));
     for line in [
         "identify builtin:comau r.csv --exclude 6 --brief --seed 3",
         "predict builtin:comau k.json builtin:contour --load-uncertainty-percent 10 --output p.csv",
@@ -214,13 +185,7 @@ fn the_words_of_a_result_make_it_again() {
             word => word,
         });
         let words: Vec<&str> = words.collect();
-        for gone in [
-            "--force",
-            "--output",
-            "--measurements",
-            "--threads",
-            "--output-dir",
-        ] {
+        for gone in ["--force", "--output", "--measurements", "--threads", "--output-dir"] {
             assert!(!words.contains(&gone), "{words:?}");
         }
         let again = folder.json(&format!("{} --quiet", words.join(" ")));
@@ -245,14 +210,8 @@ fn a_result_from_python_shows_its_call() {
 fn results_side_by_side_mark_what_differs() {
     let folder = measured();
     let line = "predict builtin:comau";
-    folder.write(
-        "one.json",
-        folder.ok(&format!("{line} k.json builtin:contour --json")),
-    );
-    folder.write(
-        "two.json",
-        folder.ok(&format!("{line} prior builtin:contour --json")),
-    );
+    folder.write("one.json", folder.ok(&format!("{line} k.json builtin:contour --json")));
+    folder.write("two.json", folder.ok(&format!("{line} prior builtin:contour --json")));
     folder.ok("report one.json one.json --output same.html");
     folder.ok("report one.json two.json --output two.html");
     let (same, two) = (folder.read("same.html"), folder.read("two.html"));
@@ -265,10 +224,7 @@ fn results_side_by_side_mark_what_differs() {
     // The story of the comparison comes first, and says what was different in making them.
     let verdict = two.split("id=\"verdict\"").nth(1).unwrap();
     let verdict = &verdict[..verdict.find("</section>").unwrap()];
-    assert!(
-        verdict.contains("one.json and two.json are compared: 2 results of predict."),
-        "{verdict}"
-    );
+    assert!(verdict.contains("one.json and two.json are compared: 2 results of predict."), "{verdict}");
     assert!(verdict.contains("input stiffness"), "{verdict}");
 }
 
@@ -277,20 +233,14 @@ fn a_stiffness_beyond_the_errors_of_both_is_named() {
     let folder = measured();
     folder.write("one.json", folder.ok("identify builtin:comau r.csv --json"));
     // Without one posture the same within ±.
-    folder.write(
-        "two.json",
-        folder.ok("identify builtin:comau r.csv --exclude 2 --json"),
-    );
+    folder.write("two.json", folder.ok("identify builtin:comau r.csv --exclude 2 --json"));
     // And an arm whose joint 3 is another one.
     let cell = include_str!("../../../../cells/comau.toml");
     let other = cell.replace("3000000, 900000,", "3000000, 1350000,");
     assert_ne!(cell, other);
     folder.write("other.toml", other);
     folder.ok("simulate other.toml builtin:comau-group1 --runs 1 --levels 1 --readings r3.csv");
-    folder.write(
-        "three.json",
-        folder.ok("identify builtin:comau r3.csv --json"),
-    );
+    folder.write("three.json", folder.ok("identify builtin:comau r3.csv --json"));
     folder.ok("report one.json two.json --output near.html");
     folder.ok("report one.json three.json --output far.html");
     let (near, far) = (folder.read("near.html"), folder.read("far.html"));
@@ -341,45 +291,23 @@ fn all_numbers(value: &Value, out: &mut HashSet<Option<u64>>) {
 #[test]
 fn every_number_of_every_page_stands_in_its_result() {
     let folder = measured();
-    folder.ok(
-        "select builtin:comau-shapes -n 2 --rounds 1 --no-certificate --quiet --output plan.csv",
-    );
+    folder.ok("select builtin:comau-shapes -n 2 --rounds 1 --no-certificate --quiet --output plan.csv");
     folder.write("m.csv", measurements());
     folder.ok("select builtin:comau --space-filling -n 10 --output even.csv");
     folder.ok("simulate builtin:comau even.csv --runs 1 --levels 1 --readings tracked.csv");
     for (line, least, scenes) in [
         ("predict builtin:comau k.json", 10, 1),
-        (
-            "predict builtin:comau k.json builtin:contour --matrix",
-            20,
-            1,
-        ),
+        ("predict builtin:comau k.json builtin:contour --matrix", 20, 1),
         ("predict builtin:comau prior builtin:contour", 10, 1),
-        (
-            "predict builtin:comau k.json builtin:comau-group1 --cell-load",
-            10,
-            1,
-        ),
+        ("predict builtin:comau k.json builtin:comau-group1 --cell-load", 10, 1),
         ("compensate builtin:comau k.json builtin:contour", 20, 1),
         ("compensate builtin:comau prior builtin:contour", 10, 1),
         ("map builtin:comau k.json --plane z=800 --steps 5", 10, 1),
         ("map builtin:comau prior --steps 6", 10, 1),
-        (
-            "map builtin:comau prior --place builtin:contour --steps 2 --refine 0",
-            5,
-            1,
-        ),
-        (
-            "select builtin:comau-shapes -n 2 --rounds 1 --no-certificate",
-            20,
-            1,
-        ),
+        ("map builtin:comau prior --place builtin:contour --steps 2 --refine 0", 5, 1),
+        ("select builtin:comau-shapes -n 2 --rounds 1 --no-certificate", 20, 1),
         ("select builtin:comau --curve -n 3 --rounds 1", 3, 0),
-        (
-            "select builtin:comau --given builtin:comau-group1 --drop",
-            6,
-            1,
-        ),
+        ("select builtin:comau --given builtin:comau-group1 --drop", 6, 1),
         ("evaluate builtin:comau-shapes plan.csv", 20, 1),
         ("simulate builtin:comau builtin:comau-group1 --runs 2", 6, 1),
         ("identify builtin:comau r.csv --brief", 12, 1),
@@ -387,11 +315,7 @@ fn every_number_of_every_page_stands_in_its_result() {
         ("validate builtin:comau k.json r.csv", 5, 1),
         ("validate builtin:comau m.csv --folds all", 5, 1),
         ("zones builtin:comau --steps 5", 3, 0),
-        (
-            "study builtin:comau --runs 2 --initial-groups 0 --output-dir folder",
-            20,
-            1,
-        ),
+        ("study builtin:comau --runs 2 --initial-groups 0 --output-dir folder", 20, 1),
         (
             "study builtin:comau --measured tracked.csv --splits 3 --pool 7 --choose 4,5 --indices d,prediction \
              --output-dir measured",
@@ -400,21 +324,12 @@ fn every_number_of_every_page_stands_in_its_result() {
         ),
     ] {
         let ran = folder.run(&format!("{line} --report page.html --force --json --quiet"));
-        assert!(
-            matches!(ran.code, Some(0 | 1)),
-            "{line}\n{}{}",
-            ran.out,
-            ran.err
-        );
+        assert!(matches!(ran.code, Some(0 | 1)), "{line}\n{}{}", ran.out, ran.err);
         let result: Value = serde_json::from_str(&ran.out).unwrap();
         let page = folder.read("page.html");
         let count = numbers(&page, &result);
         assert!(count >= least, "{line}: {count} numbers");
-        assert_eq!(
-            page.matches("<div class=\"scene\"").count() > 0,
-            scenes > 0,
-            "{line}"
-        );
+        assert_eq!(page.matches("<div class=\"scene\"").count() > 0, scenes > 0, "{line}");
         // The story has its three sentences.
         let verdict = page.split("class=\"verdict").nth(1).unwrap();
         let verdict = &verdict[..verdict.find("</section>").unwrap()];
@@ -442,19 +357,13 @@ fn an_edited_result_is_not_shown() {
     *angle = (angle.as_f64().unwrap() + 1.0).into();
     folder.write("plan.json", plan.to_string());
     let refused = folder.refused("report plan.json --output other.html");
-    assert!(
-        refused.contains("changed after it was written"),
-        "{refused}"
-    );
+    assert!(refused.contains("changed after it was written"), "{refused}");
 }
 
 #[test]
 fn names_of_files_say_what_they_are() {
     let folder = measured();
-    for line in [
-        "report k.json --output x.txt",
-        "identify builtin:comau r.csv --report x.json",
-    ] {
+    for line in ["report k.json --output x.txt", "identify builtin:comau r.csv --report x.json"] {
         let refused = folder.refused(line);
         assert!(refused.contains("name ends in .html"), "{refused}");
     }
@@ -473,8 +382,5 @@ fn names_of_files_say_what_they_are() {
         assert!(refused.contains("--json"), "{refused}");
     }
     let refused = folder.refused("check k.json");
-    assert!(
-        refused.contains("This is JSON, and no cell file"),
-        "{refused}"
-    );
+    assert!(refused.contains("This is JSON, and no cell file"), "{refused}");
 }

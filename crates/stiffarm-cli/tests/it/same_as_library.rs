@@ -3,8 +3,7 @@
 use crate::support::Folder;
 use serde::Serialize;
 use stiffarm::ask::select::{
-    Plan, Planned, SelectInputs, SelectOptions, plan, plan_candidates, plan_curve, plan_drop,
-    plan_space_filling,
+    Plan, Planned, SelectInputs, SelectOptions, plan, plan_candidates, plan_curve, plan_drop, plan_space_filling,
 };
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::Candidate;
@@ -23,15 +22,10 @@ fn group() -> Vec<Posture> {
 /// Compares the printed seed, options and result with those of the library, digit by digit.
 fn same<R: Serialize>(line: &str, planned: &Planned<R>) {
     let printed = Folder::new().ok(&format!("select builtin:comau {line} --json"));
-    let seed = planned
-        .seed
-        .map_or("null".to_string(), |seed| seed.to_string());
+    let seed = planned.seed.map_or("null".to_string(), |seed| seed.to_string());
     let (options, result) = (json(&planned.options), json(&planned.result));
     let expected = format!("\"seed\":{seed},\"options\":{options},\"result\":{result},\"seal\":");
-    assert!(
-        without_space(&printed).contains(&without_space(&expected)),
-        "{line}\n{printed}\n{expected}"
-    );
+    assert!(without_space(&printed).contains(&without_space(&expected)), "{line}\n{printed}\n{expected}");
 }
 
 fn json(value: &impl Serialize) -> String {
@@ -80,8 +74,7 @@ fn postures_beside_given_ones() {
     });
     let mut inputs = SelectInputs::default();
     inputs.given = group();
-    let line =
-        "--given builtin:comau-group1 --add 2 --rounds 1 --angle-step-deg 0 --no-certificate";
+    let line = "--given builtin:comau-group1 --add 2 --rounds 1 --angle-step-deg 0 --no-certificate";
     same(line, &planned(&inputs, &options));
 }
 

@@ -49,10 +49,7 @@ fn every_kind_of_result_is_read_back() {
         let ran = folder.run(&line);
         assert!(matches!(ran.code, Some(0 | 1)), "{line}: {}", ran.err);
         // Whatever the joints came out as.
-        for line in [
-            "validate builtin:comau k.json m.csv",
-            "predict builtin:comau k.json",
-        ] {
+        for line in ["validate builtin:comau k.json m.csv", "predict builtin:comau k.json"] {
             let used = folder.run(line);
             let is_read = matches!(used.code, Some(0 | 1));
             // The exact equilibrium of `validate` alone has no extra terms.
@@ -80,11 +77,7 @@ fn a_scale_that_was_found_goes_with_the_stiffness() {
         assert_eq!(ran.code, Some(1), "{line}\n{}", ran.err);
         assert!(ran.out.starts_with("SERIOUS: "), "{line}\n{}", ran.out);
         let last = ran.out.rfind("SERIOUS").unwrap();
-        assert!(
-            last < ran.out.find("cell: ").unwrap(),
-            "{line}\n{}",
-            ran.out
-        );
+        assert!(last < ran.out.find("cell: ").unwrap(), "{line}\n{}", ran.out);
         // And on the page: before the first number of the verdict.
         let told = folder.run(&format!("{line} --json --report page.html --force"));
         let told: Value = serde_json::from_str(&told.out).unwrap();
@@ -96,9 +89,7 @@ fn a_scale_that_was_found_goes_with_the_stiffness() {
             assert!(page.contains(words), "{line}: {words}");
         }
         let verdict = page.find("<p class=\"result\">").unwrap();
-        let said = page[verdict..]
-            .find("The stiffness cannot be used as it is")
-            .unwrap();
+        let said = page[verdict..].find("The stiffness cannot be used as it is").unwrap();
         assert!(said < page[verdict..].find("data-value").unwrap(), "{line}");
     }
     // No correction is written but where it is asked for.
@@ -107,10 +98,7 @@ fn a_scale_that_was_found_goes_with_the_stiffness() {
     assert_eq!(ran.code, Some(1), "{}", ran.out);
     assert!(ran.err.contains("Nothing was written"), "{}", ran.err);
     let names = folder.names();
-    assert!(
-        !names.iter().any(|name| name.starts_with("go")),
-        "{names:?}"
-    );
+    assert!(!names.iter().any(|name| name.starts_with("go")), "{names:?}");
     let ran = folder.run(&format!("{line} --json"));
     assert_eq!(ran.code, Some(1));
     assert!(ran.err.contains("--beyond-data"), "{}", ran.err);
@@ -125,12 +113,8 @@ fn corrections_beyond_the_data_are_written_where_they_are_asked_for() {
     let folder = Folder::with("k.json", stiffness());
     let said = folder.ok("compensate builtin:comau k.json builtin:contour --output a.csv");
     assert!(!said.contains("beyond its data"), "{said}");
-    folder.write(
-        "path.csv",
-        "point,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n1,0,0,-90,0,20,0\n2,2,0,-90,0,20,0\n",
-    );
-    let line =
-        "compensate builtin:comau k.json path.csv --axes base --force-n 0,0,-20000 --output b.csv";
+    folder.write("path.csv", "point,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n1,0,0,-90,0,20,0\n2,2,0,-90,0,20,0\n");
+    let line = "compensate builtin:comau k.json path.csv --axes base --force-n 0,0,-20000 --output b.csv";
     let ran = folder.run(line);
     assert_eq!(ran.code, Some(1), "{}{}", ran.out, ran.err);
     assert!(ran.out.contains("larger force than any"), "{}", ran.out);
@@ -181,41 +165,23 @@ fn what_the_mixed_model_cannot_use_is_refused() {
     ] {
         let ran = folder.run(&format!("identify builtin:comau m.csv {options}"));
         assert_eq!(ran.code, Some(2), "{options}: {}", ran.out);
-        assert!(
-            ran.err.contains(words) && ran.err.contains("--elastic"),
-            "{}",
-            ran.err
-        );
+        assert!(ran.err.contains(words) && ran.err.contains("--elastic"), "{}", ran.err);
     }
     // Two postures show nothing beyond the axes, and it is said.
     let ran = folder.run("identify builtin:comau m.csv --elastic mixed --brief --exclude 1,2,3,4");
-    assert!(
-        ran.out.contains("Fewer than 4 postures cannot show"),
-        "{}{}",
-        ran.out,
-        ran.err
-    );
+    assert!(ran.out.contains("Fewer than 4 postures cannot show"), "{}{}", ran.out, ran.err);
 }
 
 #[test]
 fn what_is_free_is_told_and_what_cannot_be_is_refused() {
     let folder = measured();
-    let ran = folder
-        .run("identify builtin:comau r.csv --free anchor,common-shift --details --output k.json");
+    let ran = folder.run("identify builtin:comau r.csv --free anchor,common-shift --details --output k.json");
     assert!(matches!(ran.code, Some(0 | 1)), "{}{}", ran.out, ran.err);
-    assert!(
-        ran.out
-            .contains("With it these readings gave the anchor at ("),
-        "{}",
-        ran.out
-    );
+    assert!(ran.out.contains("With it these readings gave the anchor at ("), "{}", ran.out);
     assert!(ran.out.contains("these readings"), "{}", ran.out);
     let saved: Value = serde_json::from_str(&folder.read("k.json")).unwrap();
     let freed = saved["result"]["freed"].as_array().unwrap();
-    let names: Vec<&str> = freed
-        .iter()
-        .filter_map(|own| own["name"].as_str())
-        .collect();
+    let names: Vec<&str> = freed.iter().filter_map(|own| own["name"].as_str()).collect();
     assert_eq!(names, ["anchor", "common-shift"]);
     assert_eq!(freed[0]["key"], "load.anchor_mm");
     assert_eq!(saved["options"]["free"], json!(["anchor", "common-shift"]));
@@ -226,10 +192,7 @@ fn what_is_free_is_told_and_what_cannot_be_is_refused() {
         ("--free lost-motion", "extra term"),
         ("--free sensor-axes", "they do on anchor"),
         ("--free anchor --brief", "cannot be used with '--brief'"),
-        (
-            "--free anchor --bootstrap 200",
-            "cannot be used with '--bootstrap",
-        ),
+        ("--free anchor --bootstrap 200", "cannot be used with '--bootstrap"),
     ] {
         let ran = folder.run(&format!("identify builtin:comau r.csv {options}"));
         assert_eq!(ran.code, Some(2), "{options}: {}", ran.out);

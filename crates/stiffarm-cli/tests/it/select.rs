@@ -15,10 +15,7 @@ fn words(folder: &Folder, line: &str) -> String {
     assert_eq!(ran.code, Some(0), "{line}\n{}", ran.err);
     let mut text = format!("$ stiffarm {line}\n");
     // Whether a posture happens to be near a singularity is a matter of the plan.
-    let said = ran
-        .out
-        .lines()
-        .filter(|l| !l.contains("to a singularity") && !l.contains("but move there"));
+    let said = ran.out.lines().filter(|l| !l.contains("to a singularity") && !l.contains("but move there"));
     for row in said {
         let fields = row.split_whitespace().map(masked).collect::<Vec<_>>();
         text += &(fields.join(" ") + "\n");
@@ -59,15 +56,9 @@ fn a_global_search_and_its_certificate() {
     ));
     // The same number from the plan that was written.
     let written = folder.json("evaluate builtin:comau-reference plan.csv");
-    let plan = folder.json(
-        "select builtin:comau-reference --index expected-error -n 3 --rounds 1 --no-certificate",
-    );
+    let plan = folder.json("select builtin:comau-reference --index expected-error -n 3 --rounds 1 --no-certificate");
     assert!(plan["result"]["certificate"].is_null());
-    close(
-        number(&written["result"]["groups"][0]["indices"]["expected_error"]),
-        number(&plan["result"]["value"]),
-        1e-9,
-    );
+    close(number(&written["result"]["groups"][0]["indices"]["expected_error"]), number(&plan["result"]["value"]), 1e-9);
 }
 
 /// Unless told otherwise: the deflection at work, as a range, with a bound, what a weight would bring, and no posture twice.
@@ -86,11 +77,7 @@ fn the_plan_for_the_model_that_identifies() {
     assert!(number(&result["further_load"]["with"]) < 0.9 * value);
     assert_eq!(result["repeats"].as_array().unwrap().len(), 0);
     let said = folder.ok(&format!("{line} --force"));
-    for words in [
-        "deflection of the tip at work",
-        "three times as large",
-        "[[load.case]]",
-    ] {
+    for words in ["deflection of the tip at work", "three times as large", "[[load.case]]"] {
         assert!(said.replace("\n  ", " ").contains(words), "{words}: {said}");
     }
     // The load chosen too: by the index that can.
@@ -102,10 +89,7 @@ fn the_plan_for_the_model_that_identifies() {
 fn only_indices_with_a_bound_have_a_certificate() {
     let folder = Folder::new();
     let of = |cell: &str, index: &str| {
-        folder.json(&format!(
-            "select builtin:{cell} -n 3 --rounds 1 --index {index}"
-        ))["result"]["certificate"]
-            .clone()
+        folder.json(&format!("select builtin:{cell} -n 3 --rounds 1 --index {index}"))["result"]["certificate"].clone()
     };
     for (cell, index) in [("comau-reference", "d"), ("comau", "task")] {
         let efficiency = number(&of(cell, index)["efficiency"]);
@@ -120,8 +104,7 @@ fn only_indices_with_a_bound_have_a_certificate() {
 #[test]
 fn errors_beyond_the_first_order_are_a_caution() {
     let folder = Folder::new();
-    let line =
-        "select builtin:comau --initial builtin:comau-group1 --index classical --output plan.csv";
+    let line = "select builtin:comau --initial builtin:comau-group1 --index classical --output plan.csv";
     let caution = "caution: A joint's relative standard error is above 10 %";
     for line in [line, "evaluate builtin:comau plan.csv"] {
         let out = folder.ok(line);
@@ -139,9 +122,7 @@ fn the_next_postures_beside_those_measured() {
     assert_eq!(folder.read("new.csv").lines().count(), 3);
 
     // The sheet, filled in, is read together with what was measured before.
-    folder.ok(&format!(
-        "simulate builtin:comau-reference {GROUP} --runs 1 --levels 1 --measurements old-readings.csv"
-    ));
+    folder.ok(&format!("simulate builtin:comau-reference {GROUP} --runs 1 --levels 1 --measurements old-readings.csv"));
     folder.ok("simulate builtin:comau-reference new.csv --runs 1 --levels 1 --measurements new-readings.csv");
     let sheet = folder.read("sheet.csv");
     let readings = folder.read("new-readings.csv");
@@ -166,19 +147,12 @@ fn the_next_postures_beside_those_measured() {
 fn a_sheet_asks_for_what_will_be_read() {
     let folder = Folder::new();
     let select = "select builtin:comau --initial builtin:comau-group1 --max-iterations 1 --index d";
-    folder.ok(&format!(
-        "{select} --sheet sheet.csv --states preload,up-250,down-250 --drift --base-reflector"
-    ));
+    folder.ok(&format!("{select} --sheet sheet.csv --states preload,up-250,down-250 --drift --base-reflector"));
     // Five states, four points and the base.
     assert_eq!(folder.read("sheet.csv").lines().count(), 1 + 6 * 5 * 5);
-    folder.ok(&format!(
-        "{select} --sheet old.csv --sheet-of displacements --states up,down"
-    ));
+    folder.ok(&format!("{select} --sheet old.csv --sheet-of displacements --states up,down"));
     let sheet = folder.read("old.csv");
-    assert!(
-        sheet.starts_with("posture,state,point,dx_mm,dy_mm,dz_mm,q1_deg,"),
-        "{sheet}"
-    );
+    assert!(sheet.starts_with("posture,state,point,dx_mm,dy_mm,dz_mm,q1_deg,"), "{sheet}");
     assert_eq!(sheet.lines().count(), 1 + 6 * 2 * 4);
 }
 
@@ -193,24 +167,12 @@ fn one_posture_more_is_the_default() {
 fn given_postures_that_leave_a_joint_undetermined_are_completed() {
     let folder = Folder::new();
     let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
-    let (start, end) = (
-        cell.find("[[tool.measuring_point]]\nname = \"2\"").unwrap(),
-        cell.find("[load]").unwrap(),
-    );
-    folder.write(
-        "one-point.toml",
-        format!("{}{}", &cell[..start], &cell[end..]),
-    );
-    folder.write(
-        "one.csv",
-        "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n1,-35,-10,-95,10,15,-20\n",
-    );
+    let (start, end) = (cell.find("[[tool.measuring_point]]\nname = \"2\"").unwrap(), cell.find("[load]").unwrap());
+    folder.write("one-point.toml", format!("{}{}", &cell[..start], &cell[end..]));
+    folder.write("one.csv", "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n1,-35,-10,-95,10,15,-20\n");
     let out = folder.ok("select one-point.toml --given one.csv --add 3 --rounds 1");
     let words = out.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(
-        words.contains("the given postures alone cannot determine every joint"),
-        "{out}"
-    );
+    assert!(words.contains("the given postures alone cannot determine every joint"), "{out}");
 }
 
 #[test]
@@ -235,26 +197,16 @@ fn the_curve_of_the_number_of_postures() {
     assert_eq!(sizes.len(), 4);
     let csv = folder.read("curve.csv");
     let rows: Vec<Vec<&str>> = csv.lines().map(|l| l.split(',').collect()).collect();
-    assert_eq!(
-        rows[0],
-        ["postures", "expected_error", "gain", "bound", "efficiency"]
-    );
+    assert_eq!(rows[0], ["postures", "expected_error", "gain", "bound", "efficiency"]);
     assert_eq!(rows.len(), 5);
-    assert_eq!(
-        rows[4][1].parse::<f64>().unwrap(),
-        number(&sizes[3]["value"])
-    );
+    assert_eq!(rows[4][1].parse::<f64>().unwrap(), number(&sizes[3]["value"]));
     // Sizes that cannot be are said, and another index has its own column.
     let out = folder.ok("select builtin:comau-reference --curve -n 2 --rounds 1 --index drop-one");
     let words: Vec<&str> = out.split_whitespace().collect();
     let said = "so few postures cannot determine every joint";
     assert!(words.join(" ").contains(said), "{out}");
     folder.ok("select builtin:comau-reference --curve -n 2 --rounds 1 --index d --output d.csv");
-    assert!(
-        folder
-            .read("d.csv")
-            .starts_with("postures,d,expected_error,gain")
-    );
+    assert!(folder.read("d.csv").starts_with("postures,d,expected_error,gain"));
 }
 
 #[test]
@@ -271,10 +223,7 @@ fn what_wrong_assumptions_would_change() {
     let found = folder.json(line)["result"]["sensitivity"].clone();
     assert_eq!(found["priors"].as_array().unwrap().len(), 12);
     let out = folder.ok("select builtin:comau-reference -n 3 --rounds 1 --index o3 --sensitivity");
-    assert!(
-        out.contains("The index does not use the prior stiffness"),
-        "{out}"
-    );
+    assert!(out.contains("The index does not use the prior stiffness"), "{out}");
 }
 
 #[test]
@@ -283,40 +232,25 @@ fn the_load_chosen_with_the_postures_goes_into_the_cell() {
     let line = "select builtin:comau -n 4 --rounds 2 --no-certificate --output plan.csv --anchor-box-mm 1600,-300,0,2000,300,0 \
                 --loading-point-box-mm 150,-50,200,250,50,300 --largest-load-n 650";
     assert_snapshot!(words(&folder, line));
-    folder.write(
-        "builtin.toml",
-        stiffarm_files::builtin::cell_text("comau").unwrap(),
-    );
+    folder.write("builtin.toml", stiffarm_files::builtin::cell_text("comau").unwrap());
     let out = folder.ok(&format!("{line} --force"));
     let mut cell = folder.read("builtin.toml");
     for key in ["loading_point_mm", "magnitude_n", "anchor_mm"] {
-        let chosen = out
-            .lines()
-            .find(|l| l.trim_start().starts_with(key))
-            .unwrap();
-        let old = cell
-            .lines()
-            .find(|l| l.starts_with(key))
-            .unwrap()
-            .to_string();
+        let chosen = out.lines().find(|l| l.trim_start().starts_with(key)).unwrap();
+        let old = cell.lines().find(|l| l.starts_with(key)).unwrap().to_string();
         cell = cell.replace(&old, chosen.trim());
     }
     folder.write("cell.toml", cell);
     let value = folder.json(&format!("{line} --force"))["result"]["value"].clone();
     let evaluated = folder.json("evaluate cell.toml plan.csv");
     // The lines are rounded to a tenth of a millimetre.
-    close(
-        number(&evaluated["result"]["groups"][0]["indices"]["expected_error"]),
-        number(&value),
-        2e-3,
-    );
+    close(number(&evaluated["result"]["groups"][0]["indices"]["expected_error"]), number(&value), 2e-3);
 }
 
 #[test]
 fn evenly_spread_postures_as_a_baseline() {
     let folder = Folder::new();
-    let line =
-        "select builtin:comau --space-filling -n 8 --seed 3 --output even.csv --sheet sheet.csv";
+    let line = "select builtin:comau --space-filling -n 8 --seed 3 --output even.csv --sheet sheet.csv";
     assert_snapshot!(words(&folder, line));
     assert_eq!(folder.read("sheet.csv").lines().count(), 1 + 8 * 2 * 4);
 }
@@ -325,15 +259,15 @@ fn evenly_spread_postures_as_a_baseline() {
 fn the_best_of_a_list_is_written_and_proved() {
     let folder = Folder::new();
     folder.ok("select builtin:comau --space-filling -n 14 --output even.csv");
-    let line = "select builtin:comau --index expected-error --candidates even.csv -n 4 --output chosen.csv --sheet sheet.csv";
+    let line =
+        "select builtin:comau --index expected-error --candidates even.csv -n 4 --output chosen.csv --sheet sheet.csv";
     assert_snapshot!(words(&folder, line));
     let chosen = folder.read("chosen.csv");
     let listed = folder.read("even.csv");
     assert_eq!(chosen.lines().count(), 5);
     assert!(chosen.lines().all(|line| listed.contains(line)), "{chosen}");
-    let result = folder
-        .json("select builtin:comau --index expected-error --candidates even.csv -n 4")["result"]
-        .clone();
+    let result =
+        folder.json("select builtin:comau --index expected-error --candidates even.csv -n 4")["result"].clone();
     assert_eq!(result["exact"], true);
     let evaluated = folder.json("evaluate builtin:comau chosen.csv");
     let value = &evaluated["result"]["groups"][0]["indices"]["expected_error"];
@@ -352,10 +286,7 @@ fn measured_postures_are_chosen_under_their_wrenches() {
         };
         let (measured, planned) = (from("tracked.csv"), from("even.csv"));
         // The rope pulls as the cell says, but for the noise of nothing: the same choice.
-        assert_eq!(
-            measured["posture_names"], planned["posture_names"],
-            "{index}"
-        );
+        assert_eq!(measured["posture_names"], planned["posture_names"], "{index}");
         assert_eq!(measured["exact"], true);
     }
     let line = "select builtin:comau --candidates tracked.csv -n 4 --index prediction";
@@ -380,16 +311,8 @@ fn a_study_on_measurements_writes_its_folder() {
     assert_eq!(choices.len(), 2 * (2 * 3 + 1));
     let table = folder.read("study/measured-choices.csv");
     assert_eq!(table.lines().count(), 1 + choices.len());
-    assert!(
-        folder
-            .read("study/measured-choices.svg")
-            .starts_with("<svg")
-    );
-    assert!(
-        folder
-            .read("study/report.html")
-            .contains("standard errors are those of the mean over splits")
-    );
+    assert!(folder.read("study/measured-choices.svg").starts_with("<svg"));
+    assert!(folder.read("study/report.html").contains("standard errors are those of the mean over splits"));
     let before = folder.read("study/study.json");
     let again = folder.ok(&format!("{line} --force"));
     assert_eq!((folder.read("study/study.json"), again), (before, out));
@@ -402,9 +325,7 @@ fn a_study_on_measurements_writes_its_folder() {
         "--size-factor 0",
         "--runs 10",
     ] {
-        folder.refused(&format!(
-            "study builtin:comau --measured tracked.csv {wrong} --output-dir never"
-        ));
+        folder.refused(&format!("study builtin:comau --measured tracked.csv {wrong} --output-dir never"));
     }
     folder.refused("study builtin:comau --splits 3");
     assert!(!folder.path("never").exists());
@@ -420,35 +341,22 @@ fn a_posture_that_is_planned_twice_is_said_so() {
     let names = result["posture_names"].as_array().unwrap();
     let angles = |name: &Value| -> Vec<f64> {
         let at = names.iter().position(|n| n == name).unwrap();
-        postures[at]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(number)
-            .collect()
+        postures[at].as_array().unwrap().iter().map(number).collect()
     };
     assert!(!repeats.is_empty(), "{result}");
     for same in repeats {
         let same = same.as_array().unwrap();
         let first = angles(&same[0]);
         for other in &same[1..] {
-            let apart = angles(other)
-                .iter()
-                .zip(&first)
-                .map(|(a, b)| (a - b).abs())
-                .fold(0.0, f64::max);
+            let apart = angles(other).iter().zip(&first).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(apart <= 0.5, "{apart}");
         }
     }
     let out = folder.ok(line);
-    assert!(
-        out.contains("7 postures (") && out.contains("Measure posture "),
-        "{out}"
-    );
+    assert!(out.contains("7 postures (") && out.contains("Measure posture "), "{out}");
     folder.refused("select builtin:comau --index prediction --largest-load-n 600");
     // An index that counts more than noise does not repeat itself.
-    let spread =
-        folder.json("select builtin:comau -n 7 --no-certificate --rounds 1 --index prediction");
+    let spread = folder.json("select builtin:comau -n 7 --no-certificate --rounds 1 --index prediction");
     assert_eq!(spread["result"]["repeats"].as_array().unwrap().len(), 0);
 }
 
@@ -486,10 +394,7 @@ fn minutes_instead_of_a_number_of_postures() {
             "Measuring 6 postures under rope and then weight takes 24 minutes, at an assumed 4 minutes a posture \
                        ([time]). In the same time 8 postures under rope would give ",
         ),
-        (
-            "slow.toml",
-            "Measuring 4 postures takes 24 minutes. In the same time 3 postures",
-        ),
+        ("slow.toml", "Measuring 4 postures takes 24 minutes. In the same time 3 postures"),
     ] {
         let said = folder.ok(&format!("select {cell} {line}"));
         assert!(said.replace("\n  ", " ").contains(words), "{said}");
@@ -498,10 +403,7 @@ fn minutes_instead_of_a_number_of_postures() {
     let words = "Measuring them takes 9 minutes, at an assumed 3 minutes a posture ([time]).";
     assert!(said.replace("\n  ", " ").contains(words), "{said}");
     let said = folder.ok("check both.toml");
-    assert!(
-        said.contains("4 minutes a posture (assumed: [time])"),
-        "{said}"
-    );
+    assert!(said.contains("4 minutes a posture (assumed: [time])"), "{said}");
     for line in [
         "builtin:comau --minutes 2",
         "builtin:comau --minutes 20 -n 3",

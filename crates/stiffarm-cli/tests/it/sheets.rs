@@ -63,15 +63,7 @@ fn the_page_to_print_shows_each_posture_once() {
     }
     // The angles are those of the plan, to a hundredth.
     let plan = folder.read("plan.csv");
-    let first: f64 = plan
-        .lines()
-        .nth(1)
-        .unwrap()
-        .split(',')
-        .nth(1)
-        .unwrap()
-        .parse()
-        .unwrap();
+    let first: f64 = plan.lines().nth(1).unwrap().split(',').nth(1).unwrap().parse().unwrap();
     assert!(page.contains(&format!(">{first:.2}<")), "{first}");
     // The same plan gives the same bytes.
     folder.ok(&format!("{PLAN} --print again.html --states up-250,up-500"));
@@ -92,31 +84,17 @@ fn a_sheet_filled_in_part_is_read_and_says_what_is_missing() {
     });
     folder.write("part.csv", part.collect::<String>());
     let done = rows.iter().filter(|row| !row.starts_with(['4', '5', '6']));
-    folder.write(
-        "done.csv",
-        done.map(|row| format!("{row}\n")).collect::<String>(),
-    );
-    let (part, done) = (
-        folder.run("identify builtin:comau part.csv"),
-        folder.run("identify builtin:comau done.csv"),
-    );
+    folder.write("done.csv", done.map(|row| format!("{row}\n")).collect::<String>());
+    let (part, done) = (folder.run("identify builtin:comau part.csv"), folder.run("identify builtin:comau done.csv"));
     assert_eq!(part.code, done.code, "{}", part.err);
     // One line more; the numbers are those of the postures that are measured.
-    let more: Vec<&str> = part
-        .out
-        .lines()
-        .filter(|line| !done.out.contains(line))
-        .collect();
+    let more: Vec<&str> = part.out.lines().filter(|line| !done.out.contains(line)).collect();
     assert_snapshot!(more.join("\n"));
     let json = folder.run("identify builtin:comau part.csv --json").out;
     assert!(json.contains("\"not-measured-yet\""));
     let validated = folder.run("validate builtin:comau part.csv --folds all");
     let words: Vec<&str> = validated.out.split_whitespace().collect();
-    assert!(
-        words.join(" ").contains("Not measured yet"),
-        "{}",
-        validated.out
-    );
+    assert!(words.join(" ").contains("Not measured yet"), "{}", validated.out);
 }
 
 #[test]

@@ -7,9 +7,7 @@ const CELL: &str = include_str!("../../../stiffarm/tests/cells/comau-shapes.toml
 
 /// The names in a column of a table, each as often as it changes.
 fn changes(table: &str, column: &str) -> Vec<String> {
-    let mut rows = table
-        .lines()
-        .map(|line| line.split(',').collect::<Vec<_>>());
+    let mut rows = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let at = rows.next().unwrap().iter().position(|name| *name == column);
     let mut out: Vec<String> = rows.map(|row| row[at.unwrap()].to_string()).collect();
     out.dedup();
@@ -33,10 +31,7 @@ fn codes(folder: &Folder, readings: &str) -> (Vec<String>, String) {
 
 #[test]
 fn the_word_of_the_station_goes_from_plan_to_stiffness() {
-    let folder = Folder::with(
-        "cell.toml",
-        CELL.replace("[5000, 1200, 1500]", "[4500, -2500, 1500]"),
-    );
+    let folder = Folder::with("cell.toml", CELL.replace("[5000, 1200, 1500]", "[4500, -2500, 1500]"));
     let plan = "select cell.toml --space-filling --count 12 --seed 3 --force --output plan.csv";
     folder.ok(&format!("{plan} --sheet sheet.csv --print plan.html"));
     let sheet = folder.read("sheet.csv");
@@ -56,10 +51,7 @@ fn the_word_of_the_station_goes_from_plan_to_stiffness() {
     let shown = folder.ok("identify cell.toml day.csv --details");
     stations.sort();
     assert_eq!(stations, ["front", "left"]);
-    assert!(
-        shown.contains("The tracker read from 2 stations"),
-        "{shown}"
-    );
+    assert!(shown.contains("The tracker read from 2 stations"), "{shown}");
     folder.ok("measure cell.toml plan.csv day.csv --once --no-search");
 
     // Without the column the move is found, and the rows that want a word.
@@ -71,14 +63,8 @@ fn the_word_of_the_station_goes_from_plan_to_stiffness() {
     folder.write("silent.csv", table.collect::<String>());
     let (found, sentences) = codes(&folder, "silent.csv");
     assert!(found.contains(&"moved-tracker".to_string()), "{found:?}");
-    assert!(
-        !found.contains(&"registration-outlier".to_string()),
-        "{found:?}"
-    );
-    assert!(
-        sentences.contains("add a column station with 2"),
-        "{sentences}"
-    );
+    assert!(!found.contains(&"registration-outlier".to_string()), "{found:?}");
+    assert!(sentences.contains("add a column station with 2"), "{sentences}");
     let judged = folder.run("measure cell.toml plan.csv silent.csv --once --no-search");
     assert_eq!(judged.code, Some(1));
     assert!(judged.out.contains("another tracker"), "{}", judged.out);

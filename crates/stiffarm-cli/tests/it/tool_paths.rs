@@ -11,22 +11,10 @@ const FORCE: &str = "--axes base --force-n 80,-200,300";
 fn folder() -> Folder {
     let folder = Folder::new();
     let inputs = [
-        (
-            "freeform.apt",
-            include_str!("../../../../xtask/inputs/freeform.apt"),
-        ),
-        (
-            "freeform.mpf",
-            include_str!("../../../../xtask/inputs/freeform.mpf"),
-        ),
-        (
-            "pocket.nc",
-            include_str!("../../../../xtask/inputs/pocket.nc"),
-        ),
-        (
-            "edge.src",
-            include_str!("../../../../xtask/inputs/edge.src"),
-        ),
+        ("freeform.apt", include_str!("../../../../xtask/inputs/freeform.apt")),
+        ("freeform.mpf", include_str!("../../../../xtask/inputs/freeform.mpf")),
+        ("pocket.nc", include_str!("../../../../xtask/inputs/pocket.nc")),
+        ("edge.src", include_str!("../../../../xtask/inputs/edge.src")),
     ];
     for (name, text) in inputs {
         folder.write(name, text);
@@ -44,9 +32,7 @@ fn triples(result: &Value, key: &str) -> Vec<[f64; 3]> {
 fn the_commanded_program_brings_the_loaded_tip_back() {
     let folder = folder();
     for (path, out) in [("freeform.apt", "c.apt"), ("edge.src", "c.src")] {
-        folder.ok(&format!(
-            "compensate builtin:comau prior {path} {FORCE} --output {out}"
-        ));
+        folder.ok(&format!("compensate builtin:comau prior {path} {FORCE} --output {out}"));
         let nominal = folder.json(&format!("predict builtin:comau prior {path} {FORCE}"));
         let commanded = folder.json(&format!("predict builtin:comau prior {out} {FORCE}"));
         let wanted = triples(&nominal, "tip_m");
@@ -67,25 +53,16 @@ fn the_commanded_program_brings_the_loaded_tip_back() {
             // Four decimals of a millimetre, seven of an axis.
             exact += usize::from(off < 1e-6);
         }
-        assert!(
-            exact >= stated,
-            "{path}: {exact} points are where they should be"
-        );
+        assert!(exact >= stated, "{path}: {exact} points are where they should be");
     }
 }
 
 #[test]
 fn what_they_say() {
     let folder = folder();
-    assert_snapshot!(
-        "g_code",
-        folder.ok("compensate builtin:comau prior pocket.nc --output c.nc --details")
-    );
+    assert_snapshot!("g_code", folder.ok("compensate builtin:comau prior pocket.nc --output c.nc --details"));
     assert_snapshot!("g_code_written", folder.read("c.nc"));
-    assert_snapshot!(
-        "five_axes",
-        folder.ok(&format!("predict builtin:comau prior freeform.mpf {FORCE}"))
-    );
+    assert_snapshot!("five_axes", folder.ok(&format!("predict builtin:comau prior freeform.mpf {FORCE}")));
 }
 
 #[test]
@@ -95,21 +72,11 @@ fn features_keep_to_a_tolerance_or_not() {
     folder.ok("identify builtin:comau m.csv --elastic axes --output k.json");
     let line = "builtin:comau k.json pocket.nc --tolerance-mm 0.6 --details";
     let told = folder.ok(&format!("compensate {line}"));
-    let section = told
-        .split("\n\n")
-        .skip_while(|part| !part.starts_with("Features"))
-        .take(2);
+    let section = told.split("\n\n").skip_while(|part| !part.starts_with("Features")).take(2);
     assert_snapshot!("features", section.collect::<Vec<_>>().join("\n\n"));
-    assert!(
-        told.contains("keeps to its tolerance of 0.600 mm"),
-        "{told}"
-    );
+    assert!(told.contains("keeps to its tolerance of 0.600 mm"), "{told}");
     let told = folder.ok(&format!("predict {line}"));
-    assert!(
-        told.replace("\n  ", " ")
-            .contains("does not surely keep to its tolerance"),
-        "{told}"
-    );
+    assert!(told.replace("\n  ", " ").contains("does not surely keep to its tolerance"), "{told}");
     let refused = folder.refused("predict builtin:comau k.json pocket.nc --tolerance-mm 0");
     assert!(refused.contains("--tolerance-mm"), "{refused}");
 }
@@ -118,59 +85,31 @@ fn features_keep_to_a_tolerance_or_not() {
 fn a_base_elsewhere_withholds_the_program() {
     let folder = folder();
     let text = folder.read("edge.src");
-    folder.write(
-        "off.src",
-        text.replace("BAS (#BASE,1)", "$BASE={X 0,Y 0,Z 500,A 0,B 0,C 0}"),
-    );
-    let ran = folder.run(&format!(
-        "compensate builtin:comau prior off.src {FORCE} --output c.src"
-    ));
+    folder.write("off.src", text.replace("BAS (#BASE,1)", "$BASE={X 0,Y 0,Z 500,A 0,B 0,C 0}"));
+    let ran = folder.run(&format!("compensate builtin:comau prior off.src {FORCE} --output c.src"));
     assert_eq!(ran.code, Some(1));
-    assert!(
-        ran.out
-            .replace("\n  ", " ")
-            .contains("the robot goes elsewhere than the cell says"),
-        "{}",
-        ran.out
-    );
+    assert!(ran.out.replace("\n  ", " ").contains("the robot goes elsewhere than the cell says"), "{}", ran.out);
     assert!(!folder.path("c.src").exists());
-    folder.ok(&format!(
-        "compensate builtin:comau prior edge.src {FORCE} --output c.src"
-    ));
+    folder.ok(&format!("compensate builtin:comau prior edge.src {FORCE} --output c.src"));
 }
 
 #[test]
 fn points_of_a_dat_are_written_beside_it() {
     let folder = folder();
     let frame = "A 0,B 0,C 180,S 2,T 35";
-    folder.write(
-        "named.src",
-        "DEF named ( )\nLIN XP1 C_DIS\nLIN XP2 C_DIS\nEND\n",
-    );
+    folder.write("named.src", "DEF named ( )\nLIN XP1 C_DIS\nLIN XP2 C_DIS\nEND\n");
     folder.write(
         "named.dat",
-        format!(
-            "DECL E6POS XP1={{X 0,Y 0,Z 0,{frame}}}\nDECL E6POS XP2={{X 40,Y 0,Z 0,{frame}}}\n"
-        ),
+        format!("DECL E6POS XP1={{X 0,Y 0,Z 0,{frame}}}\nDECL E6POS XP2={{X 40,Y 0,Z 0,{frame}}}\n"),
     );
-    folder.ok(&format!(
-        "compensate builtin:comau prior named.src {FORCE} --output go.src"
-    ));
+    folder.ok(&format!("compensate builtin:comau prior named.src {FORCE} --output go.src"));
     assert_eq!(folder.read("go.src"), folder.read("named.src"));
     let (was, is) = (folder.read("named.dat"), folder.read("go.dat"));
-    assert!(
-        is != was && is.lines().count() == 2 && is.contains(",S 2,T 35}"),
-        "{is}"
-    );
+    assert!(is != was && is.lines().count() == 2 && is.contains(",S 2,T 35}"), "{is}");
     // Neither of the two is written where one is there already.
     std::fs::remove_file(folder.path("go.src")).unwrap();
-    let refused = folder.refused(&format!(
-        "compensate builtin:comau prior named.src {FORCE} --output go.src"
-    ));
-    assert!(
-        refused.contains("go.dat") && !folder.path("go.src").exists(),
-        "{refused}"
-    );
+    let refused = folder.refused(&format!("compensate builtin:comau prior named.src {FORCE} --output go.src"));
+    assert!(refused.contains("go.dat") && !folder.path("go.src").exists(), "{refused}");
 }
 
 #[test]
@@ -178,28 +117,12 @@ fn a_new_program_of_linear_moves() {
     let folder = folder();
     folder.ok("init --robot kuka-kr500-r2800-2 --output-dir kuka");
     let cell = folder.read("kuka/cell.toml");
-    folder.write(
-        "kuka/cell.toml",
-        cell + "\n[work]\ntip_mm = [0, 0, 300]\nworkpiece_mm = [1700, 0, 800]\n",
-    );
-    let line =
-        "compensate kuka/cell.toml prior pocket.nc --axes path --force-n -100,50,80 --beyond-data";
-    folder.ok(&format!(
-        "{line} --write krl --speed-mm-s 30 --tool 3 --base 2 --output pocket.src"
-    ));
+    folder.write("kuka/cell.toml", cell + "\n[work]\ntip_mm = [0, 0, 300]\nworkpiece_mm = [1700, 0, 800]\n");
+    let line = "compensate kuka/cell.toml prior pocket.nc --axes path --force-n -100,50,80 --beyond-data";
+    folder.ok(&format!("{line} --write krl --speed-mm-s 30 --tool 3 --base 2 --output pocket.src"));
     let program = folder.read("pocket.src");
-    for expected in [
-        "DEF pocket ( )",
-        "BAS (#TOOL,3)",
-        "BAS (#BASE,2)",
-        "$VEL.CP=0.03000",
-        "PTP {A1 ",
-        "LIN {X ",
-    ] {
-        assert!(
-            program.contains(expected),
-            "{expected} is missing in\n{program}"
-        );
+    for expected in ["DEF pocket ( )", "BAS (#TOOL,3)", "BAS (#BASE,2)", "$VEL.CP=0.03000", "PTP {A1 ", "LIN {X "] {
+        assert!(program.contains(expected), "{expected} is missing in\n{program}");
     }
     folder.ok("predict kuka/cell.toml prior pocket.src --axes path --force-n -100,50,80");
     let refused = [
@@ -210,10 +133,7 @@ fn a_new_program_of_linear_moves() {
         format!("{line} --output x.csv"),
         "predict kuka/cell.toml prior nothing.cls".to_string(),
     ];
-    assert_snapshot!(
-        "refused",
-        refused.map(|line| folder.refused(&line)).join("\n")
-    );
+    assert_snapshot!("refused", refused.map(|line| folder.refused(&line)).join("\n"));
 }
 
 /// A table of a force in base axes, whose other rows have the load of their feature in path axes.
@@ -227,10 +147,7 @@ const CELL: &str = "format = 1\nrobot.catalogue = 'kuka-kr500-r2800-2'\nload = {
 fn own_cell() -> Folder {
     let folder = folder();
     folder.write("cell.toml", CELL);
-    folder.write(
-        "k.json",
-        "{\"stiffness_nm_per_rad\": [4e6, 4e6, 3e6, 6e5, 5e5, 3e5]}",
-    );
+    folder.write("k.json", "{\"stiffness_nm_per_rad\": [4e6, 4e6, 3e6, 6e5, 5e5, 3e5]}");
     folder.write("path.csv", TABLE);
     folder
 }
@@ -256,10 +173,7 @@ fn a_commanded_table_has_the_loads_that_its_rows_were_given() {
 fn a_log_is_an_input_of_the_result() {
     let folder = own_cell();
     folder.write("path.csv", TABLE.replace("10,0,0,A", ",,,A"));
-    folder.write(
-        "log.csv",
-        "along_mm,fx_n,fy_n,fz_n\n0,0,20,0\n110,0,130,0\n",
-    );
+    folder.write("log.csv", "along_mm,fx_n,fy_n,fz_n\n0,0,20,0\n110,0,130,0\n");
     let result = folder.json("predict cell.toml k.json path.csv --log log.csv --axes base");
     assert_eq!(result["inputs"]["log"].as_str().map(str::len), Some(64));
     // 50.2 mm to the second point and as far to the third; the last has the mean of the last quarter.

@@ -15,33 +15,26 @@ fn each_posture_is_predicted_from_the_others() {
     let folder = measured();
     let line = "validate builtin:comau simulated.csv --folds all --tolerance-mm 0.1";
     assert_snapshot!(folder.transcript(line));
-    let value = folder
-        .json("validate builtin:comau simulated.csv --folds 3 --estimator ordinary --extra tilt2");
+    let value = folder.json("validate builtin:comau simulated.csv --folds 3 --estimator ordinary --extra tilt2");
     assert_eq!(value["result"]["folds"], 3);
     assert_eq!(value["options"]["fit"]["estimator"], "ordinary");
     assert_eq!(value["options"]["fit"]["extra"][0]["joint_tilt"], 1);
     assert_eq!(value["result"]["band"]["components"], 72);
-    let strict =
-        folder.run("validate builtin:comau simulated.csv --folds all --tolerance-mm 0.001");
+    let strict = folder.run("validate builtin:comau simulated.csv --folds all --tolerance-mm 0.001");
     assert_eq!(strict.code, Some(1));
 }
 
 #[test]
 fn saved_further_terms_are_used_and_not_lost() {
     let folder = measured();
-    let fit = folder.json(
-        "identify builtin:comau simulated.csv --extra tilt3 --estimator ordinary --output tilt.json",
-    );
+    let fit = folder.json("identify builtin:comau simulated.csv --extra tilt3 --estimator ordinary --output tilt.json");
     let with = folder.json("validate builtin:comau tilt.json simulated.csv");
     let rms = with["result"]["component_rms_m"].as_f64().unwrap();
     let residual = fit["result"]["residual_rms_m"].as_f64().unwrap();
     assert!((rms / residual - 1.0).abs() < 1e-9, "{rms} {residual}");
     let line = "validate builtin:comau tilt.json simulated.csv --model equilibrium";
     let refused = folder.refused(line);
-    assert!(
-        refused.contains("holds the axes' springs alone"),
-        "{refused}"
-    );
+    assert!(refused.contains("holds the axes' springs alone"), "{refused}");
 }
 
 /// A stiffness that was identified from displacements in inches: it is said first, and the
@@ -54,12 +47,7 @@ fn a_serious_stiffness_comes_first_and_ends_with_one() {
     assert_eq!(ran.code, Some(1), "{}", ran.out);
     let ran = folder.run("validate builtin:comau inch.json simulated.csv");
     assert_eq!(ran.code, Some(1), "{}", ran.out);
-    assert!(
-        ran.out
-            .starts_with("SERIOUS: The stiffness cannot be used as it is"),
-        "{}",
-        ran.out
-    );
+    assert!(ran.out.starts_with("SERIOUS: The stiffness cannot be used as it is"), "{}", ran.out);
     let told = folder.run("validate builtin:comau inch.json simulated.csv --json");
     let told: serde_json::Value = serde_json::from_str(&told.out).unwrap();
     let remark = &told["result"]["remarks"][0];
@@ -69,9 +57,7 @@ fn a_serious_stiffness_comes_first_and_ends_with_one() {
     let soft = "{\"stiffness_nm_per_rad\": [2e5, 3e5, 2e5, 3e4, 3e4, 2e4]}";
     folder.write("soft.json", soft);
     let line = "validate builtin:comau soft.json simulated.csv";
-    let factor = folder.json(line)["result"]["compensation_factor"]
-        .as_f64()
-        .unwrap();
+    let factor = folder.json(line)["result"]["compensation_factor"].as_f64().unwrap();
     assert!(factor < 0.5, "{factor}");
     let said = folder.ok(line);
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");

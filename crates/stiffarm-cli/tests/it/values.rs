@@ -6,16 +6,7 @@ use stiffarm::ask::values::{above_zero, number, seed, triple, within};
 fn a_whole_number_is_refused_with_its_range() {
     let percent = within::<u8>(1..=100);
     assert_eq!(percent("100"), Ok(100));
-    for text in [
-        "0",
-        "101",
-        "-1",
-        "1e1",
-        "2.5",
-        "two",
-        "",
-        "99999999999999999999999",
-    ] {
+    for text in ["0", "101", "-1", "1e1", "2.5", "two", "", "99999999999999999999999"] {
         let needed = "a whole number from 1 to 100 is needed";
         assert_eq!(percent(text), Err(needed.to_string()), "{text}");
     }

@@ -18,10 +18,7 @@ fn rows(text: &str) -> Vec<Vec<String>> {
 #[test]
 fn tasks_and_the_contour() {
     let folder = folder();
-    assert_snapshot!(
-        "matrices",
-        folder.ok("predict builtin:comau prior --matrix")
-    );
+    assert_snapshot!("matrices", folder.ok("predict builtin:comau prior --matrix"));
     let line = "predict builtin:comau k.json --load-uncertainty-percent 5 --details";
     assert_snapshot!("tasks", folder.ok(line));
     let line = "predict builtin:comau k.json builtin:contour --free-turn=18";
@@ -34,8 +31,7 @@ fn tasks_and_the_contour() {
 #[test]
 fn the_object_and_the_table_agree() {
     let folder = folder();
-    let line =
-        "predict builtin:comau k.json builtin:contour --output p.csv --load-uncertainty-percent 5";
+    let line = "predict builtin:comau k.json builtin:contour --output p.csv --load-uncertainty-percent 5";
     let printed = folder.json(line);
     assert_eq!(printed["command"], "predict");
     assert_eq!(printed["options"]["model"], "equilibrium");
@@ -71,23 +67,13 @@ fn commands_bring_the_loaded_tip_back_in_every_format() {
     let folder = folder();
     // A force that does not turn with the commanded feed.
     let contour = "builtin:contour --axes base --force-n 80,-200,300";
-    folder.ok(&format!(
-        "compensate builtin:comau k.json {contour} --output poses.csv"
-    ));
-    folder.ok(&format!(
-        "compensate builtin:comau k.json {contour} --output angles.csv --write angles"
-    ));
+    folder.ok(&format!("compensate builtin:comau k.json {contour} --output poses.csv"));
+    folder.ok(&format!("compensate builtin:comau k.json {contour} --output angles.csv --write angles"));
     // The commanded poses are those of the commanded angles.
     let poses = rows(&folder.read("poses.csv"));
-    assert_eq!(
-        poses[0].join(","),
-        "point,x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg"
-    );
+    assert_eq!(poses[0].join(","), "point,x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg");
     let angles = rows(&folder.read("angles.csv"));
-    assert_eq!(
-        angles[0].join(","),
-        "point,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg"
-    );
+    assert_eq!(angles[0].join(","), "point,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg");
     assert_eq!((poses.len(), angles.len()), (62, 62));
     // Tool axes in, tool axes out.
     let mut axes = "x_mm,y_mm,z_mm,axis_x,axis_y,axis_z\n".to_string();
@@ -96,31 +82,22 @@ fn commands_bring_the_loaded_tip_back_in_every_format() {
     }
     folder.write("axes.csv", axes);
     folder.ok("compensate builtin:comau k.json axes.csv --output out.csv");
-    assert!(
-        folder
-            .read("out.csv")
-            .starts_with("x_mm,y_mm,z_mm,axis_x,axis_y,axis_z\n")
-    );
+    assert!(folder.read("out.csv").starts_with("x_mm,y_mm,z_mm,axis_x,axis_y,axis_z\n"));
 }
 
 #[test]
 fn slips() {
     let folder = folder();
     folder.write("m.csv", measurements());
-    let mut far = stiffarm_files::builtin::path_text("contour")
-        .unwrap()
-        .to_string();
+    let mut far = stiffarm_files::builtin::path_text("contour").unwrap().to_string();
     far = far.replace("5,120,0,0,", "5,2620,0,0,");
     folder.write("far.csv", far);
+    folder.write("forces.csv", "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,fx_n,fy_n,fz_n\n0,20,-120,0,50,0,100,0,0\n");
     folder.write(
-        "forces.csv",
-        "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,fx_n,fy_n,fz_n\n0,20,-120,0,50,0,100,0,0\n",
+        "metres.csv",
+        "x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg\n0.10,0.20,0,180,0,0\n0.12,0.20,0,180,0,0\n0.14,0.2,0,180,0,0\n",
     );
-    folder.write("metres.csv", "x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg\n0.10,0.20,0,180,0,0\n0.12,0.20,0,180,0,0\n0.14,0.2,0,180,0,0\n");
-    folder.write(
-        "mixed.csv",
-        "x_mm,y_mm,z_mm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n0,0,0,0,20,-120,0,50,0\n",
-    );
+    folder.write("mixed.csv", "x_mm,y_mm,z_mm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n0,0,0,0,20,-120,0,50,0\n");
     let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     let (bare, _) = cell.split_once("[[task]]").unwrap();
     folder.write("bare.toml", bare);
@@ -148,10 +125,7 @@ fn slips() {
 #[test]
 fn a_wrist_held_straight_is_named_with_its_row() {
     let folder = folder();
-    folder.write(
-        "straight.csv",
-        "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n0,20,-120,0,50,0\n0,20,-120,0,0.1,0\n",
-    );
+    folder.write("straight.csv", "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n0,20,-120,0,50,0\n0,20,-120,0,0.1,0\n");
     let line = "predict builtin:comau k.json straight.csv --axes base --force-n 0,0,300";
     let shown = folder.ok(line);
     let named = "The posture at point 2 (line 3) is singular";
@@ -177,17 +151,10 @@ fn a_tip_that_nobody_gave_is_named() {
     }
     let bare = folder.json(&format!("predict bare.toml prior {path}"));
     assert_eq!(bare["result"]["tip_point"], "1");
-    folder.write(
-        "given.toml",
-        format!("{}[work]\ntip_mm = [150, 0, 200]\n", &cell[..from]),
-    );
+    folder.write("given.toml", format!("{}[work]\ntip_mm = [150, 0, 200]\n", &cell[..from]));
     let line = format!("predict given.toml prior {path}");
     assert!(folder.json(&line)["result"]["tip_point"].is_null());
-    assert!(
-        !folder
-            .ok(&format!("{line} --details"))
-            .contains("The tip is")
-    );
+    assert!(!folder.ok(&format!("{line} --details")).contains("The tip is"));
 }
 
 #[test]
@@ -205,8 +172,5 @@ fn a_free_turn_past_a_fixture_is_compensated_and_written() {
     assert_eq!(folder.names(), ["commanded.csv", "path.csv"]);
     let told = folder.ok("predict builtin:comau-shapes prior path.csv --details");
     let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(
-        told.contains("is forbidden by the cell's bounds, limits or shapes at"),
-        "{told}"
-    );
+    assert!(told.contains("is forbidden by the cell's bounds, limits or shapes at"), "{told}");
 }

@@ -19,12 +19,8 @@ fn the_object_the_table_and_the_picture_agree() {
     let result = &printed["result"];
     assert_eq!(printed["options"]["steps"], 9);
     assert_eq!(result["q2_deg"][8], 40.0);
-    let rows: Vec<Vec<String>> = folder
-        .read("maps/zones.csv")
-        .lines()
-        .skip(1)
-        .map(|line| line.split(',').map(String::from).collect())
-        .collect();
+    let rows: Vec<Vec<String>> =
+        folder.read("maps/zones.csv").lines().skip(1).map(|line| line.split(',').map(String::from).collect()).collect();
     assert_eq!(rows.len(), 81);
     let same = |text: &str, value: Option<f64>| match (text.parse::<f64>().ok(), value) {
         (Some(a), Some(b)) => (a - b).abs() <= 1e-14 * b.abs(),
@@ -37,10 +33,7 @@ fn the_object_the_table_and_the_picture_agree() {
         let dexterity: &Value = &result["inverse_condition"][i / 9][i % 9];
         assert!(same(&row[2], dexterity.as_f64()), "{row:?}");
         let deviation = &result["translation_deviation"][i / 9][i % 9];
-        assert!(
-            same(&row[3], deviation.as_f64().map(|v| 100.0 * v)),
-            "{row:?}"
-        );
+        assert!(same(&row[3], deviation.as_f64().map(|v| 100.0 * v)), "{row:?}");
         found += usize::from(!dexterity.is_null());
     }
     assert_eq!(result["within_limits"], found);
@@ -70,10 +63,7 @@ fn wrong_requests_are_answered() {
     let measured = "kind = \"measured\"";
     let rope = "kind = \"rope\"\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]";
     let measured = cell.replace(rope, measured);
-    folder.write(
-        "measured.toml",
-        measured.replace("rope_length_mm = [800, 3400]", ""),
-    );
+    folder.write("measured.toml", measured.replace("rope_length_mm = [800, 3400]", ""));
     let report = folder.refusals([
         "zones --steps 1",
         "zones --steps x",

@@ -10,14 +10,7 @@ use stiffarm::units::rad_to_shortest_deg;
 /// in front of the robot) and half a turn of the others.
 pub(super) fn start_bounds(entry: &CatalogueEntry, robot: &Robot) -> Vec<[f64; 2]> {
     if entry.key == "comau-nj165-3.0" {
-        let table_1 = [
-            [-90, 90],
-            [-60, 40],
-            [-180, -40],
-            [-180, 180],
-            [-90, 90],
-            [-180, 180],
-        ];
+        let table_1 = [[-90, 90], [-60, 40], [-180, -40], [-180, 180], [-90, 90], [-180, 180]];
         return table_1.map(|range| range.map(f64::from)).to_vec();
     }
     narrowed(robot)
@@ -30,16 +23,9 @@ pub(super) fn narrowed(robot: &Robot) -> Vec<[f64; 2]> {
         .map(|(j, joint)| {
             let [low, high] = joint.limits.map(rad_to_shortest_deg);
             let turn: f64 = if j == 0 { 90.0 } else { 180.0 };
-            let inside = [
-                (low + BOUNDS_MARGIN_DEG).max(-turn),
-                (high - BOUNDS_MARGIN_DEG).min(turn),
-            ];
+            let inside = [(low + BOUNDS_MARGIN_DEG).max(-turn), (high - BOUNDS_MARGIN_DEG).min(turn)];
             // A joint may have its range elsewhere.
-            if inside[0] < inside[1] {
-                inside
-            } else {
-                [low, high]
-            }
+            if inside[0] < inside[1] { inside } else { [low, high] }
         })
         .collect()
 }
@@ -61,10 +47,7 @@ pub fn joints_kept_inside(robot: &Robot, bounds: &[[f64; 2]]) -> Vec<String> {
 pub(super) fn kept(robot: &Robot, bounds: &[[f64; 2]]) -> String {
     match joints_kept_inside(robot, bounds).as_slice() {
         [] => String::new(),
-        joints => comment(&format!(
-            "They end {BOUNDS_MARGIN_DEG}° before the machine's limits of {}.",
-            list(joints)
-        )),
+        joints => comment(&format!("They end {BOUNDS_MARGIN_DEG}° before the machine's limits of {}.", list(joints))),
     }
 }
 
@@ -72,9 +55,7 @@ pub(super) fn kept(robot: &Robot, bounds: &[[f64; 2]]) -> String {
 pub(super) fn middle(bounds: &[[f64; 2]]) -> Vec<f64> {
     let middles = bounds.iter().map(|[low, high]| {
         let middle = (low + high) / 2.0;
-        Some(middle.round())
-            .filter(|m| (low..=high).contains(&m))
-            .unwrap_or(middle)
+        Some(middle.round()).filter(|m| (low..=high).contains(&m)).unwrap_or(middle)
     });
     middles.collect()
 }

@@ -17,17 +17,8 @@ const IGNORE: &str = "ignore";
 const ORDER: &str = "order";
 
 /// Keys that are no headings, beside `ignore` and `order`.
-const SETTINGS: [&str; 9] = [
-    "profile",
-    "name",
-    "name_pattern",
-    "date",
-    "dates",
-    "separator",
-    "encoding",
-    "comment",
-    "sheet",
-];
+const SETTINGS: [&str; 9] =
+    ["profile", "name", "name_pattern", "date", "dates", "separator", "encoding", "comment", "sheet"];
 
 /// Names in `order` that are no headings of ours.
 const NOT_HEADINGS: [&str; 3] = ["name", "date", "-"];
@@ -43,18 +34,9 @@ struct Reader<'s> {
 }
 
 /// The headings of the other software, where the cell names them.
-pub(super) fn columns(
-    source: &Source<'_>,
-    table: Option<&At<RawColumns>>,
-    robot: &Robot,
-) -> Result<Columns> {
+pub(super) fn columns(source: &Source<'_>, table: Option<&At<RawColumns>>, robot: &Robot) -> Result<Columns> {
     let entries = || table.into_iter().flat_map(|table| &table.get().0);
-    let mut reader = Reader {
-        source,
-        robot,
-        taken: Vec::new(),
-        columns: Columns::default(),
-    };
+    let mut reader = Reader { source, robot, taken: Vec::new(), columns: Columns::default() };
     // The profile first: what else stands there overrides it.
     for (name, value) in entries().filter(|(name, _)| name.get() == "profile") {
         reader.entry(name, value)?;
@@ -88,13 +70,10 @@ impl Reader<'_> {
             RawColumn::One(theirs) => {
                 let ours = self.ours(name, &key)?;
                 let theirs = self.source.checked_name(theirs, value)?;
-                self.take(&theirs, &key)
-                    .map_err(|message| self.fault(Code::Duplicate, &key, value, &message))?;
+                self.take(&theirs, &key).map_err(|message| self.fault(Code::Duplicate, &key, value, &message))?;
                 if self.columns.names.insert(ours, theirs).is_some() {
                     let message = "This column appears twice, in different case.";
-                    return Err(self
-                        .source
-                        .error_at(Code::Duplicate, &key, name.span(), message));
+                    return Err(self.source.error_at(Code::Duplicate, &key, name.span(), message));
                 }
                 Ok(())
             }
@@ -109,10 +88,8 @@ impl Reader<'_> {
                 "" => String::new(),
                 _ => self.source.name(theirs)?,
             };
-            self.take(&heading, &key).map_err(|message| {
-                self.source
-                    .error_at(Code::Duplicate, &key, theirs.span(), &message)
-            })?;
+            self.take(&heading, &key)
+                .map_err(|message| self.source.error_at(Code::Duplicate, &key, theirs.span(), &message))?;
             self.columns.ignore.push(heading);
         }
         Ok(())
@@ -122,16 +99,11 @@ impl Reader<'_> {
         let mut order: Vec<String> = Vec::new();
         for (i, name) in list.iter().enumerate() {
             let key = format!("{key}[{}]", i + 1);
-            let ours = if NOT_HEADINGS.contains(&name.get().as_str()) {
-                name.get().clone()
-            } else {
-                self.ours(name, &key)?
-            };
+            let ours =
+                if NOT_HEADINGS.contains(&name.get().as_str()) { name.get().clone() } else { self.ours(name, &key)? };
             if ours != "-" && order.contains(&ours) {
                 let message = "This column appears twice.";
-                return Err(self
-                    .source
-                    .error_at(Code::Duplicate, &key, name.span(), message));
+                return Err(self.source.error_at(Code::Duplicate, &key, name.span(), message));
             }
             order.push(ours);
         }
@@ -145,8 +117,7 @@ impl Reader<'_> {
             let message = format!("\"{text}\" is none of the choices.");
             let error = self.fault(Code::UnknownName, key, value, &message);
             let nearest = did_you_mean(text, known.iter().copied());
-            Err(error
-                .hint(nearest.unwrap_or_else(|| format!("write one of: {}", known.join(", ")))))
+            Err(error.hint(nearest.unwrap_or_else(|| format!("write one of: {}", known.join(", ")))))
         };
         match own {
             "profile" => match profile(text) {
@@ -196,8 +167,7 @@ impl Reader<'_> {
             _ => {
                 let theirs = self.source.checked_name(text, value)?;
                 if ["name", "date"].contains(&own) {
-                    self.take(&theirs, key)
-                        .map_err(|message| self.fault(Code::Duplicate, key, value, &message))?;
+                    self.take(&theirs, key).map_err(|message| self.fault(Code::Duplicate, key, value, &message))?;
                 }
                 let place = match own {
                     "name" => &mut self.columns.name,
@@ -224,8 +194,7 @@ impl Reader<'_> {
     /// The heading of ours that a key names.
     fn ours(&self, name: &Text, key: &str) -> Result<String> {
         let joints = self.robot.joint_count();
-        own_heading(name.get(), joints, IGNORE)
-            .map_err(|e| self.source.place_at(e, key, name.span()))
+        own_heading(name.get(), joints, IGNORE).map_err(|e| self.source.place_at(e, key, name.span()))
     }
 
     fn fault(&self, code: Code, key: &str, value: &At<RawColumn>, message: &str) -> Error {

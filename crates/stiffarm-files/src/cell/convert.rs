@@ -4,9 +4,7 @@ use super::columns::columns;
 use super::elastic::{elastic, known_elements};
 use super::instruments::{sensor, tracker, uncertainty};
 use super::load::load;
-use super::raw::{
-    RawCell, RawLimits, RawNoise, RawPoint, RawSeries, RawStiffness, RawTool, RawValidation,
-};
+use super::raw::{RawCell, RawLimits, RawNoise, RawPoint, RawSeries, RawStiffness, RawTool, RawValidation};
 use super::robot;
 use super::route::{route, time};
 use super::scene::{scene, with_link_shapes};
@@ -36,8 +34,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
     let (robot, entry) = robot::robot(source, table)?;
     let robot = with_link_shapes(source, robot, table.get().shape.as_ref())?;
     let bounds = robot::bounds(source, raw.bounds.as_ref(), &robot)?;
-    let characteristic_length =
-        source.optional(&table.get().characteristic_length_mm, Source::positive)?;
+    let characteristic_length = source.optional(&table.get().characteristic_length_mm, Source::positive)?;
     let sensor = source.optional(&raw.sensor, sensor)?;
     let tool = tool(source, &raw.tool, sensor.as_ref())?;
     let load = load(source, &raw.load, &robot)?;
@@ -46,9 +43,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
     // Published values belong to the joint axes, not to other springs.
     let published = entry.filter(|_| robot.spring_mixing().is_none());
     let prior = prior(source, raw.stiffness.as_ref(), &robot, published)?;
-    let known_elements = source.optional(&raw.elastic, |source, table| {
-        known_elements(source, table, &robot)
-    })?;
+    let known_elements = source.optional(&raw.elastic, |source, table| known_elements(source, table, &robot))?;
     let elastic = source.optional(&raw.elastic, elastic)?.flatten();
     let validation = validation(source, raw.validation.as_ref(), &robot)?;
     let tasks = tasks(source, raw.task.as_ref(), &robot, &tool)?;
@@ -56,9 +51,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
     let route = route(source, raw.route.as_ref(), &robot, entry)?;
     let time = source.optional(&raw.time, time)?;
     let tracker = source.optional(&raw.tracker, tracker)?;
-    let uncertainty = source.optional(&raw.uncertainty, |source, table| {
-        uncertainty(source, table, &load)
-    })?;
+    let uncertainty = source.optional(&raw.uncertainty, |source, table| uncertainty(source, table, &load))?;
     let columns = columns(source, raw.columns.as_ref(), &robot)?;
     let name = source.optional(&raw.name, Source::name)?;
     let name = name.unwrap_or_else(|| robot.name().to_string());
@@ -117,18 +110,13 @@ fn tool(source: &Source<'_>, table: &Option<At<RawTool>>, sensor: Option<&Sensor
     })
 }
 
-fn measuring_point(
-    source: &Source<'_>,
-    table: &At<RawPoint>,
-    others: &[NamedPoint],
-) -> Result<NamedPoint> {
+fn measuring_point(source: &Source<'_>, table: &At<RawPoint>, others: &[NamedPoint]) -> Result<NamedPoint> {
     let raw = table.get();
     let hint = "give the name that the measurement table uses for this point";
     let given = source.required(table, &raw.name, "name", hint)?;
     let name = source.unique_name(given, others.iter().map(|p| p.name.as_str()))?;
     if ReadingTarget::is_base_name(&name) {
-        let message =
-            format!("The name \"{name}\" is reserved for a reflector on the robot's base.");
+        let message = format!("The name \"{name}\" is reserved for a reflector on the robot's base.");
         let error = source.error(Code::InvalidValue, given, message);
         return Err(error.hint("choose another name for this measuring point"));
     }
@@ -169,8 +157,7 @@ fn limits(source: &Source<'_>, table: &At<RawLimits>, load: &Load) -> Result<Lim
         if load.has_rope() {
             return Ok(range);
         }
-        let message =
-            "A limit of the length needs a load of kind \"rope\", or \"cylinder\" with anchor_mm.";
+        let message = "A limit of the length needs a load of kind \"rope\", or \"cylinder\" with anchor_mm.";
         let error = source.error(Code::Conflict, list, message);
         Err(error.hint("remove rope_length_mm, or set load.kind = \"rope\" or \"cylinder\""))
     });
@@ -184,11 +171,7 @@ fn limits(source: &Source<'_>, table: &At<RawLimits>, load: &Load) -> Result<Lim
 }
 
 /// The box between its corners.
-fn tool_box(
-    source: &Source<'_>,
-    low: &Fixed<3, Mm>,
-    high: &Fixed<3, Mm>,
-) -> Result<[Vector3<f64>; 2]> {
+fn tool_box(source: &Source<'_>, low: &Fixed<3, Mm>, high: &Fixed<3, Mm>) -> Result<[Vector3<f64>; 2]> {
     let corners = [source.vector(low)?, source.vector(high)?];
     let pairs = low.0.get().iter().zip(high.0.get());
     for ((low, high), axis) in pairs.zip(["x", "y", "z"]) {
@@ -229,12 +212,9 @@ fn noise(source: &Source<'_>, table: Option<&At<RawNoise>>) -> Result<Noise> {
             1 => 1,
             2 => 2,
             other => {
-                let message =
-                    format!("The number of readings per displacement must be 1 or 2, got {other}.");
+                let message = format!("The number of readings per displacement must be 1 or 2, got {other}.");
                 let error = source.error(Code::InvalidValue, readings, message);
-                return Err(
-                    error.hint("2 for a loaded and an unloaded reading, 1 as the paper counts")
-                );
+                return Err(error.hint("2 for a loaded and an unloaded reading, 1 as the paper counts"));
             }
         };
     }
@@ -257,11 +237,7 @@ fn prior(
     Ok(Some(values))
 }
 
-fn validation(
-    source: &Source<'_>,
-    table: Option<&At<RawValidation>>,
-    robot: &Robot,
-) -> Result<Vec<Posture>> {
+fn validation(source: &Source<'_>, table: Option<&At<RawValidation>>, robot: &Robot) -> Result<Vec<Posture>> {
     let mut postures: Vec<Posture> = Vec::new();
     let list = table.and_then(|table| table.get().posture.as_ref());
     for table in list.into_iter().flat_map(At::get) {

@@ -25,23 +25,13 @@ pub(super) fn elastic(source: &Source<'_>, table: &At<RawElastic>) -> Result<Opt
     if all.iter().all(|(value, _)| value.is_none()) {
         return Ok(None);
     }
-    let size = |(value, name): (&Option<Number>, &str)| {
-        source.not_negative(source.required(table, value, name, HINT)?)
-    };
+    let size = |(value, name): (&Option<Number>, &str)| source.not_negative(source.required(table, value, name, HINT)?);
     let [shift, turn, coupling] = all.map(size);
-    Ok(Some(ElasticSizes {
-        shift: shift?,
-        turn: turn?,
-        coupling: coupling?,
-    }))
+    Ok(Some(ElasticSizes { shift: shift?, turn: turn?, coupling: coupling? }))
 }
 
 /// Bearings, links and base of which the stiffness is given.
-pub(super) fn known_elements(
-    source: &Source<'_>,
-    table: &At<RawElastic>,
-    robot: &Robot,
-) -> Result<Vec<KnownElement>> {
+pub(super) fn known_elements(source: &Source<'_>, table: &At<RawElastic>, robot: &Robot) -> Result<Vec<KnownElement>> {
     let raw = table.get();
     let factor = match &raw.stiffness_factor {
         None => FACTOR,
@@ -65,9 +55,7 @@ pub(super) fn known_elements(
         let beams = &beams;
         move |joint: usize| -> Vec<ExtraTerm> {
             let is_own = |term: &&ExtraTerm| match term {
-                ExtraTerm::Beam {
-                    joint: j, twist: t, ..
-                } => (*j, *t) == (joint, twist),
+                ExtraTerm::Beam { joint: j, twist: t, .. } => (*j, *t) == (joint, twist),
                 _ => false,
             };
             beams.iter().filter(is_own).copied().collect()
@@ -84,31 +72,25 @@ pub(super) fn known_elements(
             let terms = of(j);
             if terms.is_empty() {
                 let joint = &robot.joints()[j].name;
-                let message =
-                    format!("The link behind {joint} has no length: nothing bends there.");
-                return Err(source
-                    .error(Code::InvalidValue, place, message)
-                    .hint("give 0 for it"));
+                let message = format!("The link behind {joint} has no length: nothing bends there.");
+                return Err(source.error(Code::InvalidValue, place, message).hint("give 0 for it"));
             }
-            let known = terms
-                .into_iter()
-                .map(|term| KnownElement::new(term, stiffness, factor));
+            let known = terms.into_iter().map(|term| KnownElement::new(term, stiffness, factor));
             out.extend(known);
         }
         Ok(())
     };
-    add(&raw.bearing_tilt_nm_per_rad, &|j| {
-        vec![ExtraTerm::JointTilt(j)]
-    })?;
+    add(&raw.bearing_tilt_nm_per_rad, &|j| vec![ExtraTerm::JointTilt(j)])?;
     add(&raw.link_bending_nm2, &beam(false))?;
     add(&raw.link_twist_nm2, &beam(true))?;
     if out.is_empty()
         && let Some(factor) = &raw.stiffness_factor
     {
-        let message =
-            "A factor of a stiffness is given, and no stiffness of a bearing, a link or the base.";
+        let message = "A factor of a stiffness is given, and no stiffness of a bearing, a link or the base.";
         let error = source.error(Code::InvalidValue, factor, message);
-        return Err(error.hint("give bearing_tilt_nm_per_rad, link_bending_nm2, link_twist_nm2 or base_tilt_nm_per_rad"));
+        return Err(
+            error.hint("give bearing_tilt_nm_per_rad, link_bending_nm2, link_twist_nm2 or base_tilt_nm_per_rad")
+        );
     }
     Ok(out)
 }

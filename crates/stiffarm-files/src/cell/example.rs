@@ -46,16 +46,8 @@ impl Example {
         };
         // A turn about z changes nothing that an example needs.
         let is_outward = (own * Vector3::z()).z > 0.999;
-        let turn = if is_outward {
-            UnitQuaternion::identity()
-        } else {
-            own
-        };
-        Example {
-            lengths,
-            forces,
-            turn,
-        }
+        let turn = if is_outward { UnitQuaternion::identity() } else { own };
+        Example { lengths, forces, turn }
     }
 
     /// A point in flange axes, z out of the flange in the example \[mm\].
@@ -125,11 +117,7 @@ pub(super) fn pendant(robot: &Robot) -> String {
     if *base == Isometry3::identity() {
         return String::new();
     }
-    let [x, y, z] = base
-        .translation
-        .vector
-        .map(|v| (1e4 * v).round() / 10.0)
-        .into();
+    let [x, y, z] = base.translation.vector.map(|v| (1e4 * v).round() / 10.0).into();
     let turn = match base.rotation.scaled_axis() {
         turn if turn.norm() == 0.0 => String::new(),
         turn => {

@@ -19,8 +19,7 @@ const REPORTS: [(&str, bool); 2] = [("on_robot", false), ("by_robot", true)];
 /// The force sensor.
 pub(super) fn sensor(source: &Source<'_>, table: &At<RawSensor>) -> Result<Sensor> {
     let raw = table.get();
-    let hint =
-        "mount = \"flange\" (it turns with the tool) or mount = \"base\" (fixed in the cell)";
+    let hint = "mount = \"flange\" (it turns with the tool) or mount = \"base\" (fixed in the cell)";
     let mount = source.required(table, &raw.mount, "mount", hint)?;
     let mount = source.choice(mount, &MOUNTS, hint)?;
     // The sign is never guessed: a wrong one turns every stiffness negative.
@@ -32,15 +31,9 @@ pub(super) fn sensor(source: &Source<'_>, table: &At<RawSensor>) -> Result<Senso
     let mirrored = mirrored.map(|axis| source.choice(axis, &AXES, hint));
     let hint = "give the sensor's origin: xyz_mm = [x, y, z] in flange axes or the base frame";
     let xyz = source.required(table, &raw.xyz_mm, "xyz_mm", hint)?;
-    let hint =
-        "give the turn of the sensor's axes: rpy_deg = [roll, pitch, yaw], zeros if there is none";
+    let hint = "give the turn of the sensor's axes: rpy_deg = [roll, pitch, yaw], zeros if there is none";
     let rpy = source.required(table, &raw.rpy_deg, "rpy_deg", hint)?;
-    Ok(Sensor {
-        mount,
-        pose: pose(source, xyz, rpy)?,
-        reports_by_robot,
-        mirrored: mirrored.transpose()?,
-    })
+    Ok(Sensor { mount, pose: pose(source, xyz, rpy)?, reports_by_robot, mirrored: mirrored.transpose()? })
 }
 
 /// What the cell knows of the tracker.
@@ -55,10 +48,7 @@ pub(super) fn tracker(source: &Source<'_>, table: &At<RawTracker>) -> Result<Tra
             Some(pose(source, xyz, rpy)?)
         }
     };
-    Ok(Tracker {
-        base_from_tracker,
-        accuracy: accuracy(source, table)?,
-    })
+    Ok(Tracker { base_from_tracker, accuracy: accuracy(source, table)? })
 }
 
 fn accuracy(source: &Source<'_>, table: &At<RawTracker>) -> Result<Option<TrackerAccuracy>> {
@@ -83,11 +73,7 @@ fn accuracy(source: &Source<'_>, table: &At<RawTracker>) -> Result<Option<Tracke
 }
 
 /// Errors of the whole experiment, as far as the cell says.
-pub(super) fn uncertainty(
-    source: &Source<'_>,
-    table: &At<RawUncertainty>,
-    load: &Load,
-) -> Result<Uncertainty> {
+pub(super) fn uncertainty(source: &Source<'_>, table: &At<RawUncertainty>, load: &Load) -> Result<Uncertainty> {
     let raw = table.get();
     if let (Some(anchor), false) = (&raw.anchor_mm, load.has_rope()) {
         let message = "An uncertainty of the anchor needs a load of kind \"rope\", or \"cylinder\" with anchor_mm.";

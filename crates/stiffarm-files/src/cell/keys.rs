@@ -40,33 +40,23 @@ fn syntax_error(source: &Source<'_>, error: &toml::de::Error) -> Error {
     if body.trim_start().starts_with('{') {
         let message = "This is JSON, and no cell file: cells are TOML.";
         let hint = "give the cell file that the result was made with, or builtin:comau";
-        return source
-            .error_at(Code::TomlSyntax, "", span, message)
-            .hint(hint);
+        return source.error_at(Code::TomlSyntax, "", span, message).hint(hint);
     }
     if is_table(body) {
         let message = "This is a table, and no cell file: cells are TOML.";
-        return source
-            .error_at(Code::TomlSyntax, "", span, message)
-            .hint("the cell comes first, tables after it");
+        return source.error_at(Code::TomlSyntax, "", span, message).hint("the cell comes first, tables after it");
     }
     let message = format!("This is not valid TOML: {}.", error.message());
     let place = source.error_at(Code::TomlSyntax, "", span.clone(), message);
     let digit = |byte: Option<&u8>| byte.is_some_and(u8::is_ascii_digit);
     let bytes = body.as_bytes();
     // `x = 1,5` is reported at the comma or just behind it.
-    let decimal_comma = (span.start.saturating_sub(1)..=span.start).any(|at| {
-        bytes.get(at) == Some(&b',')
-            && digit(bytes.get(at.wrapping_sub(1)))
-            && digit(bytes.get(at + 1))
-    });
+    let decimal_comma = (span.start.saturating_sub(1)..=span.start)
+        .any(|at| bytes.get(at) == Some(&b',') && digit(bytes.get(at.wrapping_sub(1))) && digit(bytes.get(at + 1)));
     let unquoted = ["string values must be quoted", "invalid boolean"];
     if decimal_comma {
         place.hint("TOML writes decimals with a point: 1.5")
-    } else if unquoted
-        .iter()
-        .any(|start| error.message().starts_with(start))
-    {
+    } else if unquoted.iter().any(|start| error.message().starts_with(start)) {
         place.hint("text stands in quotes: name = \"…\"")
     } else {
         place
@@ -85,9 +75,7 @@ fn check_format(source: &Source<'_>, root: &DeTable<'_>) -> Result<()> {
         return Err(reading.found.remove(0).hint("write format = 1"));
     };
     if number > FORMAT {
-        let message = format!(
-            "The file has format {number}; this version of stiffarm reads format {FORMAT}."
-        );
+        let message = format!("The file has format {number}; this version of stiffarm reads format {FORMAT}.");
         let error = source.error_at(Code::Unsupported, "format", value.span(), message);
         return Err(error.hint("install a newer stiffarm, or write the file in format 1"));
     }

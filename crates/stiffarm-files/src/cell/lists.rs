@@ -13,7 +13,5 @@ pub(super) fn quoted(text: &str) -> String {
 
 /// Pairs as lines of TOML.
 pub(super) fn rows(rows: &[[f64; 2]]) -> String {
-    rows.iter()
-        .map(|row| format!("    {},\n", degrees(row)))
-        .collect()
+    rows.iter().map(|row| format!("    {},\n", degrees(row))).collect()
 }

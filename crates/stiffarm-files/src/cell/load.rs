@@ -13,10 +13,7 @@ use stiffarm::units::STANDARD_GRAVITY;
 /// The kinds of load, and the keys that each of them has beside `kind`.
 const KINDS: [(&str, &[&str]); 6] = [
     ("rope", &["magnitude_n", "anchor_mm"]),
-    (
-        "cylinder",
-        &["magnitude_n", "acts", "anchor_mm", "direction", "axes"],
-    ),
+    ("cylinder", &["magnitude_n", "acts", "anchor_mm", "direction", "axes"]),
     ("weight", &["magnitude_n", "mass_kg"]),
     ("wrench", &["force_n", "moment_nm", "axes"]),
     ("measured", &[]),
@@ -25,28 +22,16 @@ const KINDS: [(&str, &[&str]); 6] = [
 
 /// What stands instead of a key where no kind has it beside the others that are given; `{}` is the force of the mass.
 const INSTEAD: [(&str, &str); 7] = [
-    (
-        "mass_kg",
-        "a mass on a rope pulls with its weight: magnitude_n = {}",
-    ),
-    (
-        "magnitude_n",
-        "give the force as force_n = [x, y, z] in newtons",
-    ),
+    ("mass_kg", "a mass on a rope pulls with its weight: magnitude_n = {}"),
+    ("magnitude_n", "give the force as force_n = [x, y, z] in newtons"),
     (
         "anchor_mm",
         "remove it; where a rope or cylinder pulls, kind = \"rope\" or kind = \"cylinder\" takes it with magnitude_n",
     ),
-    (
-        "direction",
-        "remove it: anchor_mm or force_n gives the direction",
-    ),
+    ("direction", "remove it: anchor_mm or force_n gives the direction"),
     ("acts", "remove it: it is what a cylinder does"),
     ("force_n", "give the size of the force as magnitude_n"),
-    (
-        "moment_nm",
-        "remove it; a moment belongs to kind = \"wrench\", with force_n",
-    ),
+    ("moment_nm", "remove it; a moment belongs to kind = \"wrench\", with force_n"),
 ];
 
 /// The two kinds of axes of a wrench.
@@ -62,12 +47,9 @@ struct Table<'a> {
 }
 
 /// The load of `robot`, whose direction of gravity a weight follows.
-pub(super) fn load(
-    source: &Source<'_>,
-    table: &Option<At<RawLoad>>,
-    robot: &Robot,
-) -> Result<Load> {
-    let hint = "add a table [load] with kind = \"rope\", \"cylinder\", \"weight\", \"wrench\", \"measured\" or \"cases\"";
+pub(super) fn load(source: &Source<'_>, table: &Option<At<RawLoad>>, robot: &Robot) -> Result<Load> {
+    let hint =
+        "add a table [load] with kind = \"rope\", \"cylinder\", \"weight\", \"wrench\", \"measured\" or \"cases\"";
     let at = source.required_table(table, "load", hint)?;
     let table = Table { source, at };
     let (kind, keys) = table.kind("")?;
@@ -88,10 +70,7 @@ impl Table<'_> {
     fn kind(&self, without: &str) -> Result<(&'static str, &'static [&'static str])> {
         let source = self.source;
         let kinds: Vec<&(&str, &[&str])> = KINDS.iter().filter(|(k, _)| *k != without).collect();
-        let names: Vec<String> = kinds
-            .iter()
-            .map(|(name, _)| format!("\"{name}\""))
-            .collect();
+        let names: Vec<String> = kinds.iter().map(|(name, _)| format!("\"{name}\"")).collect();
         let hint = format!("kind is one of {}", names.join(", "));
         let kind = self.required(&self.at.get().kind, "kind", &hint)?;
         match kinds.iter().find(|(name, _)| name == kind.get()) {
@@ -110,10 +89,7 @@ impl Table<'_> {
         match kind {
             "rope" => self.rope(),
             "cylinder" => self.cylinder(),
-            "weight" => Ok(Load::Weight {
-                magnitude: self.weight()?,
-                direction: *robot.gravity_direction(),
-            }),
+            "weight" => Ok(Load::Weight { magnitude: self.weight()?, direction: *robot.gravity_direction() }),
             "wrench" => self.wrench(),
             _ => Ok(Load::Measured),
         }
@@ -121,8 +97,7 @@ impl Table<'_> {
 
     /// `[[load.case]]`: each has a name, a kind, and may have a loading point of its own.
     fn cases(&self, robot: &Robot) -> Result<Vec<LoadCase>> {
-        let hint =
-            "add [[load.case]] with name and kind for each load that a posture is measured under";
+        let hint = "add [[load.case]] with name and kind for each load that a posture is measured under";
         let list = self.required(&self.at.get().case, "case", hint)?;
         let mut cases: Vec<LoadCase> = Vec::new();
         for at in list.get() {
@@ -133,9 +108,7 @@ impl Table<'_> {
         if cases.len() < 2 {
             let message = "Load cases are several, and fewer than two are given.";
             let key = self.source.path_in(self.at, "case");
-            let error = self
-                .source
-                .error_at(Code::TooFewData, &key, list.span(), message);
+            let error = self.source.error_at(Code::TooFewData, &key, list.span(), message);
             return Err(error.hint("add another [[load.case]], or put the only load into [load]"));
         }
         Ok(cases)
@@ -153,22 +126,14 @@ impl Table<'_> {
             Err(error.hint("states of readings are named after load cases: \"left\", or \"left-2\" for another time"))
         };
         if Role::of(&name) != Role::Loaded {
-            return refused(format!(
-                "\"{name}\" names a state without load, not a load case."
-            ));
+            return refused(format!("\"{name}\" names a state without load, not a load case."));
         }
         let taken = |case: &&LoadCase| {
-            let own = LoadCase {
-                name: name.clone(),
-                ..(*case).clone()
-            };
+            let own = LoadCase { name: name.clone(), ..(*case).clone() };
             case.is_of(&name) || own.is_of(&case.name)
         };
         if let Some(other) = others.iter().find(taken) {
-            return refused(format!(
-                "\"{name}\" and \"{}\" cannot be told apart as names of states.",
-                other.name
-            ));
+            return refused(format!("\"{name}\" and \"{}\" cannot be told apart as names of states.", other.name));
         }
         let (kind, keys) = self.kind("cases")?;
         if kind == "measured" {
@@ -176,17 +141,11 @@ impl Table<'_> {
             let span = raw.kind.as_ref().map_or(self.at.span(), At::span);
             let key = source.path_in(self.at, "kind");
             let error = source.error_at(Code::Conflict, &key, span, message);
-            return Err(
-                error.hint("set [load] kind = \"measured\" and give the forces with the readings")
-            );
+            return Err(error.hint("set [load] kind = \"measured\" and give the forces with the readings"));
         }
         self.refuse_foreign_keys(kind, keys, &OF_A_CASE)?;
         let loading_point = source.optional(&raw.loading_point_mm, Source::vector)?;
-        Ok(LoadCase {
-            name,
-            load: self.single(kind, robot)?,
-            loading_point,
-        })
+        Ok(LoadCase { name, load: self.single(kind, robot)?, loading_point })
     }
 
     /// A key of another kind of load would be ignored; that is refused.
@@ -199,9 +158,7 @@ impl Table<'_> {
                 let mut given = given.iter().filter(|(_, other)| keys_of_a_load(other));
                 given.all(|(_, other)| keys.contains(other))
             };
-            let owners = KINDS
-                .iter()
-                .filter(|(_, keys)| keys.contains(&key) && takes(keys));
+            let owners = KINDS.iter().filter(|(_, keys)| keys.contains(&key) && takes(keys));
             let owners: Vec<String> = owners.map(|(name, _)| format!("\"{name}\"")).collect();
             let instead = INSTEAD.iter().find(|(own, _)| *own == key);
             let hint = match (&owners[..], instead) {
@@ -271,8 +228,7 @@ impl Table<'_> {
             }
             (Some(anchor), None) => {
                 if let Some(axes) = &raw.axes {
-                    let message =
-                        "A cylinder with anchor_mm has no axes: the anchor is in the base frame.";
+                    let message = "A cylinder with anchor_mm has no axes: the anchor is in the base frame.";
                     let error = source.error(Code::Conflict, axes, message);
                     return Err(error.hint("remove it, or give direction instead of anchor_mm"));
                 }
@@ -284,15 +240,10 @@ impl Table<'_> {
         let Some(direction) = source.vector(list)?.try_normalize(0.0) else {
             let message = "The direction is zero.";
             let error = source.error(Code::InvalidValue, list, message);
-            return Err(error.hint(
-                "give the direction of the cylinder's pull, of any length: direction = [0, 0, 1]",
-            ));
+            return Err(error.hint("give the direction of the cylinder's pull, of any length: direction = [0, 0, 1]"));
         };
         let given = self.required(&raw.axes, "axes", AXES_HINT)?;
-        Ok(Load::Constant {
-            wrench: Wrench::force(direction * magnitude),
-            axes: axes(source, given)?,
-        })
+        Ok(Load::Constant { wrench: Wrench::force(direction * magnitude), axes: axes(source, given)? })
     }
 
     fn wrench(&self) -> Result<Load> {
@@ -308,10 +259,7 @@ impl Table<'_> {
         }
         let given = self.required(&raw.axes, "axes", AXES_HINT)?;
         let axes = axes(source, given)?;
-        Ok(Load::Constant {
-            wrench: Wrench { force, moment },
-            axes,
-        })
+        Ok(Load::Constant { wrench: Wrench { force, moment }, axes })
     }
 }
 
@@ -323,9 +271,7 @@ fn keys_of_a_load(key: &str) -> bool {
 /// Where the kinds that have a key stand, to which it belongs.
 fn of_owners(key: &str, owners: &[String]) -> String {
     match owners {
-        [] if key == "loading_point_mm" => {
-            "it belongs into [tool], or into one of several [[load.case]]".to_string()
-        }
+        [] if key == "loading_point_mm" => "it belongs into [tool], or into one of several [[load.case]]".to_string(),
         [] => "it belongs into [[load.case]], with [load] kind = \"cases\"".to_string(),
         _ => format!("remove it, or set kind = {}", owners.join(" or ")),
     }

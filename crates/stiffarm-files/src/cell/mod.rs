@@ -62,11 +62,7 @@ pub fn parse_cell(text: &str, file_name: &str) -> Result<Cell> {
 ///
 /// # Errors
 /// As [`parse_cell`]; what `read` returns, and bytes that are no mesh, at the key that names the file.
-pub fn parse_cell_with(
-    text: &str,
-    file_name: &str,
-    read: &dyn Fn(&str) -> Result<Vec<u8>>,
-) -> Result<Cell> {
+pub fn parse_cell_with(text: &str, file_name: &str, read: &dyn Fn(&str) -> Result<Vec<u8>>) -> Result<Cell> {
     let mut source = Source::new(text, file_name).with_files(read);
     let raw = keys::read(&mut source)?;
     convert::cell(&source, &raw)
@@ -76,11 +72,7 @@ pub fn parse_cell_with(
 ///
 /// # Errors
 /// Bytes that are not UTF-8, and everything of [`parse_cell_with`].
-pub fn parse_cell_bytes_with(
-    bytes: &[u8],
-    file_name: &str,
-    read: &dyn Fn(&str) -> Result<Vec<u8>>,
-) -> Result<Cell> {
+pub fn parse_cell_bytes_with(bytes: &[u8], file_name: &str, read: &dyn Fn(&str) -> Result<Vec<u8>>) -> Result<Cell> {
     let text = decode(bytes).map_err(|error| error.file(file_name))?;
     parse_cell_with(&text, file_name, read)
 }

@@ -57,11 +57,7 @@ pub(super) fn keys(robot: &DhRobot) -> Result<String> {
              # RotZ(theta) TransZ(d) TransX(a) RotX(alpha), theta = offset + q.\n",
         ),
     };
-    let mut out = format!(
-        "name = {}\njoint_names = [{}]\n{form}{key} = [\n",
-        quoted(&robot.name),
-        names.join(", ")
-    );
+    let mut out = format!("name = {}\njoint_names = [{}]\n{form}{key} = [\n", quoted(&robot.name), names.join(", "));
     for row in &robot.rows {
         let numbers = [deg(row.alpha), mm(row.a), mm(row.d), deg(row.offset)];
         out += &format!("    {},\n", degrees(&numbers));
@@ -74,11 +70,7 @@ pub(super) fn keys(robot: &DhRobot) -> Result<String> {
         out += &format!("tilts_deg = {}\n", degrees(&tilts));
     }
     out += &pose(&robot.base, "base", "Frame 0 of the rows in the base frame");
-    out += &pose(
-        &robot.flange,
-        "flange",
-        "The flange in the last frame of the rows",
-    );
+    out += &pose(&robot.flange, "flange", "The flange in the last frame of the rows");
     if robot.coupling != DMatrix::identity(robot.rows.len(), robot.rows.len()) {
         out += "# C of theta = offset + C q.\n";
         out += &theta_from_q(&robot.coupling);
@@ -86,14 +78,9 @@ pub(super) fn keys(robot: &DhRobot) -> Result<String> {
     out += &controller(robot)?;
     match &robot.limits {
         Some(limits) => {
-            let limits: Vec<[f64; 2]> = limits
-                .iter()
-                .map(|limits| limits.map(rad_to_shortest_deg))
-                .collect();
+            let limits: Vec<[f64; 2]> = limits.iter().map(|limits| limits.map(rad_to_shortest_deg)).collect();
             let limits = rows(&limits);
-            out += &format!(
-                "# The machine's limits of the controller angles.\nlimits_deg = [\n{limits}]\n"
-            );
+            out += &format!("# The machine's limits of the controller angles.\nlimits_deg = [\n{limits}]\n");
         }
         None => {
             out += "# The machine's limits of the controller angles, [low, high] per joint: EDIT\n# limits_deg = [[-180, 180]]\n"
@@ -115,9 +102,11 @@ fn controller(robot: &DhRobot) -> Result<String> {
     let name = robot.maker.unwrap_or(Controller::Other).as_str();
     let coupling = robot.suspected_coupling()?;
     let said = match coupling {
-        None => "Whose pendant shows the angles q of this cell. Without this key nothing goes to a controller (export, \
+        None => {
+            "Whose pendant shows the angles q of this cell. Without this key nothing goes to a controller (export, \
                  pose --convention, route --equivalents). Compare a posture with the pendant first (stiffarm pose)."
-            .to_string(),
+                .to_string()
+        }
         Some(_) => format!(
             "Whose pendant shows the angles q of this cell. Without this key nothing goes to a controller (export, pose \
              --convention, route --equivalents). CHECK FIRST: {}. At the pendant move joint 2 alone by some 10 degrees and \
@@ -125,14 +114,14 @@ fn controller(robot: &DhRobot) -> Result<String> {
              couples joint 3 to joint 2, and theta_from_q below is needed too (instead of one that stands above); the limits \
              of joint 3 then hold at joint 2 = 0. If the forearm turns along with the upper arm, it is not.",
             match robot.maker {
-                Some(maker) if maker.couples_joint_3() => format!(
-                    "pendants of {} count joint 3 otherwise than robot descriptions do",
-                    maker.title()
-                ),
-                Some(Controller::Abb) => "pendants of ABB arms with a parallelogram (IRB 2400, IRB 4400) count joint 3 \
+                Some(maker) if maker.couples_joint_3() =>
+                    format!("pendants of {} count joint 3 otherwise than robot descriptions do", maker.title()),
+                Some(Controller::Abb) =>
+                    "pendants of ABB arms with a parallelogram (IRB 2400, IRB 4400) count joint 3 \
                      otherwise than robot descriptions do"
+                        .to_string(),
+                _ => "joint 3 counts against joint 2, as in descriptions of arms whose pendants couple the two"
                     .to_string(),
-                _ => "joint 3 counts against joint 2, as in descriptions of arms whose pendants couple the two".to_string(),
             }
         ),
     };
@@ -199,11 +188,7 @@ fn pose(pose: &Isometry3<f64>, name: &str, what: &str) -> String {
             out += &format!("{name}_{key} = {}\n", degrees(&numbers));
         }
     }
-    if out.is_empty() {
-        out
-    } else {
-        format!("# {what}; turns about fixed x, then y, then z.\n{out}")
-    }
+    if out.is_empty() { out } else { format!("# {what}; turns about fixed x, then y, then z.\n{out}") }
 }
 
 /// Roll, pitch, yaw \[rad\]; where only the sum or difference of roll and yaw is determined,

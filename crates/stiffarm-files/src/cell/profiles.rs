@@ -24,9 +24,7 @@ pub(super) fn profile(name: &str) -> Option<Columns> {
         // "To export dynamic points to an ASCII file": name, position, normal, offset, low and high
         // tolerance, type, separated by spaces; names in quotation marks.
         "powerinspect" => Some(Columns {
-            order: order(&[
-                "name", "x_mm", "y_mm", "z_mm", "-", "-", "-", "-", "-", "-", "-",
-            ]),
+            order: order(&["name", "x_mm", "y_mm", "z_mm", "-", "-", "-", "-", "-", "-", "-"]),
             separator: Some(Separator::Space),
             ..Columns::default()
         }),

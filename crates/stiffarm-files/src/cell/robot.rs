@@ -6,16 +6,11 @@ use super::value::{At, Deg, Fixed, List, Mm, Number, Placed, Unit};
 use crate::table::other_convention;
 use nalgebra::{Isometry3, Translation3};
 use stiffarm::error::{Code, Result};
-use stiffarm::model::robot::{
-    CatalogueEntry, Controller, DhConvention, DhRow, Robot, find_in_catalogue,
-};
+use stiffarm::model::robot::{CatalogueEntry, Controller, DhConvention, DhRow, Robot, find_in_catalogue};
 use stiffarm::units::rad_to_shortest_deg;
 
 /// The robot, and its catalogue entry where it comes from there.
-pub(super) fn robot(
-    source: &Source<'_>,
-    table: &At<RawRobot>,
-) -> Result<(Robot, Option<&'static CatalogueEntry>)> {
+pub(super) fn robot(source: &Source<'_>, table: &At<RawRobot>) -> Result<(Robot, Option<&'static CatalogueEntry>)> {
     let raw = table.get();
     let (mut robot, entry) = chain(source, table)?;
     let n = robot.joint_count();
@@ -65,10 +60,7 @@ pub(super) fn robot(
 }
 
 /// The chain from exactly one of catalogue, modified and standard rows.
-fn chain(
-    source: &Source<'_>,
-    table: &At<RawRobot>,
-) -> Result<(Robot, Option<&'static CatalogueEntry>)> {
+fn chain(source: &Source<'_>, table: &At<RawRobot>) -> Result<(Robot, Option<&'static CatalogueEntry>)> {
     let raw = table.get();
     let mut given: Vec<_> = [
         ("catalogue", raw.catalogue.as_ref().map(At::span)),
@@ -96,9 +88,9 @@ fn chain(
             let message = "The robot is not given.";
             let key = source.path_in(table, "catalogue");
             let error = source.error_at(Code::MissingKey, &key, table.span(), message);
-            return Err(error.hint(
-                "give catalogue = \"…\" (stiffarm robots lists the names), or dh_modified, or dh_standard",
-            ));
+            return Err(
+                error.hint("give catalogue = \"…\" (stiffarm robots lists the names), or dh_modified, or dh_standard")
+            );
         }
     };
     let values = source.each(rows, dh_row)?;
@@ -111,12 +103,7 @@ fn chain(
 
 fn dh_row(source: &Source<'_>, row: &Fixed<4>) -> Result<DhRow> {
     let values = source.numbers(&row.0, 4, "[alpha_deg, a_mm, d_mm, offset_deg]")?;
-    Ok(DhRow {
-        alpha: Deg::si(values[0]),
-        a: Mm::si(values[1]),
-        d: Mm::si(values[2]),
-        offset: Deg::si(values[3]),
-    })
+    Ok(DhRow { alpha: Deg::si(values[0]), a: Mm::si(values[1]), d: Mm::si(values[2]), offset: Deg::si(values[3]) })
 }
 
 /// Pose of the robot's own base frame in the cell's base frame, where given.
@@ -149,11 +136,7 @@ fn pose(
 
 /// Bounds for choosing postures: given and inside the machine's limits, or
 /// those limits.
-pub(super) fn bounds(
-    source: &Source<'_>,
-    table: Option<&At<RawBounds>>,
-    robot: &Robot,
-) -> Result<Vec<[f64; 2]>> {
+pub(super) fn bounds(source: &Source<'_>, table: Option<&At<RawBounds>>, robot: &Robot) -> Result<Vec<[f64; 2]>> {
     let Some(rows) = table.and_then(|table| table.get().q_deg.as_ref()) else {
         return Ok(robot.joints().iter().map(|joint| joint.limits).collect());
     };
@@ -161,31 +144,21 @@ pub(super) fn bounds(
     for (j, (row, bounds)) in rows.get().iter().zip(&bounds).enumerate() {
         for (entry, angle) in row.0.get().iter().zip(bounds) {
             // The row of a joint is named, not one end of it.
-            inside_limits(source, entry, robot, j, *angle)
-                .map_err(|e| e.key(format!("bounds.q_deg[{}]", j + 1)))?;
+            inside_limits(source, entry, robot, j, *angle).map_err(|e| e.key(format!("bounds.q_deg[{}]", j + 1)))?;
         }
     }
     Ok(bounds)
 }
 
 /// Checks one controller angle \[rad\] against the machine's limits.
-fn inside_limits(
-    source: &Source<'_>,
-    entry: &Number<Deg>,
-    robot: &Robot,
-    joint: usize,
-    angle: f64,
-) -> Result<()> {
+fn inside_limits(source: &Source<'_>, entry: &Number<Deg>, robot: &Robot, joint: usize, angle: f64) -> Result<()> {
     let name = &robot.joints()[joint].name;
     let limits = robot.joints()[joint].limits;
     if (limits[0] - 1e-9..=limits[1] + 1e-9).contains(&angle) {
         return Ok(());
     }
     let [low, high] = limits.map(rad_to_shortest_deg);
-    let message = format!(
-        "{name} at {}° is outside the machine's limits, {low}° to {high}°.",
-        entry.get()
-    );
+    let message = format!("{name} at {}° is outside the machine's limits, {low}° to {high}°.", entry.get());
     let error = source.error(Code::OutsideLimits, entry, message);
     Err(error.hint("correct the angle, or set robot.limits_deg if the machine can go there"))
 }

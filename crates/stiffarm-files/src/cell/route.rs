@@ -36,7 +36,9 @@ pub(super) fn route(
         if let Some(fast) = given.find(|v| *v > FASTEST_DEG_S) {
             let message = format!("No joint turns at {fast}°/s.");
             let error = source.error(Code::InvalidValue, list, message);
-            return Err(error.hint("give the largest speed of each joint in degrees per second, as the data sheet has it"));
+            return Err(
+                error.hint("give the largest speed of each joint in degrees per second, as the data sheet has it")
+            );
         }
         rules.joint_speeds = Some(speeds);
     }
@@ -53,27 +55,20 @@ pub(super) fn route(
     if let Some(value) = &raw.approach_deg {
         let turn = source.positive(value)?;
         let degrees = value.get();
-        let fault = |message: String, hint: &str| {
-            Err(source.error(Code::InvalidValue, value, message).hint(hint))
-        };
+        let fault = |message: String, hint: &str| Err(source.error(Code::InvalidValue, value, message).hint(hint));
         if !APPROACH_DEG.contains(&degrees) {
             let message = format!("{degrees}° is no turn that takes up lost motion.");
-            let hint =
-                "give 0.05 to 10; half a degree is far more than the lost motion of a worn joint";
+            let hint = "give 0.05 to 10; half a degree is far more than the lost motion of a worn joint";
             return fault(message, hint);
         }
         if rules.start.is_none() {
             let message = "Nothing says how the first posture is reached.".to_string();
-            return fault(
-                message,
-                "give start_deg, a safe posture that the robot starts from",
-            );
+            return fault(message, "give start_deg, a safe posture that the robot starts from");
         }
         rules.approach = Some(turn);
     }
     if let Some(text) = &raw.load {
-        let hint =
-            "load = \"off\" where it is taken off before each move, or \"on\" where it stays on";
+        let hint = "load = \"off\" where it is taken off before each move, or \"on\" where it stays on";
         rules.load_stays_on = source.choice(text, &[("off", false), ("on", true)], hint)?;
     }
     Ok(rules)
@@ -101,10 +96,7 @@ pub(super) fn time(source: &Source<'_>, table: &At<RawTime>) -> Result<Measuring
 
 fn minutes(source: &Source<'_>, value: &Number<Minutes>) -> Result<f64> {
     if value.get() > LONGEST_MIN {
-        let message = format!(
-            "{} minutes are longer than a day beside the robot.",
-            value.get()
-        );
+        let message = format!("{} minutes are longer than a day beside the robot.", value.get());
         let error = source.error(Code::InvalidValue, value, message);
         return Err(error.hint("give minutes, not seconds"));
     }

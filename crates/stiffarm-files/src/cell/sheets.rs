@@ -10,22 +10,11 @@ pub fn postures_template(robot: &Robot) -> String {
     let q: Vec<f64> = robot
         .joints()
         .iter()
-        .map(|joint| {
-            ((joint.limits[0] + joint.limits[1]) / 2.0)
-                .to_degrees()
-                .round()
-                .to_radians()
-        })
+        .map(|joint| ((joint.limits[0] + joint.limits[1]) / 2.0).to_degrees().round().to_radians())
         .collect();
-    let table = write_postures(&[Posture {
-        name: "P1".to_string(),
-        q,
-    }]);
+    let table = write_postures(&[Posture { name: "P1".to_string(), q }]);
     let (heading, example) = table.split_once('\n').unwrap_or((&table, ""));
-    format!(
-        "# Controller angles in degrees; one row per posture. For example:\n# {}\n{heading}\n",
-        example.trim_end()
-    )
+    format!("# Controller angles in degrees; one row per posture. For example:\n# {}\n{heading}\n", example.trim_end())
 }
 
 /// A table of raw readings to fill in: the heading, what its columns mean, and
@@ -33,11 +22,7 @@ pub fn postures_template(robot: &Robot) -> String {
 pub fn measurements_template(cell: &Cell) -> String {
     let example = Posture {
         name: "P1".to_string(),
-        q: cell
-            .bounds
-            .iter()
-            .map(|b| ((b[0] + b[1]) / 2.0).to_degrees().round().to_radians())
-            .collect(),
+        q: cell.bounds.iter().map(|b| ((b[0] + b[1]) / 2.0).to_degrees().round().to_radians()).collect(),
     };
     let options = SheetOptions::default();
     let sheet = reading_sheet(std::slice::from_ref(&example), &options, cell).to_csv();

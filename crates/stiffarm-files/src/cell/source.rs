@@ -32,34 +32,20 @@ pub(super) struct Source<'a> {
 
 impl<'a> Source<'a> {
     pub(super) fn new(text: &'a str, file: &'a str) -> Self {
-        let mark = if text.starts_with('\u{feff}') {
-            '\u{feff}'.len_utf8()
-        } else {
-            0
-        };
-        Source {
-            file,
-            text,
-            files: None,
-            mark,
-            paths: HashMap::new(),
-        }
+        let mark = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+        Source { file, text, files: None, mark, paths: HashMap::new() }
     }
 
     /// The same, with a reader of the files that it names.
     pub(super) fn with_files(self, files: &'a ReadFile<'a>) -> Self {
-        Source {
-            files: Some(files),
-            ..self
-        }
+        Source { files: Some(files), ..self }
     }
 
     /// Bytes of a file that the cell names.
     pub(super) fn read(&self, file: &str) -> Result<Vec<u8>> {
         let Some(read) = self.files else {
             let message = "Only the text of the cell is read here, not the files that it names.";
-            let hint =
-                "read it with `parse_cell_with`, or give capsules instead: `stiffarm capsules`";
+            let hint = "read it with `parse_cell_with`, or give capsules instead: `stiffarm capsules`";
             return Err(Error::new(Code::Unsupported, message).hint(hint));
         };
         read(file)
@@ -80,9 +66,7 @@ impl<'a> Source<'a> {
     /// The key path of a value.
     fn path(&self, place: &impl Placed) -> &str {
         let paths = self.paths.get(&place.span());
-        paths
-            .and_then(|paths| paths.last())
-            .map_or("", String::as_str)
+        paths.and_then(|paths| paths.last()).map_or("", String::as_str)
     }
 
     /// The key path of `name` in a table.
@@ -101,9 +85,7 @@ impl<'a> Source<'a> {
         if let Some((span, name)) = given.find(|(_, name)| !is_known(name)) {
             let (message, hint) = refusal(name);
             let key = self.path_in(table, name);
-            return Err(self
-                .error_at(Code::Conflict, &key, span.clone(), message)
-                .hint(hint));
+            return Err(self.error_at(Code::Conflict, &key, span.clone(), message).hint(hint));
         }
         Ok(())
     }
@@ -137,13 +119,7 @@ impl<'a> Source<'a> {
     }
 
     /// An error at the bytes `span` of the body, which belong to `key`.
-    pub(super) fn error_at(
-        &self,
-        code: Code,
-        key: &str,
-        span: Range<usize>,
-        message: impl Into<String>,
-    ) -> Error {
+    pub(super) fn error_at(&self, code: Code, key: &str, span: Range<usize>, message: impl Into<String>) -> Error {
         self.place_at(Error::new(code, message), key, span)
     }
 
@@ -151,24 +127,13 @@ impl<'a> Source<'a> {
     pub(super) fn place_at(&self, error: Error, key: &str, span: Range<usize>) -> Error {
         let span = span.start + self.mark..span.end + self.mark;
         let error = error.span(self.text, span).file(self.file);
-        if key.is_empty() {
-            error
-        } else {
-            error.key(key)
-        }
+        if key.is_empty() { error } else { error.key(key) }
     }
 
     /// A table that must be there.
-    pub(super) fn required_table<'v, T>(
-        &self,
-        value: &'v Option<At<T>>,
-        name: &str,
-        hint: &str,
-    ) -> Result<&'v At<T>> {
+    pub(super) fn required_table<'v, T>(&self, value: &'v Option<At<T>>, name: &str, hint: &str) -> Result<&'v At<T>> {
         let missing = || Error::new(Code::MissingKey, "This key is missing.").key(name);
-        value
-            .as_ref()
-            .ok_or_else(|| missing().file(self.file).hint(hint))
+        value.as_ref().ok_or_else(|| missing().file(self.file).hint(hint))
     }
 
     /// A key `name` that must be in `table`.
@@ -220,11 +185,7 @@ impl<'a> Source<'a> {
             return Err(error.hint_if(sense.and_then(Sense::hint)));
         }
         // Values too small to square are zero; −0 stays what it is.
-        Ok(if number.abs() < SMALLEST {
-            0.0 * number
-        } else {
-            number
-        })
+        Ok(if number.abs() < SMALLEST { 0.0 * number } else { number })
     }
 
     /// A number above zero.
@@ -237,8 +198,7 @@ impl<'a> Source<'a> {
         }
         let smallest = Sense::of(self.path(value)).map_or(SMALLEST, |sense| sense.smallest);
         if number < smallest {
-            let message =
-                format!("{number:e} is too small to be meant: give {smallest:e} or more.");
+            let message = format!("{number:e} is too small to be meant: give {smallest:e} or more.");
             return Err(self.error(Code::InvalidValue, value, message));
         }
         Ok(U::si(number))
@@ -256,23 +216,13 @@ impl<'a> Source<'a> {
     }
 
     /// A list of `count` finite numbers; `what` says what they are.
-    pub(super) fn numbers<U: Unit>(
-        &self,
-        list: &List<U>,
-        count: usize,
-        what: &str,
-    ) -> Result<Vec<f64>> {
+    pub(super) fn numbers<U: Unit>(&self, list: &List<U>, count: usize, what: &str) -> Result<Vec<f64>> {
         self.count(list, count, "numbers", what)?;
         self.each(list, Self::number)
     }
 
     /// A list of `count` numbers above zero.
-    pub(super) fn positives<U: Unit>(
-        &self,
-        list: &List<U>,
-        count: usize,
-        what: &str,
-    ) -> Result<Vec<f64>> {
+    pub(super) fn positives<U: Unit>(&self, list: &List<U>, count: usize, what: &str) -> Result<Vec<f64>> {
         self.count(list, count, "numbers", what)?;
         self.each(list, Self::positive)
     }
@@ -286,9 +236,7 @@ impl<'a> Source<'a> {
     /// The rotation of roll, pitch, yaw: turns about x, then y, then z of the frame that stays.
     pub(super) fn rotation(&self, list: &Fixed<3, Deg>) -> Result<UnitQuaternion<f64>> {
         let values = self.numbers(&list.0, 3, "roll, pitch, yaw")?;
-        Ok(UnitQuaternion::from_euler_angles(
-            values[0], values[1], values[2],
-        ))
+        Ok(UnitQuaternion::from_euler_angles(values[0], values[1], values[2]))
     }
 
     /// Two numbers, the first below the second.
@@ -307,8 +255,7 @@ impl<'a> Source<'a> {
         let values = self.each(&list.0, Self::in_unit)?;
         let (low, high) = (values[0], values[1]);
         if low > high || (low == high && !place) {
-            let message =
-                format!("The lower value must be below the upper one, got {low} and {high}.");
+            let message = format!("The lower value must be below the upper one, got {low} and {high}.");
             let error = self.error(Code::InvalidValue, list, message);
             return Err(error.hint("write the lower value first: [low, high]"));
         }
@@ -348,11 +295,7 @@ impl<'a> Source<'a> {
     }
 
     /// A name that none of `others` has yet.
-    pub(super) fn unique_name<'n>(
-        &self,
-        text: &Text,
-        mut others: impl Iterator<Item = &'n str>,
-    ) -> Result<String> {
+    pub(super) fn unique_name<'n>(&self, text: &Text, mut others: impl Iterator<Item = &'n str>) -> Result<String> {
         let name = self.name(text)?;
         if others.any(|other| other == name) {
             let message = format!("The name \"{name}\" appears twice.");
@@ -362,12 +305,7 @@ impl<'a> Source<'a> {
     }
 
     /// One of a few words.
-    pub(super) fn choice<T: Copy>(
-        &self,
-        given: &Text,
-        choices: &[(&str, T)],
-        hint: &str,
-    ) -> Result<T> {
+    pub(super) fn choice<T: Copy>(&self, given: &Text, choices: &[(&str, T)], hint: &str) -> Result<T> {
         let word = given.get().as_str();
         if let Some((_, value)) = choices.iter().find(|(name, _)| *name == word) {
             return Ok(*value);
@@ -379,31 +317,17 @@ impl<'a> Source<'a> {
     }
 
     /// What `read` makes of each entry of a list.
-    pub(super) fn each<T, V>(
-        &self,
-        list: &At<Vec<T>>,
-        read: impl Fn(&Self, &T) -> Result<V>,
-    ) -> Result<Vec<V>> {
+    pub(super) fn each<T, V>(&self, list: &At<Vec<T>>, read: impl Fn(&Self, &T) -> Result<V>) -> Result<Vec<V>> {
         list.get().iter().map(|entry| read(self, entry)).collect()
     }
 
     /// Checks the number of entries of a list.
-    pub(super) fn count<T>(
-        &self,
-        list: &At<Vec<T>>,
-        count: usize,
-        unit: &str,
-        what: &str,
-    ) -> Result<()> {
+    pub(super) fn count<T>(&self, list: &At<Vec<T>>, count: usize, unit: &str, what: &str) -> Result<()> {
         let found = list.get().len();
         if found == count {
             return Ok(());
         }
-        let unit = if count == 1 {
-            unit.trim_end_matches('s')
-        } else {
-            unit
-        };
+        let unit = if count == 1 { unit.trim_end_matches('s') } else { unit };
         let message = format!("This must be {count} {unit} ({what}), got {found}.");
         Err(self.error(Code::Dimension, list, message))
     }

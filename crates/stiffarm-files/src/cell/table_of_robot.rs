@@ -34,19 +34,8 @@ pub struct RobotTable {
 pub fn robot_table(robot: &DhRobot) -> Result<RobotTable> {
     robot.robot()?;
     let row = |row: &DhRow| {
-        let DhRow {
-            alpha,
-            a,
-            d,
-            offset,
-            ..
-        } = *row;
-        [
-            rad_to_shortest_deg(alpha),
-            m_to_mm(a),
-            m_to_mm(d),
-            rad_to_shortest_deg(offset),
-        ]
+        let DhRow { alpha, a, d, offset, .. } = *row;
+        [rad_to_shortest_deg(alpha), m_to_mm(a), m_to_mm(d), rad_to_shortest_deg(offset)]
     };
     let rows: Vec<[f64; 4]> = robot.rows.iter().map(row).collect();
     let (modified, standard) = match robot.convention {
@@ -68,8 +57,7 @@ pub fn robot_table(robot: &DhRobot) -> Result<RobotTable> {
             let joint = |limits: &[f64; 2]| limits.map(rad_to_shortest_deg);
             limits.iter().map(joint).collect()
         }),
-        theta_from_q: is_coupled
-            .then(|| coupling.map(|row| row.iter().copied().collect()).collect()),
+        theta_from_q: is_coupled.then(|| coupling.map(|row| row.iter().copied().collect()).collect()),
         base_xyz_mm: millimetres(&robot.base),
         base_rpy_deg: turns(&robot.base),
         flange_xyz_mm: millimetres(&robot.flange),

@@ -52,17 +52,11 @@ fn task(
         }
     };
     let hint = "give the controller angles: q_deg = [q1, q2, …] in degrees";
-    let q = angles(
-        source,
-        source.required(entry, &raw.q_deg, "q_deg", hint)?,
-        robot,
-    )?;
+    let q = angles(source, source.required(entry, &raw.q_deg, "q_deg", hint)?, robot)?;
     let hint = "give the force on the robot at the tip: force_n = [x, y, z] in newtons";
     let given = source.required(entry, &raw.force_n, "force_n", hint)?;
     let force = source.vector(given)?;
-    let moment = source
-        .optional(&raw.moment_nm, Source::vector)?
-        .unwrap_or_default();
+    let moment = source.optional(&raw.moment_nm, Source::vector)?.unwrap_or_default();
     if force == Vector3::zeros() && moment == Vector3::zeros() {
         let message = "Force and moment are zero: this task bends nothing.";
         let error = source.error(Code::InvalidValue, given, message);
@@ -70,11 +64,5 @@ fn task(
     }
     let axes = source.optional(&raw.axes, axes)?.unwrap_or(Axes::Base);
     let tip = source.optional(&raw.tip_mm, Source::vector)?;
-    Ok(Task {
-        name,
-        q,
-        wrench: Wrench { force, moment },
-        axes,
-        tip: tip.unwrap_or_else(|| tool.tcp()),
-    })
+    Ok(Task { name, q, wrench: Wrench { force, moment }, axes, tip: tip.unwrap_or_else(|| tool.tcp()) })
 }

@@ -8,9 +8,7 @@ use super::own::{keys, reach, route, shapes};
 use crate::check_name;
 use stiffarm::error::Result;
 use stiffarm::findings::visible;
-use stiffarm::model::robot::{
-    CatalogueEntry, DhRobot, JointStiffness, LinkCapsule, Robot, find_in_catalogue,
-};
+use stiffarm::model::robot::{CatalogueEntry, DhRobot, JointStiffness, LinkCapsule, Robot, find_in_catalogue};
 use stiffarm::units::rad_to_shortest_deg;
 
 /// A commented `cell.toml` for a robot of the catalogue, ready to be read by
@@ -76,11 +74,7 @@ pub fn template_of(robot: &DhRobot, origin: &str) -> Result<String> {
 ///
 /// # Errors
 /// As [`template_of`].
-pub fn template_with_shapes(
-    robot: &DhRobot,
-    origin: &str,
-    capsules: &[LinkCapsule],
-) -> Result<String> {
+pub fn template_with_shapes(robot: &DhRobot, origin: &str, capsules: &[LinkCapsule]) -> Result<String> {
     let chain = robot.robot()?;
     let example = Example::new(Some(reach(&chain)), None, &chain);
     let axis = chain.joints()[0].placement.rotation * nalgebra::Vector3::z();
@@ -130,11 +124,8 @@ struct Start<'a> {
 
 fn text(start: &Start<'_>) -> String {
     let example = &start.example;
-    let (point, length, force) = (
-        |xyz: [i32; 3]| example.point(xyz),
-        |mm: i32| example.length(mm),
-        |n: i32| example.force(n),
-    );
+    let (point, length, force) =
+        (|xyz: [i32; 3]| example.point(xyz), |mm: i32| example.length(mm), |n: i32| example.force(n));
     format!(
         r#"# Cell of {name} for stiffarm. Every key carries its unit: _mm, _deg, _n, ….
 {frames}# Replace what is marked EDIT.
@@ -382,16 +373,9 @@ fn cell_name(robot: &str) -> String {
 }
 
 fn limits_comment(robot: &Robot, entry: &CatalogueEntry) -> String {
-    let rows = robot
-        .joints()
-        .iter()
-        .map(|joint| degrees(&joint.limits.map(rad_to_shortest_deg)));
+    let rows = robot.joints().iter().map(|joint| degrees(&joint.limits.map(rad_to_shortest_deg)));
     let rows: Vec<String> = rows.collect();
-    let doubt = if entry.has_limits() {
-        ""
-    } else {
-        "  # not in the catalogue; see the data sheet"
-    };
+    let doubt = if entry.has_limits() { "" } else { "  # not in the catalogue; see the data sheet" };
     format!("# limits_deg = [{}]{doubt}", rows.join(", "))
 }
 
@@ -403,19 +387,10 @@ fn stiffness(start: &Start<'_>) -> String {
         Some(set) => {
             let doubt = if set.verified { "" } else { " (unverified)" };
             let values: Vec<String> = set.values.iter().map(f64::to_string).collect();
-            format!(
-                "{intro}# From: {}{doubt}\nprior_nm_per_rad = [{}]\n",
-                set.source,
-                values.join(", ")
-            )
+            format!("{intro}# From: {}{doubt}\nprior_nm_per_rad = [{}]\n", set.source, values.join(", "))
         }
         None => {
-            let values: Vec<String> = start
-                .example
-                .prior(start.joints)
-                .iter()
-                .map(f64::to_string)
-                .collect();
+            let values: Vec<String> = start.example.prior(start.joints).iter().map(f64::to_string).collect();
             format!(
                 "{intro}# Nothing is published for this robot; a robot of 165 kg payload as a guess, scaled\n\
                  # with force and reach to a smaller one: EDIT\n\

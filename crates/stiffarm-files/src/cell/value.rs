@@ -3,8 +3,8 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 use stiffarm::units::{
-    arcmin_to_rad, deg_to_rad, min_to_s, mm_to_m, mm2_to_m2, mrad_to_rad, n_per_mm_to_n_per_m,
-    n_per_mm2_to_pa, percent_to_fraction, rpm_to_hz, um_to_m, urad_to_rad,
+    arcmin_to_rad, deg_to_rad, min_to_s, mm_to_m, mm2_to_m2, mrad_to_rad, n_per_mm_to_n_per_m, n_per_mm2_to_pa,
+    percent_to_fraction, rpm_to_hz, um_to_m, urad_to_rad,
 };
 #[cfg(feature = "schema")]
 use {

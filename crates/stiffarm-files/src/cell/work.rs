@@ -12,10 +12,7 @@ use stiffarm::model::process::{
 use stiffarm::model::tool::Tool;
 use stiffarm::model::work::{FeatureWork, RotaryAxis, Work};
 
-const DIRECTIONS: [(&str, MillingDirection); 2] = [
-    ("up", MillingDirection::Up),
-    ("down", MillingDirection::Down),
-];
+const DIRECTIONS: [(&str, MillingDirection); 2] = [("up", MillingDirection::Up), ("down", MillingDirection::Down)];
 
 /// What the robot works with, as far as the cell says.
 pub(super) fn work(source: &Source<'_>, table: Option<&At<RawWork>>, tool: &Tool) -> Result<Work> {
@@ -32,9 +29,7 @@ pub(super) fn work(source: &Source<'_>, table: Option<&At<RawWork>>, tool: &Tool
         features.push(feature);
     }
     let rotary = raw.rotary_axes.as_ref();
-    let rotary = rotary
-        .map(|names| source.each(names, rotary_axis))
-        .transpose()?;
+    let rotary = rotary.map(|names| source.each(names, rotary_axis)).transpose()?;
     Ok(Work {
         tip,
         workpiece: workpiece.unwrap_or_default(),
@@ -57,26 +52,18 @@ fn process(
             given.sort_by_key(|(_, span)| span.start);
             let [(first, _), (second, span)] = given;
             let [first, second] = [first, second].map(|name| source.path_in(table, name));
-            let message =
-                format!("The load of the process is given twice: {first} is there already.");
+            let message = format!("The load of the process is given twice: {first} is there already.");
             let error = source.error_at(Code::Conflict, &second, span, message);
             return Err(error.hint(format!("keep one of {first}, {second}")));
         }
-        (Some(force), None) => Some(Process::Constant(
-            constant(source, force)?,
-            power(source, force.get())?,
-        )),
+        (Some(force), None) => Some(Process::Constant(constant(source, force)?, power(source, force.get())?)),
         (None, Some(cut)) => Some(milling(source, cut)?),
         (None, None) => None,
     })
 }
 
 /// A feature with a load or a tolerance of its own; `before` are those above it.
-fn feature(
-    source: &Source<'_>,
-    table: &At<RawFeature>,
-    before: &[FeatureWork],
-) -> Result<FeatureWork> {
+fn feature(source: &Source<'_>, table: &At<RawFeature>, before: &[FeatureWork]) -> Result<FeatureWork> {
     let raw = table.get();
     let hint = "give the name that the path has: that of its operation, layer or tool path";
     let name = source.required(table, &raw.name, "name", hint)?;
@@ -89,11 +76,7 @@ fn feature(
         let error = source.error(Code::InvalidValue, table, message);
         return Err(error.hint("give tolerance_mm, [work.feature.force] or [work.feature.milling]"));
     }
-    Ok(FeatureWork {
-        name,
-        process,
-        tolerance,
-    })
+    Ok(FeatureWork { name, process, tolerance })
 }
 
 fn rotary_axis(source: &Source<'_>, name: &Text) -> Result<RotaryAxis> {
@@ -125,14 +108,10 @@ fn power(source: &Source<'_>, raw: &RawForce) -> Result<Option<SpindlePower>> {
     let idle = source.optional(&raw.idle_power_w, Source::not_negative)?;
     let loaded = source.optional(&raw.power_w, Source::positive)?;
     if let (Some(given), true) = (&raw.idle_power_w, idle >= loaded) {
-        let message =
-            "The idling spindle must take less than power_w, which is that under the force.";
+        let message = "The idling spindle must take less than power_w, which is that under the force.";
         return Err(source.error(Code::InvalidValue, given, message));
     }
-    Ok(loaded.map(|loaded| SpindlePower {
-        loaded,
-        idle: idle.unwrap_or_default(),
-    }))
+    Ok(loaded.map(|loaded| SpindlePower { loaded, idle: idle.unwrap_or_default() }))
 }
 
 fn constant(source: &Source<'_>, table: &At<RawForce>) -> Result<TipLoad> {
@@ -155,11 +134,7 @@ fn constant(source: &Source<'_>, table: &At<RawForce>) -> Result<TipLoad> {
         let error = source.error_at(Code::MissingKey, &key, given.span(), message);
         return Err(error.hint(hint));
     };
-    Ok(TipLoad {
-        force,
-        moment,
-        axes: source.choice(axes, &ForceAxes::NAMES, hint)?,
-    })
+    Ok(TipLoad { force, moment, axes: source.choice(axes, &ForceAxes::NAMES, hint)? })
 }
 
 fn milling(source: &Source<'_>, table: &At<RawMilling>) -> Result<Process> {
@@ -168,10 +143,7 @@ fn milling(source: &Source<'_>, table: &At<RawMilling>) -> Result<Process> {
     let given = source.required(table, &raw.teeth, "teeth", hint)?;
     let number = u32::try_from(*given.get()).unwrap_or(0);
     if !(1..=1000).contains(&number) {
-        let message = format!(
-            "The number of teeth must be from 1 to 1000, got {}.",
-            given.get()
-        );
+        let message = format!("The number of teeth must be from 1 to 1000, got {}.", given.get());
         return Err(source.error(Code::InvalidValue, given, message));
     }
     let hint = "give the diameter of the cutter";
@@ -185,17 +157,11 @@ fn milling(source: &Source<'_>, table: &At<RawMilling>) -> Result<Process> {
     let width_m = source.positive(width)?;
     let diameter_mm = diameter.get();
     if width.get() > diameter_mm {
-        let message = format!(
-            "The width of cut {} is above the cutter's diameter {diameter_mm}.",
-            width.get()
-        );
+        let message = format!("The width of cut {} is above the cutter's diameter {diameter_mm}.", width.get());
         let error = source.error(Code::InvalidValue, width, message);
         return Err(error.hint("a full slot has radial_depth_mm = diameter_mm"));
     }
-    let (feed_per_tooth, kind): (f64, fn(Milling) -> Process) = match (
-        &raw.feed_per_tooth_mm,
-        &raw.spindle_rpm,
-    ) {
+    let (feed_per_tooth, kind): (f64, fn(Milling) -> Process) = match (&raw.feed_per_tooth_mm, &raw.spindle_rpm) {
         (None, Some(speed)) => {
             let teeth_per_second = source.positive(speed)? * f64::from(number);
             (1.0 / teeth_per_second, Process::MillingAtFeed)
@@ -221,12 +187,7 @@ fn milling(source: &Source<'_>, table: &At<RawMilling>) -> Result<Process> {
 }
 
 /// The feed per tooth \[m\].
-fn chip(
-    source: &Source<'_>,
-    table: &At<RawMilling>,
-    given: &Option<Number<Mm>>,
-    diameter_mm: f64,
-) -> Result<f64> {
+fn chip(source: &Source<'_>, table: &At<RawMilling>, given: &Option<Number<Mm>>, diameter_mm: f64) -> Result<f64> {
     let hint = "feed per tooth = feed rate / (spindle speed · teeth), in mm; or give spindle_rpm where the path gives its feed";
     let feed = source.required(table, given, "feed_per_tooth_mm", hint)?;
     let feed_m = source.positive(feed)?;
@@ -251,8 +212,7 @@ fn chip(
 
 fn coefficients(source: &Source<'_>, table: &At<RawMilling>) -> Result<CuttingCoefficients> {
     let raw = table.get();
-    let hint =
-        "give the tangential and the radial cutting coefficient of cutter and material in N/mm²";
+    let hint = "give the tangential and the radial cutting coefficient of cutter and material in N/mm²";
     let tangential = source.required(table, &raw.k_tc_n_per_mm2, "k_tc_n_per_mm2", hint)?;
     let radial = source.required(table, &raw.k_rc_n_per_mm2, "k_rc_n_per_mm2", hint)?;
     // The tangential ones take power, so they have a sign.

@@ -19,45 +19,27 @@ const MOST: usize = 20_000_000;
 /// What cannot be read, in words that follow "cannot be read:".
 pub(super) fn triangles(bytes: &[u8]) -> Result<Vec<[Vector3<f64>; 3]>, String> {
     let text = std::str::from_utf8(bytes).map_err(|_| "it is not UTF-8".to_string())?;
-    let options = ParsingOptions {
-        allow_dtd: false,
-        ..Default::default()
-    };
+    let options = ParsingOptions { allow_dtd: false, ..Default::default() };
     let text = text.trim_start_matches('\u{feff}');
     let document = Document::parse_with_options(text, options).map_err(|e| e.to_string())?;
     if document.root_element().tag_name().name() != "COLLADA" {
         return Err("it has no element COLLADA".to_string());
     }
-    let mut scene = Scene {
-        ids: HashMap::new(),
-        parts: HashMap::new(),
-        out: Vec::new(),
-    };
+    let mut scene = Scene { ids: HashMap::new(), parts: HashMap::new(), out: Vec::new() };
     for node in document.descendants() {
         if let Some(id) = node.attribute("id") {
             scene.ids.insert(id, node);
         }
     }
-    let unit = document
-        .descendants()
-        .find(|n| n.has_tag_name_of("unit"))
-        .and_then(|n| n.attribute("meter"));
-    let unit: f64 = unit.map_or(Ok(1.0), |text| {
-        text.trim()
-            .parse()
-            .map_err(|_| format!("its unit is \"{text}\""))
-    })?;
+    let unit = document.descendants().find(|n| n.has_tag_name_of("unit")).and_then(|n| n.attribute("meter"));
+    let unit: f64 = unit.map_or(Ok(1.0), |text| text.trim().parse().map_err(|_| format!("its unit is \"{text}\"")))?;
     if !(unit.is_finite() && unit > 0.0) {
         return Err("its unit is not above zero".to_string());
     }
-    let shown = document
-        .descendants()
-        .find(|n| n.has_tag_name_of("instance_visual_scene"));
+    let shown = document.descendants().find(|n| n.has_tag_name_of("instance_visual_scene"));
     let shown = match shown {
         Some(instance) => Some(scene.target(instance)?),
-        None => document
-            .descendants()
-            .find(|n| n.has_tag_name_of("visual_scene")),
+        None => document.descendants().find(|n| n.has_tag_name_of("visual_scene")),
     };
     let frame = Matrix4::new_scaling(unit);
     match shown {
@@ -92,26 +74,16 @@ struct Scene<'a, 'i> {
 
 fn numbers(node: Node<'_, '_>) -> Result<Vec<f64>, String> {
     let words = node.text().unwrap_or_default().split_ascii_whitespace();
-    words
-        .map(|word| word.parse().map_err(|_| format!("\"{word}\" is no number")))
-        .collect()
+    words.map(|word| word.parse().map_err(|_| format!("\"{word}\" is no number"))).collect()
 }
 
 fn exactly<const N: usize>(node: Node<'_, '_>) -> Result<[f64; N], String> {
     let values = numbers(node)?;
     let count = values.len();
-    values.try_into().map_err(|_| {
-        format!(
-            "{} has {count} numbers instead of {N}",
-            node.tag_name().name()
-        )
-    })
+    values.try_into().map_err(|_| format!("{} has {count} numbers instead of {N}", node.tag_name().name()))
 }
 
-fn children<'a, 'i: 'a>(
-    node: Node<'a, 'i>,
-    name: &'static str,
-) -> impl Iterator<Item = Node<'a, 'i>> {
+fn children<'a, 'i: 'a>(node: Node<'a, 'i>, name: &'static str) -> impl Iterator<Item = Node<'a, 'i>> {
     node.children().filter(move |n| n.has_tag_name_of(name))
 }
 
@@ -120,9 +92,7 @@ impl<'a, 'i: 'a> Scene<'a, 'i> {
     fn named(&self, node: Node<'a, 'i>, attribute: &str) -> Result<Node<'a, 'i>, String> {
         let name = node.attribute(attribute).unwrap_or_default();
         let found = name.strip_prefix('#').and_then(|id| self.ids.get(id));
-        found
-            .copied()
-            .ok_or_else(|| format!("there is no \"{name}\" in it"))
+        found.copied().ok_or_else(|| format!("there is no \"{name}\" in it"))
     }
 
     fn target(&self, node: Node<'a, 'i>) -> Result<Node<'a, 'i>, String> {
@@ -130,12 +100,7 @@ impl<'a, 'i: 'a> Scene<'a, 'i> {
     }
 
     /// Adds what is in a node, whose parent's frame is `frame`.
-    fn place(
-        &mut self,
-        node: Node<'a, 'i>,
-        frame: &Matrix4<f64>,
-        depth: usize,
-    ) -> Result<(), String> {
+    fn place(&mut self, node: Node<'a, 'i>, frame: &Matrix4<f64>, depth: usize) -> Result<(), String> {
         if depth > DEEPEST {
             return Err("its nodes are in a circle".to_string());
         }
@@ -149,8 +114,7 @@ impl<'a, 'i: 'a> Scene<'a, 'i> {
                     let [x, y, z, deg] = exactly::<4>(child)?;
                     // About no axis nothing turns.
                     if let Some(axis) = Unit::try_new(Vector3::new(x, y, z), 1e-12) {
-                        let turn =
-                            Rotation3::from_axis_angle(&axis, stiffarm::units::deg_to_rad(deg));
+                        let turn = Rotation3::from_axis_angle(&axis, stiffarm::units::deg_to_rad(deg));
                         own *= turn.to_homogeneous();
                     }
                 }
@@ -181,8 +145,7 @@ impl<'a, 'i: 'a> Scene<'a, 'i> {
             return Err(format!("it has more than {MOST} triangles"));
         }
         let place = |p: Vector3<f64>| (frame * p.push(1.0)).xyz();
-        self.out
-            .extend(own.iter().map(|corners| corners.map(place)));
+        self.out.extend(own.iter().map(|corners| corners.map(place)));
         Ok(())
     }
 
@@ -202,20 +165,13 @@ impl<'a, 'i: 'a> Scene<'a, 'i> {
         Ok(out)
     }
 
-    fn polygons(
-        &self,
-        primitive: Node<'a, 'i>,
-        out: &mut Vec<[Vector3<f64>; 3]>,
-    ) -> Result<(), String> {
+    fn polygons(&self, primitive: Node<'a, 'i>, out: &mut Vec<[Vector3<f64>; 3]>) -> Result<(), String> {
         let mut stride = 0;
         let mut corners = None;
         for input in children(primitive, "input") {
             let offset = input.attribute("offset").unwrap_or("0");
-            let offset: usize = offset
-                .parse()
-                .ok()
-                .filter(|o| *o < 100)
-                .ok_or_else(|| format!("\"{offset}\" is no offset"))?;
+            let offset: usize =
+                offset.parse().ok().filter(|o| *o < 100).ok_or_else(|| format!("\"{offset}\" is no offset"))?;
             stride = stride.max(offset + 1);
             if input.attribute("semantic") == Some("VERTEX") {
                 corners = Some((offset, self.positions(self.named(input, "source")?)?));
@@ -271,17 +227,11 @@ impl<'a, 'i: 'a> Scene<'a, 'i> {
         };
         let array = children(source, "float_array").next();
         let values = numbers(array.ok_or("its corners have no numbers")?)?;
-        let accessor = source
-            .descendants()
-            .find(|n| n.has_tag_name_of("accessor"))
-            .and_then(|n| n.attribute("stride"));
+        let accessor = source.descendants().find(|n| n.has_tag_name_of("accessor")).and_then(|n| n.attribute("stride"));
         let stride: usize = accessor.unwrap_or("3").parse().unwrap_or(0);
         if !(3..100).contains(&stride) {
             return Err("its corners do not have three coordinates".to_string());
         }
-        Ok(values
-            .chunks_exact(stride)
-            .map(|p| Vector3::new(p[0], p[1], p[2]))
-            .collect())
+        Ok(values.chunks_exact(stride).map(|p| Vector3::new(p[0], p[1], p[2])).collect())
     }
 }

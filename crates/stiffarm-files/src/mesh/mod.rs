@@ -62,18 +62,14 @@ fn parse(bytes: &[u8], name: &str, scale: f64) -> Result<TriangleMesh> {
             }
         }
     }
-    let mesh =
-        TriangleMesh::new(merged.vertices, merged.triangles).map_err(|e| match e.code() {
-            Code::TooFewData => e.hint(KINDS),
-            _ => e.hint("export the mesh again"),
-        })?;
+    let mesh = TriangleMesh::new(merged.vertices, merged.triangles).map_err(|e| match e.code() {
+        Code::TooFewData => e.hint(KINDS),
+        _ => e.hint("export the mesh again"),
+    })?;
     let across = mesh.extent().amax();
     if scale == 1.0 && across > LARGEST {
-        return Err(Error::invalid(format!(
-            "The mesh is {} m across: probably its unit is mm.",
-            grouped(across)
-        ))
-        .hint("give `unit = \"mm\"`"));
+        return Err(Error::invalid(format!("The mesh is {} m across: probably its unit is mm.", grouped(across)))
+            .hint("give `unit = \"mm\"`"));
     }
     Ok(mesh)
 }
@@ -88,9 +84,7 @@ fn loaded(bytes: &[u8]) -> Result<Vec<[[f32; 3]; 3]>> {
             Err::<Vec<u8>, _>(std::io::ErrorKind::NotFound.into())
         })
     }));
-    let scene = scene
-        .map_err(|_| kind.broken("it makes no sense"))?
-        .map_err(|e| kind.broken(&e.to_string()))?;
+    let scene = scene.map_err(|_| kind.broken("it makes no sense"))?.map_err(|e| kind.broken(&e.to_string()))?;
     let mut triangles = Vec::new();
     for mesh in &scene.meshes {
         for face in &mesh.faces {
@@ -146,11 +140,7 @@ impl Kind {
     fn check_content(self, bytes: &[u8]) -> Result<()> {
         match Kind::seen(bytes) {
             Some(seen) if seen != self => {
-                let message = format!(
-                    "The name ends in {}, and the file is a mesh in {}.",
-                    self.ending(),
-                    seen.name()
-                );
+                let message = format!("The name ends in {}, and the file is a mesh in {}.", self.ending(), seen.name());
                 let error = Error::new(Code::FileRead, message);
                 Err(error.hint(format!("name it …{}, here and there", seen.ending())))
             }
@@ -161,11 +151,8 @@ impl Kind {
     fn broken(self, why: &str) -> Error {
         let kind = self.name();
         let why = why.trim_end_matches('.');
-        Error::new(
-            Code::FileRead,
-            format!("The file cannot be read as a mesh in {kind}: {why}."),
-        )
-        .hint("export it again, as binary STL where nothing else works")
+        Error::new(Code::FileRead, format!("The file cannot be read as a mesh in {kind}: {why}."))
+            .hint("export it again, as binary STL where nothing else works")
     }
 }
 

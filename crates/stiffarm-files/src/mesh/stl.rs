@@ -46,9 +46,7 @@ fn counted(bytes: &[u8]) -> Option<u64> {
 /// and nothing but zeros: then none is lost.
 fn binary(bytes: &[u8]) -> Option<&[u8]> {
     let own = bytes.get(HEAD..)?;
-    let length = usize::try_from(counted(bytes)?)
-        .ok()?
-        .checked_mul(TRIANGLE)?;
+    let length = usize::try_from(counted(bytes)?).ok()?.checked_mul(TRIANGLE)?;
     let (triangles, rest) = own.split_at_checked(length)?;
     let holds_none = rest.len() < TRIANGLE || rest.iter().all(|byte| *byte == 0);
     holds_none.then_some(triangles)
@@ -67,8 +65,7 @@ fn is_text(bytes: &[u8]) -> bool {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let start = bytes.trim_ascii_start();
     let word = start.get(..5);
-    word.is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
-        && !bytes.iter().take(HEAD).any(|byte| *byte == 0)
+    word.is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !bytes.iter().take(HEAD).any(|byte| *byte == 0)
 }
 
 /// Corners of a text, word by word; normals say nothing that the corners do not.
@@ -90,14 +87,12 @@ fn text(text: &str) -> Result<Triangles, String> {
                     let numbers = words.by_ref().take(3).map(|word| word.parse().ok());
                     let corner = numbers.collect::<Option<Vec<f64>>>();
                     let corner = corner.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
-                    corners
-                        .push(corner.ok_or_else(|| format!("\"{}\" is no corner", line.trim()))?);
+                    corners.push(corner.ok_or_else(|| format!("\"{}\" is no corner", line.trim()))?);
                 }
                 "endfacet" => {
                     let triangle = <[_; 3]>::try_from(std::mem::take(&mut corners));
-                    triangles.push(triangle.map_err(|other| {
-                        format!("a facet has {} corners and not three", other.len())
-                    })?);
+                    triangles
+                        .push(triangle.map_err(|other| format!("a facet has {} corners and not three", other.len()))?);
                 }
                 "normal" => {
                     let _ = words.nth(2);
@@ -113,9 +108,5 @@ fn text(text: &str) -> Result<Triangles, String> {
             }
         }
     }
-    if is_closed && corners.is_empty() {
-        Ok(triangles)
-    } else {
-        Err(open())
-    }
+    if is_closed && corners.is_empty() { Ok(triangles) } else { Err(open()) }
 }

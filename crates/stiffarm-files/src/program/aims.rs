@@ -115,8 +115,7 @@ impl Pose<'_> {
 impl Taken<'_> {
     /// Whether both are one frame: the same name, which means the same.
     pub fn is_same(&self, other: &Taken<'_>) -> bool {
-        let values =
-            |taken: &Taken<'_>| -> Vec<_> { taken.given.iter().map(Pose::values).collect() };
+        let values = |taken: &Taken<'_>| -> Vec<_> { taken.given.iter().map(Pose::values).collect() };
         self.name.eq_ignore_ascii_case(&other.name) && values(self) == values(other)
     }
 }
@@ -149,9 +148,7 @@ impl<'a> Cursor<'a> {
         let mut place = self.clone();
         let label = self.identifier()?.to_string();
         if self.clone().passes("(") || self.clone().passes("{") {
-            Err(place.wrong_here(format!(
-                "`{label}` is calculated by the program: only stated positions are read."
-            )))
+            Err(place.wrong_here(format!("`{label}` is calculated by the program: only stated positions are read.")))
         } else {
             Ok(Aim::Label(place, label))
         }

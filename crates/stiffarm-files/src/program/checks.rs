@@ -10,11 +10,7 @@ impl ProgramOptions {
         let [fewest, most] = dialect.axes;
         let title = dialect.title;
         if !(fewest..=most).contains(&joints) {
-            let wanted = if fewest == most {
-                format!("exactly {most}")
-            } else {
-                format!("{fewest} to {most}")
-            };
+            let wanted = if fewest == most { format!("exactly {most}") } else { format!("{fewest} to {most}") };
             return Err(Error::new(
                 Code::Unsupported,
                 format!("{title} moves robots of {wanted} joints; this one has {joints}."),
@@ -57,8 +53,7 @@ impl ProgramOptions {
         let fault = |code, message: &str| Error::new(code, message).key("pulses_per_degree");
         let pulses = match &self.pulses_per_degree {
             None if dialect.in_pulses => {
-                let message =
-                    "A Yaskawa job holds encoder pulses, and nothing says how many one degree has.";
+                let message = "A Yaskawa job holds encoder pulses, and nothing says how many one degree has.";
                 return Err(fault(Code::MissingKey, message).hint(
                     "give --pulses-per-degree, one per axis (S, L, U, R, B, T): turn one axis at a time and divide \
                      the change of the pendant's pulses by that of its degrees",

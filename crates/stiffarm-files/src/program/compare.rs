@@ -72,16 +72,8 @@ impl Difference {
                 format!("{file}: a line that export writes is missing: {text}")
             }
             Difference::Order { posture } => format!("{posture}: at another place of the order"),
-            Difference::Angle {
-                posture,
-                joint,
-                planned_deg,
-                found_deg,
-            } => {
-                let name = joints
-                    .get(joint - 1)
-                    .cloned()
-                    .unwrap_or_else(|| format!("joint {joint}"));
+            Difference::Angle { posture, joint, planned_deg, found_deg } => {
+                let name = joints.get(joint - 1).cloned().unwrap_or_else(|| format!("joint {joint}"));
                 format!(
                     "{posture}: {name} at {found_deg:.4}°, planned {planned_deg:.4}°, off by {:.4}°",
                     found_deg - planned_deg
@@ -100,19 +92,12 @@ pub fn missing_stops(program: &Program) -> Vec<Difference> {
         (Step::Move(target), _) if target.kind == MoveKind::Posture => Some(target.name.clone()),
         _ => None,
     });
-    passed
-        .map(|posture| Difference::NoStop { posture })
-        .collect()
+    passed.map(|posture| Difference::NoStop { posture }).collect()
 }
 
 /// Compares the moves of a program that was read with those planned. Moves belong together by kind
 /// and name, as far as `language` holds names; angles are the same within `tolerance` \[rad\].
-pub fn compare_moves(
-    planned: &[&Move],
-    found: &[&Move],
-    language: Language,
-    tolerance: f64,
-) -> Vec<Difference> {
+pub fn compare_moves(planned: &[&Move], found: &[&Move], language: Language, tolerance: f64) -> Vec<Difference> {
     let named = |target: &Move| match &language.dialect().syntax {
         Some(syntax) => (target.kind, text::name(&target.name, syntax.name_width)),
         None => (target.kind, target.name.clone()),
@@ -124,35 +109,26 @@ pub fn compare_moves(
         let own = named(target);
         let at = (0..found.len()).find(|i| partner[*i].is_none() && named(found[*i]) == own);
         let Some(at) = at else {
-            differences.push(Difference::Missing {
-                posture: target.name.clone(),
-            });
+            differences.push(Difference::Missing { posture: target.name.clone() });
             continue;
         };
         partner[at] = Some(number);
         if at < last {
-            differences.push(Difference::Order {
-                posture: target.name.clone(),
-            })
+            differences.push(Difference::Order { posture: target.name.clone() })
         } else {
             last = at
         }
         let pairs = target.q.iter().zip(&found[at].q).enumerate();
-        differences.extend(pairs.filter(|(_, (a, b))| (*a - *b).abs() > tolerance).map(
-            |(j, (a, b))| Difference::Angle {
+        differences.extend(pairs.filter(|(_, (a, b))| (*a - *b).abs() > tolerance).map(|(j, (a, b))| {
+            Difference::Angle {
                 posture: target.name.clone(),
                 joint: j + 1,
                 planned_deg: rad_to_deg(*a),
                 found_deg: rad_to_deg(*b),
-            },
-        ));
+            }
+        }));
     }
-    let added = found
-        .iter()
-        .zip(&partner)
-        .filter(|(_, partner)| partner.is_none());
-    differences.extend(added.map(|(target, _)| Difference::Added {
-        posture: target.name.clone(),
-    }));
+    let added = found.iter().zip(&partner).filter(|(_, partner)| partner.is_none());
+    differences.extend(added.map(|(target, _)| Difference::Added { posture: target.name.clone() }));
     differences
 }

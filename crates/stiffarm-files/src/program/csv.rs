@@ -9,12 +9,7 @@ use crate::names::fault_of;
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::units::rad_to_shortest_deg;
 
-pub const CSV: Dialect = Dialect {
-    name: "csv",
-    title: "CSV",
-    longest_name: 60,
-    ..Dialect::USUAL
-};
+pub const CSV: Dialect = Dialect { name: "csv", title: "CSV", longest_name: 60, ..Dialect::USUAL };
 
 /// The table.
 pub fn write(program: &Program) -> Result<Vec<ProgramFile>> {
@@ -27,12 +22,7 @@ pub fn write(program: &Program) -> Result<Vec<ProgramFile>> {
         match step {
             Step::Move(target) => {
                 row.extend([target.kind.as_str().to_string(), target.name.clone()]);
-                row.extend(
-                    target
-                        .q
-                        .iter()
-                        .map(|angle| rad_to_shortest_deg(*angle).to_string()),
-                );
+                row.extend(target.q.iter().map(|angle| rad_to_shortest_deg(*angle).to_string()));
                 row.extend([target.speed_percent.to_string(), String::new()]);
             }
             Step::Wait(said) => {
@@ -45,15 +35,9 @@ pub fn write(program: &Program) -> Result<Vec<ProgramFile>> {
         table.write_record(row).map_err(internal)?;
     }
     let bytes = table.into_inner().unwrap_or_default();
-    let comments: String = program
-        .header
-        .iter()
-        .map(|line| format!("# {}\n", line.replace(char::is_control, " ")))
-        .collect();
-    Ok(vec![ProgramFile {
-        name: format!("{}.csv", program.name),
-        text: comments + &String::from_utf8_lossy(&bytes),
-    }])
+    let comments: String =
+        program.header.iter().map(|line| format!("# {}\n", line.replace(char::is_control, " "))).collect();
+    Ok(vec![ProgramFile { name: format!("{}.csv", program.name), text: comments + &String::from_utf8_lossy(&bytes) }])
 }
 
 fn heading(joints: usize) -> Vec<String> {
@@ -66,9 +50,7 @@ fn heading(joints: usize) -> Vec<String> {
 /// Reads a table.
 pub fn read(file: &ProgramFile, joints: usize) -> Result<Program> {
     let text = file.text.trim_start_matches('\u{feff}');
-    let mut table = ::csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .from_reader(text.as_bytes());
+    let mut table = ::csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
     let at = |line: u64, message: String| {
         Error::new(Code::Program, message)
             .file(file.name.as_str())
@@ -76,19 +58,13 @@ pub fn read(file: &ProgramFile, joints: usize) -> Result<Program> {
     };
     let of_csv = |error: ::csv::Error| {
         let line = error.position().map_or(1, ::csv::Position::line);
-        at(
-            line,
-            "This row cannot be read: it has too many or too few columns.".to_string(),
-        )
+        at(line, "This row cannot be read: it has too many or too few columns.".to_string())
     };
     let found = table.headers().map_err(of_csv)?.clone();
     let wanted = heading(joints);
     if !found.iter().eq(wanted.iter().map(String::as_str)) {
         let line = found.position().map_or(1, ::csv::Position::line);
-        return Err(at(
-            line,
-            format!("The columns must be {}.", wanted.join(",")),
-        ));
+        return Err(at(line, format!("The columns must be {}.", wanted.join(","))));
     }
     let mut steps = Vec::new();
     for record in table.records() {
@@ -100,44 +76,25 @@ pub fn read(file: &ProgramFile, joints: usize) -> Result<Program> {
             continue;
         }
         let Some(kind) = MoveKind::ALL.into_iter().find(|k| k.as_str() == kind) else {
-            return Err(at(
-                line,
-                format!("The kind must be start, via, posture or wait, got \"{kind}\"."),
-            ));
+            return Err(at(line, format!("The kind must be start, via, posture or wait, got \"{kind}\".")));
         };
         let mut q = Vec::with_capacity(joints);
         for joint in 0..joints {
             match record[3 + joint].trim().parse::<f64>() {
                 Ok(degrees) if degrees.abs() <= 1e5 => q.push(degrees.to_radians()),
                 _ => {
-                    return Err(at(
-                        line,
-                        format!("q{}_deg is no angle in degrees.", joint + 1),
-                    ));
+                    return Err(at(line, format!("q{}_deg is no angle in degrees.", joint + 1)));
                 }
             }
         }
         let speed = record[3 + joints].trim().parse::<u8>();
         let speed = speed.ok().filter(|speed| (1..=100).contains(speed));
-        let speed_percent = speed.ok_or_else(|| {
-            at(
-                line,
-                "speed_percent must be a whole number from 1 to 100.".to_string(),
-            )
-        })?;
+        let speed_percent =
+            speed.ok_or_else(|| at(line, "speed_percent must be a whole number from 1 to 100.".to_string()))?;
         if let Some(fault) = fault_of(&record[2]) {
             return Err(at(line, fault.to_string()));
         }
-        steps.push(Step::Move(Move {
-            name: record[2].to_string(),
-            kind,
-            q,
-            speed_percent,
-        }));
+        steps.push(Step::Move(Move { name: record[2].to_string(), kind, q, speed_percent }));
     }
-    Ok(Program {
-        name: file.name.trim_end_matches(".csv").to_string(),
-        header: Vec::new(),
-        steps,
-    })
+    Ok(Program { name: file.name.trim_end_matches(".csv").to_string(), header: Vec::new(), steps })
 }

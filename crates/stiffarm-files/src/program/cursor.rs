@@ -35,15 +35,13 @@ pub struct Number {
 pub fn lines(file: &ProgramFile) -> impl Iterator<Item = Cursor<'_>> {
     let text = file.text.trim_start_matches('\u{feff}');
     let mut begins = file.text.len() - text.len();
-    text.split_inclusive('\n')
-        .enumerate()
-        .map(move |(i, whole)| {
-            let line = whole.strip_suffix('\n').unwrap_or(whole);
-            let line = line.strip_suffix('\r').unwrap_or(line);
-            let cursor = Cursor::over(file, i + 1, begins..begins + line.len());
-            begins += whole.len();
-            cursor
-        })
+    text.split_inclusive('\n').enumerate().map(move |(i, whole)| {
+        let line = whole.strip_suffix('\n').unwrap_or(whole);
+        let line = line.strip_suffix('\r').unwrap_or(line);
+        let cursor = Cursor::over(file, i + 1, begins..begins + line.len());
+        begins += whole.len();
+        cursor
+    })
 }
 
 impl<'a> Cursor<'a> {
@@ -87,9 +85,7 @@ impl<'a> Cursor<'a> {
         loop {
             let rest = self.rest();
             self.at += rest.len() - rest.trim_start().len();
-            let is_remark = self
-                .remark
-                .is_some_and(|remark| self.rest().starts_with(remark));
+            let is_remark = self.remark.is_some_and(|remark| self.rest().starts_with(remark));
             if !is_remark {
                 return self;
             }
@@ -116,11 +112,7 @@ impl<'a> Cursor<'a> {
     pub fn placed(&mut self) -> Result<Number> {
         let at = self.space().position();
         let value = self.number()?;
-        Ok(Number {
-            value,
-            at: at as u32,
-            length: (self.position() - at) as u32,
-        })
+        Ok(Number { value, at: at as u32, length: (self.position() - at) as u32 })
     }
 
     /// True where only spaces are left.
@@ -133,8 +125,7 @@ impl<'a> Cursor<'a> {
         let mut next = self.clone();
         next.space();
         let here = next.rest().as_bytes();
-        let found =
-            here.len() >= text.len() && here[..text.len()].eq_ignore_ascii_case(text.as_bytes());
+        let found = here.len() >= text.len() && here[..text.len()].eq_ignore_ascii_case(text.as_bytes());
         if found {
             self.at = next.at + text.len();
         }
@@ -144,10 +135,7 @@ impl<'a> Cursor<'a> {
     /// Passes a word: no letter, digit or `_` follows.
     pub fn word(&mut self, word: &str) -> bool {
         let before = self.at;
-        let found = self.passes(word)
-            && !self
-                .rest()
-                .starts_with(|c: char| c.is_alphanumeric() || c == '_');
+        let found = self.passes(word) && !self.rest().starts_with(|c: char| c.is_alphanumeric() || c == '_');
         if !found {
             self.at = before;
         }
@@ -156,20 +144,12 @@ impl<'a> Cursor<'a> {
 
     /// Passes `text`.
     pub fn expect(&mut self, text: &str) -> Result<()> {
-        if self.passes(text) {
-            Ok(())
-        } else {
-            Err(self.wrong_here(format!("`{text}` is missing here.")))
-        }
+        if self.passes(text) { Ok(()) } else { Err(self.wrong_here(format!("`{text}` is missing here."))) }
     }
 
     /// Refuses what is left but spaces.
     pub fn end(&mut self) -> Result<()> {
-        if self.is_done() {
-            Ok(())
-        } else {
-            Err(self.wrong_here("This is not expected here."))
-        }
+        if self.is_done() { Ok(()) } else { Err(self.wrong_here("This is not expected here.")) }
     }
 
     /// A name: letters, digits, `_` and `$`.
@@ -240,11 +220,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// So many numbers with commas between them.
-    pub fn list(
-        &mut self,
-        count: usize,
-        number: impl Fn(&mut Self, usize) -> Result<f64>,
-    ) -> Result<Vec<f64>> {
+    pub fn list(&mut self, count: usize, number: impl Fn(&mut Self, usize) -> Result<f64>) -> Result<Vec<f64>> {
         let mut values = Vec::with_capacity(count);
         for at in 0..count {
             if at > 0 {
@@ -264,8 +240,6 @@ impl<'a> Cursor<'a> {
     pub fn wrong(&self, message: impl Into<String>) -> Error {
         let before = self.text[..self.at].rsplit('\n').next().unwrap_or_default();
         let column = before.trim_start_matches('\u{feff}').chars().count() + 1;
-        Error::new(Code::Program, message)
-            .file(self.file)
-            .line(self.line_number(), Some(column))
+        Error::new(Code::Program, message).file(self.file).line(self.line_number(), Some(column))
     }
 }

@@ -220,9 +220,7 @@ impl Leads<'_> {
     /// Angles or numbers after their names.
     pub fn named(names: &[&str], values: &[String], between: &str) -> String {
         let pairs = names.iter().zip(values);
-        let pairs: Vec<String> = pairs
-            .map(|(name, value)| format!("{name}{between}{value}"))
-            .collect();
+        let pairs: Vec<String> = pairs.map(|(name, value)| format!("{name}{between}{value}")).collect();
         pairs.join(",")
     }
 }
@@ -254,8 +252,6 @@ impl Target<'_> {
     /// The angles after the names of their axes.
     pub fn named(&self, dialect: &Dialect, between: &str) -> Vec<String> {
         let values = self.values.iter().enumerate();
-        values
-            .map(|(axis, value)| format!("{}{between}{value}", (dialect.axis_name)(axis)))
-            .collect()
+        values.map(|(axis, value)| format!("{}{between}{value}", (dialect.axis_name)(axis))).collect()
     }
 }

@@ -97,13 +97,7 @@ pub fn order<'a>(
                  the robot may drive them in another.",
                 first.name, last.name
             );
-            reader.remark(
-                "procedure-order",
-                "",
-                &first.head,
-                Severity::Caution,
-                sentence,
-            );
+            reader.remark("procedure-order", "", &first.head, Severity::Caution, sentence);
         }
     }
     for (own, has_run) in flow.all.iter().zip(&flow.has_run) {
@@ -112,13 +106,7 @@ pub fn order<'a>(
                 "The procedure {} ({{}}) is called by nothing that is read: its moves are no part of the path.",
                 own.name
             );
-            reader.remark(
-                "procedure-uncalled",
-                &own.name,
-                &own.head,
-                Severity::Caution,
-                sentence,
-            );
+            reader.remark("procedure-uncalled", &own.name, &own.head, Severity::Caution, sentence);
         }
     }
     Ok(flow.order)
@@ -140,15 +128,10 @@ impl<'a> Flow<'a> {
         let mut handles = false;
         for statement in statements {
             if let Some(name) = procedures.begins(&statement) {
-                self.by_name
-                    .insert(name.to_ascii_uppercase(), self.all.len());
+                self.by_name.insert(name.to_ascii_uppercase(), self.all.len());
                 open.push((self.all.len(), 0));
                 handles = false;
-                self.all.push(Procedure {
-                    name: name.to_string(),
-                    head: statement,
-                    body: Vec::new(),
-                });
+                self.all.push(Procedure { name: name.to_string(), head: statement, body: Vec::new() });
             } else if let Some((own, blocks)) = open.last_mut() {
                 let ends = Procedures::is_one_of(procedures.end, &statement);
                 if ends && *blocks == 0 {
@@ -179,21 +162,14 @@ impl<'a> Flow<'a> {
         }
         let mut is_called = vec![false; self.all.len()];
         for (at, own) in self.all.iter().enumerate() {
-            let called = own
-                .body
-                .iter()
-                .filter_map(|one| self.called(one, procedures));
+            let called = own.body.iter().filter_map(|one| self.called(one, procedures));
             for other in called.filter(|other| *other != at) {
                 is_called[other] = true;
             }
         }
         let free: Vec<usize> = (0..self.all.len()).filter(|at| !is_called[*at]).collect();
         // Procedures that call each other in a circle have none that is first.
-        if free.is_empty() {
-            (0..self.all.len()).take(1).collect()
-        } else {
-            free
-        }
+        if free.is_empty() { (0..self.all.len()).take(1).collect() } else { free }
     }
 
     fn called(&self, statement: &Cursor<'a>, procedures: &Procedures) -> Option<usize> {
@@ -210,13 +186,7 @@ impl<'a> Flow<'a> {
     ) -> Result<()> {
         let head = self.all[index].head.clone();
         if open.contains(&index) {
-            reader.passes_over(
-                &head,
-                &format!(
-                    "The procedure {}, which calls itself,",
-                    self.all[index].name
-                ),
-            );
+            reader.passes_over(&head, &format!("The procedure {}, which calls itself,", self.all[index].name));
             return Ok(());
         }
         open.push(index);

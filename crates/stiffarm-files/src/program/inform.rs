@@ -55,13 +55,8 @@ pub const INFORM: Dialect = Dialect {
         },
         read,
         joint_move: "MOVJ",
-        other_moves: &[
-            "MOVL", "MOVC", "MOVS", "IMOV", "SMOVL", "SMOVC", "SMOVJ", "EIMOVL", "EIMOVC", "EMOVL",
-            "EMOVC",
-        ],
-        branches: &[
-            "JUMP", "CALL", "IF", "IFTHEN", "ELSEIF", "FOR", "WHILE", "SWITCH",
-        ],
+        other_moves: &["MOVL", "MOVC", "MOVS", "IMOV", "SMOVL", "SMOVC", "SMOVJ", "EIMOVL", "EIMOVC", "EMOVL", "EMOVC"],
+        branches: &["JUMP", "CALL", "IF", "IFTHEN", "ELSEIF", "FOR", "WHILE", "SWITCH"],
         poses: Some(PoseForm {
             convention: Convention::Fanuc,
             unit: 1e-3,
@@ -155,11 +150,7 @@ fn point(line: &mut Cursor<'_>, reader: &mut Reader<'_>) -> Result<()> {
         return Ok(());
     }
     line.expect("=")?;
-    let scales = reader
-        .options
-        .pulses_per_degree
-        .as_deref()
-        .unwrap_or_default();
+    let scales = reader.options.pulses_per_degree.as_deref().unwrap_or_default();
     let values = line.list(scales.len(), |line, axis| {
         let place = line.clone();
         let degrees = line.number()? / scales[axis];

@@ -13,11 +13,7 @@ use stiffarm::error::Result;
 use stiffarm::findings::Severity;
 
 /// The words of moves.
-const MOVES: [(&str, Motion); 3] = [
-    ("MOVJ", Motion::Joint),
-    ("MOVL", Motion::Linear),
-    ("MOVC", Motion::Circular),
-];
+const MOVES: [(&str, Motion); 3] = [("MOVJ", Motion::Joint), ("MOVL", Motion::Linear), ("MOVC", Motion::Circular)];
 
 /// What sets a frame of the controller: the instruction, how it names the frame, and what a job calls it.
 const SETS: [[&str; 3]; 2] = [["MFRAME", "UF#(", "USER"], ["SETTOOL", "TL#(", "TOOL"]];
@@ -33,20 +29,14 @@ pub fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> 
         return Ok(true);
     }
     if line.clone().passes("+") {
-        return Err(line.wrong_here(
-            "A move of a second robot or station along with this one (+) is not read here.",
-        ));
+        return Err(line.wrong_here("A move of a second robot or station along with this one (+) is not read here."));
     }
     if line.clone().word("SFTON") {
-        return Err(line
-            .wrong_here("SFTON shifts the positions behind it: shifted positions are not read."));
+        return Err(line.wrong_here("SFTON shifts the positions behind it: shifted positions are not read."));
     }
     for [word, before, name] in SETS {
         if line.clone().word(word) {
-            let set = line
-                .rest()
-                .split_once(before)
-                .and_then(|(_, rest)| rest.split_once(')'));
+            let set = line.rest().split_once(before).and_then(|(_, rest)| rest.split_once(')'));
             let index = set.map_or("", |(index, _)| index.trim());
             reader.sets(line, format!("{name} {index}"));
             return Ok(true);
@@ -81,8 +71,7 @@ fn head<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
     if let Some(own) = ["BASE", "ROBOT"].into_iter().find(|own| line.word(own)) {
         reader.takes(1, own, number);
     } else if reader.has_poses && !line.word("USER") {
-        return Err(line
-            .wrong_here("Positions are read in BASE, ROBOT, USER and PULSE, not in this frame."));
+        return Err(line.wrong_here("Positions are read in BASE, ROBOT, USER and PULSE, not in this frame."));
     }
     Ok(())
 }
@@ -100,11 +89,7 @@ fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
         match numbers.get_mut(axis).filter(|_| is_pose && axis < 6) {
             Some(number) => *number = Some(line.placed()?),
             None => {
-                let name = format!(
-                    "axis {} of {}",
-                    axis + 1,
-                    label.trim_end_matches(|c: char| c.is_ascii_digit())
-                );
+                let name = format!("axis {} of {}", axis + 1, label.trim_end_matches(|c: char| c.is_ascii_digit()));
                 let value = line.number()?;
                 external.push(External { name, value, place });
             }
@@ -129,9 +114,8 @@ fn movement<'a>(line: &mut Cursor<'a>, motion: Motion, reader: &mut Reader<'a>) 
     let mut place = line.clone();
     let label = line.identifier()?;
     if label.starts_with(['P', 'p']) && motion != Motion::Joint {
-        let message = format!(
-            "`{label}` is a variable of the controller: only positions of the job (C00001) are read."
-        );
+        let message =
+            format!("`{label}` is a variable of the controller: only positions of the job (C00001) are read.");
         return Err(place.wrong_here(message));
     }
     let known = reader.known(label).cloned();
@@ -139,11 +123,7 @@ fn movement<'a>(line: &mut Cursor<'a>, motion: Motion, reader: &mut Reader<'a>) 
     // What carries the robot or the workpiece has positions of its own; those of the arm in pulses are its joints.
     if let Aim::Pose(pose) = &mut aim {
         let mut others = line.clone();
-        while let Some(Aim::Angles(_, axes)) = others
-            .identifier()
-            .ok()
-            .and_then(|other| reader.known(other))
-        {
+        while let Some(Aim::Angles(_, axes)) = others.identifier().ok().and_then(|other| reader.known(other)) {
             pose.external.extend(axes.iter().cloned());
         }
     } else if let Aim::Angles(_, axes) = &mut aim {
@@ -155,7 +135,8 @@ fn movement<'a>(line: &mut Cursor<'a>, motion: Motion, reader: &mut Reader<'a>) 
     }
     let feed = rest.split_once(" V=").and_then(|(_, feed)| leading(feed));
     if feed.is_some() {
-        let sentence = "Speeds (V=, {}) are taken as mm/s; where the controller counts them in cm/min, feeds are others.";
+        let sentence =
+            "Speeds (V=, {}) are taken as mm/s; where the controller counts them in cm/min, feeds are others.";
         reader.remark("speed-unit", "", line, Severity::Note, sentence);
     }
     let via = match (motion, reader.arc_points) {
@@ -179,17 +160,12 @@ fn movement<'a>(line: &mut Cursor<'a>, motion: Motion, reader: &mut Reader<'a>) 
         Motion::Circular => 1,
         _ => 0,
     };
-    let motion = if motion == Motion::Circular && !is_arc {
-        Motion::Linear
-    } else {
-        motion
-    };
+    let motion = if motion == Motion::Circular && !is_arc { Motion::Linear } else { motion };
     reader.moves(place, motion, via, aim);
     reader.at_feed(feed.map(|mm| mm * 1e-3));
     Ok(())
 }
 
 fn too_few(line: &Cursor<'_>) -> stiffarm::Error {
-    line.clone()
-        .wrong_here("The arc before this has fewer than three points (MOVC).")
+    line.clone().wrong_here("The arc before this has fewer than three points (MOVC).")
 }

@@ -48,11 +48,7 @@ pub const KRL: Dialect = Dialect {
             let said = said(text, 76).into_iter();
             let shown = said.map(|line| format!("MsgNotify (\"{line}\")"));
             let stop = |line: &str| [line.to_string()];
-            stop("WAIT SEC 0")
-                .into_iter()
-                .chain(shown)
-                .chain(stop("HALT"))
-                .collect()
+            stop("WAIT SEC 0").into_iter().chain(shown).chain(stop("HALT")).collect()
         },
         read,
         joint_move: "PTP",
@@ -96,10 +92,7 @@ pub const KRL: Dialect = Dialect {
                             format!("PTP {{{}}}", Leads::named(&axes, &to.angles, " ")),
                         ]
                     }
-                    _ => vec![format!(
-                        "LIN {{{}}} C_DIS",
-                        Leads::named(&POSE, &to.pose, " ")
-                    )],
+                    _ => vec![format!("LIN {{{}}} C_DIS", Leads::named(&POSE, &to.pose, " "))],
                 },
                 point: |_| Vec::new(),
             }),

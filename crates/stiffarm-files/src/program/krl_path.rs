@@ -30,10 +30,7 @@ const MOVES: [(&str, Motion); 6] = [
 ];
 
 /// What names the tool (0) and the base (1): variables, the first arguments of `BAS`, fields of an FDAT, arrays.
-const FRAMES: [[&str; 4]; 2] = [
-    ["$TOOL", "#TOOL", "TOOL_NO", "TOOL_DATA"],
-    ["$BASE", "#BASE", "BASE_NO", "BASE_DATA"],
-];
+const FRAMES: [[&str; 4]; 2] = [["$TOOL", "#TOOL", "TOOL_NO", "TOOL_DATA"], ["$BASE", "#BASE", "BASE_NO", "BASE_DATA"]];
 
 /// Words before a bracket that are no calls of procedures which may move the robot.
 const NO_CALLS: [&str; 23] = [
@@ -80,12 +77,7 @@ pub fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> 
         let named = |number: usize| line.clone().passes(FRAMES[number][1]);
         if let Some(number) = (0..2).find(|number| named(*number)) {
             let (_, index) = line.rest().split_once(',').unwrap_or_default();
-            takes_number(
-                line,
-                number,
-                index.split(')').next().unwrap_or_default(),
-                reader,
-            );
+            takes_number(line, number, index.split(')').next().unwrap_or_default(), reader);
         }
     } else if let Some(motion) = line.motion(&MOVES) {
         reader.move_to(line, motion, aim)?;
@@ -139,12 +131,7 @@ fn stated<'a>(line: &mut Cursor<'a>, name: &str, reader: &mut Reader<'a>) -> Res
 }
 
 /// The program sets a variable.
-fn sets<'a>(
-    line: &mut Cursor<'a>,
-    name: &str,
-    is_whole: bool,
-    reader: &mut Reader<'a>,
-) -> Result<()> {
+fn sets<'a>(line: &mut Cursor<'a>, name: &str, is_whole: bool, reader: &mut Reader<'a>) -> Result<()> {
     let number = FRAMES.iter().position(|words| words[0] == name);
     let value = line.rest().split_once('=').map_or("", |(_, value)| value);
     let value = value.split(';').next().unwrap_or_default().trim();
@@ -183,9 +170,7 @@ fn sets<'a>(
     } else {
         let mut after = line.clone();
         after.skip(after.rest().find('=').unwrap_or(0));
-        let is_frame = FRAMES
-            .iter()
-            .any(|words| name.starts_with(&format!("{}[", words[3])));
+        let is_frame = FRAMES.iter().any(|words| name.starts_with(&format!("{}[", words[3])));
         let is_frame = is_frame || reader.frames.contains_key(name);
         if !(is_frame && is_whole && stated(&mut after, name, reader)?) {
             reader.forms.remove(name);
@@ -199,9 +184,7 @@ fn sets<'a>(
 fn takes_form<'a>(line: &Cursor<'a>, form: &str, reader: &mut Reader<'a>) -> Result<()> {
     let form = form.to_ascii_uppercase();
     if form.contains("#TCP") {
-        return Err(line.wrong(
-            "The tool stands still here (#TCP): the robot leads the workpiece, which is not read.",
-        ));
+        return Err(line.wrong("The tool stands still here (#TCP): the robot leads the workpiece, which is not read."));
     }
     for (number, words) in FRAMES.iter().enumerate() {
         if let Some((_, index)) = form.split_once(words[2]) {
@@ -222,14 +205,10 @@ fn takes_number<'a>(line: &Cursor<'a>, number: usize, index: &str, reader: &mut 
 fn move_ends<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
     let rest = line.rest();
     if line.clone().passes(":") {
-        return Err(line.wrong_here(
-            "This position is calculated by the controller: only stated positions are read.",
-        ));
+        return Err(line.wrong_here("This position is calculated by the controller: only stated positions are read."));
     }
     if line.clone().passes(",") {
-        return Err(
-            line.wrong_here("An arc that ends at an angle of its own (CA) is not read here.")
-        );
+        return Err(line.wrong_here("An arc that ends at an angle of its own (CA) is not read here."));
     }
     if let Some((_, own)) = rest.split_once("$VEL.CP") {
         let own = own.trim_start().strip_prefix('=');
@@ -246,11 +225,7 @@ fn move_ends<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
         let value = value.trim_start().trim_start_matches('=').trim();
         // `$BASE=SBASE(FP1.BASE_NO)`: what an inline form took from its FDAT.
         let named = value.split_once('(').map_or(value, |(_, named)| named);
-        let named = named
-            .split(['.', ')', ','])
-            .next()
-            .unwrap_or_default()
-            .trim();
+        let named = named.split(['.', ')', ',']).next().unwrap_or_default().trim();
         let form = reader.forms.get(&named.to_ascii_uppercase()).cloned();
         match form {
             Some(form) => {

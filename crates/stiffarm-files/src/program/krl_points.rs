@@ -18,11 +18,7 @@ pub fn axis_name(axis: usize) -> String {
 }
 
 /// `DECL E6AXIS XP1={…}`, of one of these types.
-pub fn declaration<'a>(
-    line: &mut Cursor<'a>,
-    reader: &mut Reader<'a>,
-    types: &[&str],
-) -> Result<bool> {
+pub fn declaration<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>, types: &[&str]) -> Result<bool> {
     while line.word("DECL") || line.word("GLOBAL") || line.word("CONST") {}
     if !types.iter().any(|name| line.word(name)) {
         return Ok(false);
@@ -68,11 +64,7 @@ pub fn aggregate<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'
             match values.get_mut(at).filter(|_| !is_pose) {
                 Some(own) => *own = Some(line.angle()?),
                 // An axis that is none of the cell's.
-                None => external.push(External {
-                    value: line.number()?,
-                    name: axis,
-                    place: field,
-                }),
+                None => external.push(External { value: line.number()?, name: axis, place: field }),
             }
         } else if is_pose {
             // Status and turn, also as bits: `'B010'`.

@@ -121,11 +121,7 @@ impl Language {
     pub fn check_robot(self, robot: &Robot, asked: Option<Controller>) -> Result<()> {
         let conflict = |message: String| Error::new(Code::Conflict, message).key("controller");
         if let Some(asked) = asked.filter(|asked| Some(*asked) != self.controller()) {
-            let message = format!(
-                "{} does not go to a controller of {}.",
-                self.title(),
-                asked.title()
-            );
+            let message = format!("{} does not go to a controller of {}.", self.title(), asked.title());
             return Err(conflict(message));
         }
         let Some(wanted) = self.controller() else {
@@ -151,16 +147,10 @@ impl Language {
     /// A name for a program that the language allows, close to `wanted`.
     pub fn name_for(self, wanted: &str) -> String {
         let dialect = self.dialect();
-        let plain: String = characters::plain(wanted)
-            .chars()
-            .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
-            .collect();
+        let plain: String =
+            characters::plain(wanted).chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
         let name = format!("measure_{plain}");
-        let name = if dialect.upper_case {
-            name.to_ascii_uppercase()
-        } else {
-            name
-        };
+        let name = if dialect.upper_case { name.to_ascii_uppercase() } else { name };
         let cut: String = name.chars().take(dialect.longest_name).collect();
         cut.trim_end_matches('_').to_string()
     }
@@ -189,10 +179,7 @@ impl Language {
         } else {
             return Ok(());
         };
-        let message = format!(
-            "The name \"{name}\" of the program {wrong} in {}.",
-            self.title()
-        );
+        let message = format!("The name \"{name}\" of the program {wrong} in {}.", self.title());
         Err(Error::invalid(message).hint(format!("for example {}", self.name_for(name))))
     }
 }

@@ -43,19 +43,11 @@ pub const LS: Dialect = Dialect {
         movement: |to| vec![format!("J {} {}% FINE ;", to.label, to.speed_percent)],
         point: |to| {
             let values = to.values.iter().map(|value| format!("{value:>9} deg"));
-            let padded = Target {
-                label: String::new(),
-                values: values.collect(),
-                ..*to
-            };
+            let padded = Target { label: String::new(), values: values.collect(), ..*to };
             let fields = padded.named(&LS, "= ");
             let rows = fields.chunks(3).map(|row| format!("\t{}", row.join(",\t")));
             let rows = rows.collect::<Vec<_>>().join(",\n");
-            let head = [
-                format!("{}{{", to.label),
-                "   GP1:".to_string(),
-                format!("\tUF : 0, UT : {},", to.tool),
-            ];
+            let head = [format!("{}{{", to.label), "   GP1:".to_string(), format!("\tUF : 0, UT : {},", to.tool)];
             let rows = rows.lines().chain(["};"]).map(String::from);
             head.into_iter().chain(rows).collect()
         },
@@ -67,16 +59,7 @@ pub const LS: Dialect = Dialect {
         read,
         joint_move: "J",
         other_moves: &["L", "C", "A", "S"],
-        branches: &[
-            "IF",
-            "JMP",
-            "FOR",
-            "SELECT",
-            "CALL",
-            "RUN",
-            "OFFSET",
-            "TOOL_OFFSET",
-        ],
+        branches: &["IF", "JMP", "FOR", "SELECT", "CALL", "RUN", "OFFSET", "TOOL_OFFSET"],
         poses: Some(PoseForm {
             convention: Convention::Fanuc,
             unit: 1e-3,
@@ -102,8 +85,7 @@ pub const LS: Dialect = Dialect {
                         1 => {
                             let rows = |at: usize| {
                                 let angles = to.angles[at..at + 3].iter().zip(at + 1..);
-                                let angles =
-                                    angles.map(|(angle, axis)| format!("J{axis}= {angle:>9} deg"));
+                                let angles = angles.map(|(angle, axis)| format!("J{axis}= {angle:>9} deg"));
                                 angles.collect::<Vec<_>>().join(",\t")
                             };
                             [rows(0), rows(3)]
@@ -111,8 +93,7 @@ pub const LS: Dialect = Dialect {
                         _ => {
                             let rows = |at: usize, unit: &str| {
                                 let names = POSE[at..at + 3].iter().zip(&to.pose[at..]);
-                                let names = names
-                                    .map(|(name, value)| format!("{name} = {value:>9} {unit}"));
+                                let names = names.map(|(name, value)| format!("{name} = {value:>9} {unit}"));
                                 names.collect::<Vec<_>>().join(",\t")
                             };
                             [rows(0, " mm"), rows(3, "deg")]
@@ -292,22 +273,12 @@ fn fields<'a>(line: &mut Cursor<'a>, open: &mut OpenPoint<'a>, is_path: bool) ->
         let mut field = line.clone();
         let axis = line.identifier()?.to_ascii_uppercase();
         let known = (0..9).find(|i| (LS.axis_name)(*i) == axis);
-        if is_path
-            && line.clone().passes("=")
-            && line.rest().trim_start()[1..].trim_start().starts_with('*')
-        {
+        if is_path && line.clone().passes("=") && line.rest().trim_start()[1..].trim_start().starts_with('*') {
             // Never taught.
-            line.skip(
-                line.rest()
-                    .find(',')
-                    .map_or(line.rest().len(), |comma| comma + 1),
-            );
+            line.skip(line.rest().find(',').map_or(line.rest().len(), |comma| comma + 1));
             continue;
         }
-        if let Some(at) = POSE
-            .iter()
-            .position(|name| is_path && open.group == 1 && *name == axis)
-        {
+        if let Some(at) = POSE.iter().position(|name| is_path && open.group == 1 && *name == axis) {
             line.expect("=")?;
             if open.pose[at].replace(line.placed()?).is_some() {
                 return Err(field.wrong_here(format!("`{axis}` stands twice in this position.")));
@@ -320,16 +291,8 @@ fn fields<'a>(line: &mut Cursor<'a>, open: &mut OpenPoint<'a>, is_path: bool) ->
         }
         if is_path && (open.group > 1 || known.is_some_and(|at| at >= values.len())) {
             line.expect("=")?;
-            let name = if open.group > 1 {
-                format!("{axis} of group {}", open.group)
-            } else {
-                axis
-            };
-            open.external.push(External {
-                name,
-                value: line.number()?,
-                place: field,
-            });
+            let name = if open.group > 1 { format!("{axis} of group {}", open.group) } else { axis };
+            open.external.push(External { name, value: line.number()?, place: field });
             let _ = line.word("mm") || line.word("deg");
             if !line.passes(",") {
                 line.end()?;
@@ -337,9 +300,7 @@ fn fields<'a>(line: &mut Cursor<'a>, open: &mut OpenPoint<'a>, is_path: bool) ->
             continue;
         }
         let Some(known) = known else {
-            let message = format!(
-                "`{axis}` is no joint: only positions in joint representation can be read."
-            );
+            let message = format!("`{axis}` is no joint: only positions in joint representation can be read.");
             return Err(field.wrong_here(message));
         };
         line.expect("=")?;

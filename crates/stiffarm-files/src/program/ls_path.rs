@@ -48,9 +48,7 @@ fn sets_frame<'a>(line: &Cursor<'a>, number: usize, name: String, reader: &mut R
         Some(pose) => {
             reader.frames.insert(name.clone(), vec![pose]);
             // The moves that come take it as it is now, if they took it before.
-            let is_taken = reader.taken[number]
-                .as_ref()
-                .is_some_and(|own| own.name == name);
+            let is_taken = reader.taken[number].as_ref().is_some_and(|own| own.name == name);
             if is_taken {
                 reader.takes(number, name, line.line_number());
             }
@@ -82,17 +80,8 @@ fn sets_register<'a>(line: &Cursor<'a>, reader: &mut Reader<'a>) {
 }
 
 /// What moves a position of a tool path.
-const CALCULATED: [&str; 9] = [
-    "PR[",
-    " Offset",
-    " OFFSET",
-    "Tool_Offset",
-    "TOOL_OFFSET",
-    " INC",
-    "VOFFSET",
-    " VOFF",
-    "SEARCH",
-];
+const CALCULATED: [&str; 9] =
+    ["PR[", " Offset", " OFFSET", "Tool_Offset", "TOOL_OFFSET", " INC", "VOFFSET", " VOFF", "SEARCH"];
 
 /// A move of a tool path. The end of an arc stands in a line of its own.
 fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
@@ -103,11 +92,7 @@ fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
         reader.at_feed(feed(line.rest()));
         return Ok(true);
     }
-    let words = [
-        ("L", Motion::Linear),
-        ("J", Motion::Joint),
-        ("C", Motion::Circular),
-    ];
+    let words = [("L", Motion::Linear), ("J", Motion::Joint), ("C", Motion::Circular)];
     let Some(motion) = line.motion(&words) else {
         return Ok(false);
     };
@@ -136,11 +121,7 @@ fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
 
 /// The feed that stands behind the point, `100mm/sec` \[m/s\].
 fn feed(rest: &str) -> Option<f64> {
-    let units = [
-        ("mm/sec", 1e-3),
-        ("cm/min", 1e-2 / 60.0),
-        ("inch/min", 25.4e-3 / 60.0),
-    ];
+    let units = [("mm/sec", 1e-3), ("cm/min", 1e-2 / 60.0), ("inch/min", 25.4e-3 / 60.0)];
     let rest = rest.trim_start();
     let unit = rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
     let mut units = units.iter();

@@ -155,12 +155,7 @@ pub struct Stop {
 impl Stop {
     /// A posture that is reached by one joint move.
     pub fn new(posture: Posture, task: impl Into<String>) -> Self {
-        Stop {
-            before: Vec::new(),
-            via: Vec::new(),
-            posture,
-            task: task.into(),
-        }
+        Stop { before: Vec::new(), via: Vec::new(), posture, task: task.into() }
     }
 }
 
@@ -215,17 +210,10 @@ pub fn program_of_stops(
     let mut steps = Vec::new();
     if let Some((kind, first)) = first {
         let place = format!("{} {}", kind.as_str(), first.name);
-        steps.push(Step::Wait(format!(
-            "Cell empty. Slow move to {place}. Path free?"
-        )));
+        steps.push(Step::Wait(format!("Cell empty. Slow move to {place}. Path free?")));
     }
     let mut go = |posture: &Posture, kind| {
-        let target = Move {
-            name: posture.name.clone(),
-            kind,
-            q: posture.q.clone(),
-            speed_percent: speed,
-        };
+        let target = Move { name: posture.name.clone(), kind, q: posture.q.clone(), speed_percent: speed };
         speed = speed_percent;
         Step::Move(target)
     };
@@ -238,18 +226,11 @@ pub fn program_of_stops(
         steps.push(Step::Wait(said));
     }
     if let Some(start) = start {
-        steps.push(Step::Wait(format!(
-            "All measured. Back to start {}",
-            start.posture.name
-        )));
+        steps.push(Step::Wait(format!("All measured. Back to start {}", start.posture.name)));
         steps.extend(start.back.iter().map(|via| go(via, MoveKind::Via)));
         steps.push(go(&start.posture, MoveKind::Start));
     }
-    Program {
-        name: name.into(),
-        header,
-        steps,
-    }
+    Program { name: name.into(), header, steps }
 }
 
 /// Puts `program` into a language: its files, with names that the controller takes. The same program
@@ -262,11 +243,7 @@ pub fn program_of_stops(
 /// # Errors
 /// A name that the language does not allow, more joints than it has axes, an angle that is not
 /// finite, options that do not fit, too many moves.
-pub fn write_program(
-    program: &Program,
-    language: Language,
-    options: &ProgramOptions,
-) -> Result<Vec<ProgramFile>> {
+pub fn write_program(program: &Program, language: Language, options: &ProgramOptions) -> Result<Vec<ProgramFile>> {
     language.check_name(&program.name)?;
     let joints = program.moves().next().map_or(0, |first| first.q.len());
     for target in program.moves() {
@@ -305,26 +282,16 @@ fn check_move(target: &Move, joints: usize) -> Result<()> {
     if target.q.len() != joints {
         return fault(
             Code::Dimension,
-            format!(
-                "Posture {} has {} angles, the others have {joints}.",
-                target.name,
-                target.q.len()
-            ),
+            format!("Posture {} has {} angles, the others have {joints}.", target.name, target.q.len()),
         );
     }
     if target.q.iter().any(|angle| !angle.is_finite()) {
-        return fault(
-            Code::NotFinite,
-            format!("Posture {} has an angle that is not finite.", target.name),
-        );
+        return fault(Code::NotFinite, format!("Posture {} has an angle that is not finite.", target.name));
     }
     if !(1..=100).contains(&target.speed_percent) {
         return fault(
             Code::InvalidValue,
-            format!(
-                "The speed must be 1 to 100 per cent, got {}.",
-                target.speed_percent
-            ),
+            format!("The speed must be 1 to 100 per cent, got {}.", target.speed_percent),
         );
     }
     Ok(())
@@ -351,12 +318,11 @@ pub fn read_program(
     }?;
     let is_empty = program.moves().next().is_none();
     match files.first().filter(|_| is_empty) {
-        Some(file) => Err(Error::new(
-            Code::TooFewData,
-            format!("The file has no joint move as {} has it.", language.title()),
-        )
-        .file(file.name.as_str())
-        .hint("check --language")),
+        Some(file) => {
+            Err(Error::new(Code::TooFewData, format!("The file has no joint move as {} has it.", language.title()))
+                .file(file.name.as_str())
+                .hint("check --language"))
+        }
         None => Ok(program),
     }
 }

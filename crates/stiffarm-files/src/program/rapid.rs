@@ -47,10 +47,7 @@ pub const RAPID: Dialect = Dialect {
             values.resize(12, "9E9".to_string());
             let (arm, external) = values.split_at(6);
             let (arm, external) = (arm.join(","), external.join(","));
-            vec![format!(
-                "  LOCAL CONST jointtarget {}:=[[{arm}],[{external}]];",
-                to.label
-            )]
+            vec![format!("  LOCAL CONST jointtarget {}:=[[{arm}],[{external}]];", to.label)]
         },
         wait: |text| {
             let said = said(text, 40).into_iter();
@@ -96,16 +93,7 @@ pub const RAPID: Dialect = Dialect {
             "EGMRunPose",
             "EGMRunJoint",
         ],
-        branches: &[
-            "FOR",
-            "WHILE",
-            "IF",
-            "ELSEIF",
-            "TEST",
-            "GOTO",
-            "SoftAct",
-            "CallByVar",
-        ],
+        branches: &["FOR", "WHILE", "IF", "ELSEIF", "TEST", "GOTO", "SoftAct", "CallByVar"],
         procedures: Some(PROCEDURES),
         poses: Some(PoseForm {
             convention: Convention::Abb,
@@ -124,10 +112,7 @@ pub const RAPID: Dialect = Dialect {
                     let (tool, base) = (to.tool, to.base);
                     const NONE: &str = "[9E9,9E9,9E9,9E9,9E9,9E9]";
                     vec![match to.number {
-                        1 => format!(
-                            "    MoveAbsJ [[{}],{NONE}],v100,fine,{tool}\\WObj:={base};",
-                            to.angles.join(",")
-                        ),
+                        1 => format!("    MoveAbsJ [[{}],{NONE}],v100,fine,{tool}\\WObj:={base};", to.angles.join(",")),
                         _ => {
                             let (place, turn) = (to.pose[..3].join(","), to.pose[3..].join(","));
                             let speed = to.speed_mm_s;

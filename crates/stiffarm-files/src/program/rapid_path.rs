@@ -51,11 +51,7 @@ const ALONE: [&str; 27] = [
 ];
 
 /// The words of moves of a tool path.
-const MOVES: [(&str, Motion); 3] = [
-    ("MoveL", Motion::Linear),
-    ("MoveJ", Motion::Joint),
-    ("MoveC", Motion::Circular),
-];
+const MOVES: [(&str, Motion); 3] = [("MoveL", Motion::Linear), ("MoveJ", Motion::Joint), ("MoveC", Motion::Circular)];
 
 /// `name;`, `name argument, …;`.
 fn call<'a>(statement: &Cursor<'a>) -> Option<&'a str> {
@@ -74,10 +70,7 @@ pub fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>, declares: bool) 
             let aim = if line.clone().passes("[") {
                 robtarget(line, reader)?
             } else {
-                Aim::Unset(
-                    line.clone(),
-                    format!("{label} is calculated: only stated positions are read."),
-                )
+                Aim::Unset(line.clone(), format!("{label} is calculated: only stated positions are read."))
             };
             reader.point(label, aim);
         }
@@ -130,18 +123,13 @@ fn instruction<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<boo
     if next.passes("\\") {
         let _ = next.word("Conc") && next.passes(",");
     }
-    let is_point = next
-        .clone()
-        .identifier()
-        .is_ok_and(|label| reader.known(label).is_some());
+    let is_point = next.clone().identifier().is_ok_and(|label| reader.known(label).is_some());
     if next.clone().passes("[[") || is_point {
         return Err(start.wrong(format!("{name} is a move that is not read here.")));
     }
     let is_known = ALONE.iter().any(|known| known.eq_ignore_ascii_case(name));
     if next.passes(";") && !is_known {
-        let sentence = format!(
-            "{name} ({{}}) is a procedure that is not in the file: what it does is not known here."
-        );
+        let sentence = format!("{name} ({{}}) is a procedure that is not in the file: what it does is not known here.");
         reader.remark("not-followed", name, line, Severity::Caution, sentence);
         return Ok(true);
     }
@@ -156,11 +144,7 @@ fn sets_frame<'a>(line: &Cursor<'a>, name: &str, reader: &mut Reader<'a>) -> Res
     };
     let mut line = line.clone();
     line.identifier()?;
-    let part = if line.passes(".") {
-        line.identifier()?.to_ascii_uppercase()
-    } else {
-        String::new()
-    };
+    let part = if line.passes(".") { line.identifier()?.to_ascii_uppercase() } else { String::new() };
     if !line.passes(":=") {
         return Ok(false);
     }

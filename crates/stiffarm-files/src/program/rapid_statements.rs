@@ -11,8 +11,8 @@ fn ends_at(word: &str) -> Option<&'static str> {
         "PROC" | "FUNC" => ")",
         "CASE" => ":",
         "MODULE" | "TRAP" | "RECORD" | "TEST" | "VERSION" | "LANGUAGE" => "\n",
-        "ELSE" | "ENDIF" | "ENDFOR" | "ENDWHILE" | "ENDTEST" | "ENDPROC" | "ENDFUNC"
-        | "ENDTRAP" | "ENDRECORD" | "ENDMODULE" | "ERROR" | "UNDO" | "BACKWARD" | "DEFAULT" => "",
+        "ELSE" | "ENDIF" | "ENDFOR" | "ENDWHILE" | "ENDTEST" | "ENDPROC" | "ENDFUNC" | "ENDTRAP" | "ENDRECORD"
+        | "ENDMODULE" | "ERROR" | "UNDO" | "BACKWARD" | "DEFAULT" => "",
         _ => return None,
     })
 }
@@ -29,11 +29,7 @@ pub fn statements(file: &ProgramFile) -> Vec<Cursor<'_>> {
         let length = length_of(first);
         let one = Cursor::over(file, line, begins..begins + length);
         if length > 0 {
-            all.push(if first.starts_with('!') {
-                one
-            } else {
-                one.with_remarks('!')
-            });
+            all.push(if first.starts_with('!') { one } else { one.with_remarks('!') });
         }
         line += first[..length].matches('\n').count();
         at = begins + length;
@@ -82,13 +78,9 @@ fn length_of(text: &str) -> usize {
             ';' => return at + 1,
             _ => {
                 let here = &text.as_bytes()[at..];
-                let is_end = here.len() >= end.len()
-                    && here[..end.len()].eq_ignore_ascii_case(end.as_bytes());
+                let is_end = here.len() >= end.len() && here[..end.len()].eq_ignore_ascii_case(end.as_bytes());
                 let goes_on = |c: char| end.starts_with(char::is_alphabetic) && is_part(c);
-                if is_end
-                    && !text[..at].ends_with(goes_on)
-                    && !text[at + end.len()..].starts_with(goes_on)
-                {
+                if is_end && !text[..at].ends_with(goes_on) && !text[at + end.len()..].starts_with(goes_on) {
                     return at + end.len();
                 }
             }

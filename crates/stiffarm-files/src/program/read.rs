@@ -21,18 +21,12 @@ pub fn read(
 }
 
 /// Reads the lines of `files`; those of a path in the order in which they run.
-pub fn read_lines<'a>(
-    files: Vec<&'a ProgramFile>,
-    syntax: &Syntax,
-    reader: &mut Reader<'a>,
-) -> Result<()> {
+pub fn read_lines<'a>(files: Vec<&'a ProgramFile>, syntax: &Syntax, reader: &mut Reader<'a>) -> Result<()> {
     match syntax.procedures.as_ref().filter(|_| reader.is_path) {
         Some(procedures) => {
             let moves = [&[syntax.joint_move], syntax.other_moves].concat();
             let order = flow::order(&files, procedures, &moves, reader)?;
-            order
-                .into_iter()
-                .try_for_each(|line| read_line(line, syntax, reader))
+            order.into_iter().try_for_each(|line| read_line(line, syntax, reader))
         }
         None => (0..).zip(files).try_for_each(|(index, file)| {
             lines(file).try_for_each(|line| read_line(line.in_file(index), syntax, reader))
@@ -60,19 +54,12 @@ fn read_line<'a>(mut line: Cursor<'a>, syntax: &Syntax, reader: &mut Reader<'a>)
 }
 
 /// The files in the order of the language.
-fn in_order<'a>(
-    files: &'a [ProgramFile],
-    dialect: &Dialect,
-    syntax: &Syntax,
-) -> Result<Vec<&'a ProgramFile>> {
+fn in_order<'a>(files: &'a [ProgramFile], dialect: &Dialect, syntax: &Syntax) -> Result<Vec<&'a ProgramFile>> {
     let title = dialect.title;
     if syntax.files.len() == 1 {
         return Ok(vec![only(files, title)?]);
     }
-    let extensions = syntax
-        .files
-        .iter()
-        .map(|(extension, _)| format!(".{extension}"));
+    let extensions = syntax.files.iter().map(|(extension, _)| format!(".{extension}"));
     let extensions: Vec<String> = extensions.collect();
     let of = |extension: &String| {
         let mut files = files.iter();

@@ -306,13 +306,9 @@ impl<'a> Reader<'a> {
 
     fn check_closed(&self) -> Result<()> {
         match &self.open {
-            Some(OpenPoint { label, place, .. }) => {
-                Err(place.wrong(format!("The `}}` that ends {label} is missing.")))
-            }
+            Some(OpenPoint { label, place, .. }) => Err(place.wrong(format!("The `}}` that ends {label} is missing."))),
             None => match &self.arc {
-                Some((place, _)) => {
-                    Err(place.clone().wrong_here("The end of this arc is missing."))
-                }
+                Some((place, _)) => Err(place.clone().wrong_here("The end of this arc is missing.")),
                 None => Ok(()),
             },
         }
@@ -332,30 +328,19 @@ impl<'a> Reader<'a> {
                 Aim::Pose(_) | Aim::Unset(..) => {
                     return Err(leg.place.wrong_here("This goes to no joint position."));
                 }
-                Aim::Label(mut place, label) => {
-                    match self.points.get(&label.to_ascii_uppercase()) {
-                        Some(Aim::Angles(q, _)) => q.clone(),
-                        Some(Aim::Unset(place, why)) => return Err(place.wrong(why.as_str())),
-                        _ => return Err(place.wrong_here(format!("{missing} {label}."))),
-                    }
-                }
+                Aim::Label(mut place, label) => match self.points.get(&label.to_ascii_uppercase()) {
+                    Some(Aim::Angles(q, _)) => q.clone(),
+                    Some(Aim::Unset(place, why)) => return Err(place.wrong(why.as_str())),
+                    _ => return Err(place.wrong_here(format!("{missing} {label}."))),
+                },
             };
             moves += 1;
             // Without a comment before it, it has a number for a name.
             let unnamed = || (MoveKind::Posture, format!("move {moves}"));
             let (kind, name) = leg.marked.unwrap_or_else(unnamed);
-            Ok(Step::Move(Move {
-                name,
-                kind,
-                q,
-                speed_percent: leg.speed,
-            }))
+            Ok(Step::Move(Move { name, kind, q, speed_percent: leg.speed }))
         });
-        Ok(Program {
-            name: self.name,
-            header: Vec::new(),
-            steps: steps.collect::<Result<_>>()?,
-        })
+        Ok(Program { name: self.name, header: Vec::new(), steps: steps.collect::<Result<_>>()? })
     }
 
     /// The moves of a tool path, points in place of their labels.
@@ -376,9 +361,7 @@ impl<'a> Reader<'a> {
                 None => {
                     let name = label.to_ascii_uppercase();
                     let message = if assigned.iter().any(|(_, set)| *set == name) {
-                        format!(
-                            "{label} is calculated by the program: only stated positions are read."
-                        )
+                        format!("{label} is calculated by the program: only stated positions are read.")
                     } else {
                         format!("The program has no point {label}.")
                     };
@@ -395,10 +378,7 @@ impl<'a> Reader<'a> {
         });
         legs.map(|leg| {
             Ok(Leg {
-                via: leg
-                    .via
-                    .map(|via| resolved(*via, leg.motion).map(Box::new))
-                    .transpose()?,
+                via: leg.via.map(|via| resolved(*via, leg.motion).map(Box::new)).transpose()?,
                 aim: resolved(leg.aim, leg.motion)?,
                 ..leg
             })

@@ -59,9 +59,7 @@ pub fn compare_statements(
             let (_, extension) = file.name.rsplit_once('.').unwrap_or_default();
             extension.to_ascii_lowercase()
         };
-        let other = found
-            .iter()
-            .find(|file| planned.len() == 1 || extension(file) == extension(own));
+        let other = found.iter().find(|file| planned.len() == 1 || extension(file) == extension(own));
         let Some(other) = other else {
             continue;
         };
@@ -73,10 +71,12 @@ pub fn compare_statements(
             line: found[at].line,
             text: found[at].text.trim().to_string(),
         }));
-        differences.extend(missing.into_iter().map(|at| Difference::MissingLine {
-            file: other.name.clone(),
-            text: planned[at].text.trim().to_string(),
-        }));
+        differences.extend(
+            missing.into_iter().map(|at| Difference::MissingLine {
+                file: other.name.clone(),
+                text: planned[at].text.trim().to_string(),
+            }),
+        );
     }
     differences
 }
@@ -95,12 +95,7 @@ fn statements<'a>(file: &'a ProgramFile, dialect: &Dialect, joints: usize) -> Ve
                 parts
             }
         };
-        (!parts.is_empty()).then_some(Statement {
-            file: &file.name,
-            line: at + 1,
-            text,
-            parts,
-        })
+        (!parts.is_empty()).then_some(Statement { file: &file.name, line: at + 1, text, parts })
     };
     lines.enumerate().filter_map(statement).collect()
 }
@@ -120,9 +115,7 @@ fn fields(text: &str, joints: usize) -> Vec<Part<'_>> {
     let Some(Ok(record)) = reader.into_records().next() else {
         return vec![Part::Word(text.to_string())];
     };
-    let is_step = record
-        .get(0)
-        .is_some_and(|step| step.parse::<u64>().is_ok());
+    let is_step = record.get(0).is_some_and(|step| step.parse::<u64>().is_ok());
     let is_angle = |at: usize| is_step && (3..3 + joints).contains(&at);
     let fields = record.iter().enumerate().skip(usize::from(is_step));
     fields
@@ -171,8 +164,7 @@ fn parts<'a>(text: &'a str, syntax: &Syntax) -> Vec<Part<'a>> {
 
 /// Bytes of the number that stands first.
 fn number_length(text: &str) -> Option<usize> {
-    let digits =
-        |text: &str| text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    let digits = |text: &str| text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
     let mut at = usize::from(text.starts_with(['+', '-']));
     let whole = digits(&text[at..]);
     at += whole;
@@ -229,8 +221,7 @@ fn leave_out_angles(parts: &mut [Part<'_>], dialect: &Dialect, syntax: &Syntax, 
 /// 1986, doi:10.1007/BF01840446). All of them where it is longer than [`MOST_EDITS`].
 fn unpaired(planned: &[Statement<'_>], found: &[Statement<'_>]) -> (Vec<usize>, Vec<usize>) {
     let (n, m) = (planned.len() as i32, found.len() as i32);
-    let same =
-        |i: i32, j: i32| i < n && j < m && planned[i as usize].parts == found[j as usize].parts;
+    let same = |i: i32, j: i32| i < n && j < m && planned[i as usize].parts == found[j as usize].parts;
     // For each number of edits: how far into `planned` they lead on each diagonal, place in `planned`
     // less place in `found`.
     let mut rounds: Vec<Vec<i32>> = Vec::new();
@@ -244,11 +235,7 @@ fn unpaired(planned: &[Statement<'_>], found: &[Statement<'_>]) -> (Vec<usize>, 
         let planned_passed = far(rounds, edits - 1, diagonal - 1) + 1;
         let found_passed = far(rounds, edits - 1, diagonal + 1);
         let is_there = planned_passed <= n && planned_passed > found_passed;
-        if is_there || found_passed - diagonal > m {
-            (planned_passed, true)
-        } else {
-            (found_passed, false)
-        }
+        if is_there || found_passed - diagonal > m { (planned_passed, true) } else { (found_passed, false) }
     };
     let mut edits = 0;
     loop {

@@ -19,24 +19,17 @@ pub fn marker(kind: MoveKind, posture: &str, width: usize) -> String {
 /// Kind and name in such a comment.
 pub fn marked(comment: &str) -> Option<(MoveKind, String)> {
     let (word, name) = comment.trim().split_once(' ')?;
-    let kind = MoveKind::ALL
-        .into_iter()
-        .find(|kind| kind.as_str() == word)?;
+    let kind = MoveKind::ALL.into_iter().find(|kind| kind.as_str() == word)?;
     Some((kind, name.trim().to_string()))
 }
 
 /// Decimals of the angles in degrees: as few as lose nothing, two at least, `most` at most.
 pub fn decimals(program: &Program, most: usize) -> usize {
-    let angles: Vec<f64> = program
-        .moves()
-        .flat_map(|m| m.q.iter().map(|a| rad_to_deg(*a)))
-        .collect();
+    let angles: Vec<f64> = program.moves().flat_map(|m| m.q.iter().map(|a| rad_to_deg(*a))).collect();
     let exact = |digits: usize| {
         let factor = 10f64.powi(digits as i32);
         // Degrees of an angle in radians are off by the last bits.
-        angles
-            .iter()
-            .all(|a| (a * factor - (a * factor).round()).abs() < 1e-7)
+        angles.iter().all(|a| (a * factor - (a * factor).round()).abs() < 1e-7)
     };
     (2..most).find(|digits| exact(*digits)).unwrap_or(most)
 }

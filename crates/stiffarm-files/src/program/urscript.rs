@@ -39,10 +39,7 @@ pub const URSCRIPT: Dialect = Dialect {
         marker: |named| format!("  # {named}"),
         movement: |to| {
             // Of the degrees that stand beside them; two more decimals than those need.
-            let radians = to
-                .values
-                .iter()
-                .map(|value| deg_to_rad(value.parse().unwrap_or(f64::NAN)));
+            let radians = to.values.iter().map(|value| deg_to_rad(value.parse().unwrap_or(f64::NAN)));
             let radians: Vec<String> = radians.map(|angle| fixed(angle, 8)).collect();
             let speed = deg_to_rad(FULL_SPEED) * f64::from(to.speed_percent) / 100.0;
             let radians = radians.join(", ");
@@ -53,9 +50,7 @@ pub const URSCRIPT: Dialect = Dialect {
         },
         wait: |text| {
             let said = said(text, usize::MAX).concat();
-            vec![format!(
-                "  popup(\"{said}\", title=\"stiffarm\", blocking=True)"
-            )]
+            vec![format!("  popup(\"{said}\", title=\"stiffarm\", blocking=True)")]
         },
         read,
         joint_move: "movej",
@@ -83,16 +78,7 @@ pub const URSCRIPT: Dialect = Dialect {
             "teach_mode",
             "tool_contact",
         ],
-        branches: &[
-            "while",
-            "if",
-            "elif",
-            "for",
-            "thread",
-            "force_mode",
-            "screw_driving",
-            "move_until_contact",
-        ],
+        branches: &["while", "if", "elif", "for", "thread", "force_mode", "screw_driving", "move_until_contact"],
         procedures: Some(PROCEDURES),
         poses: Some(PoseForm {
             convention: Convention::Ur,
@@ -110,12 +96,8 @@ pub const URSCRIPT: Dialect = Dialect {
                 lines: |to| {
                     vec![match to.number {
                         1 => {
-                            let radians = to
-                                .angles
-                                .iter()
-                                .map(|angle| deg_to_rad(angle.parse().unwrap_or(f64::NAN)));
-                            let radians: Vec<String> =
-                                radians.map(|angle| fixed(angle, 8)).collect();
+                            let radians = to.angles.iter().map(|angle| deg_to_rad(angle.parse().unwrap_or(f64::NAN)));
+                            let radians: Vec<String> = radians.map(|angle| fixed(angle, 8)).collect();
                             format!("  movej([{}], a={ACCELERATION}, v=0.1)", radians.join(", "))
                         }
                         _ => format!(
@@ -163,12 +145,8 @@ fn call<'a>(statement: &Cursor<'a>) -> Option<&'a str> {
 }
 
 /// The words of moves of a tool path.
-const MOVES: [(&str, Motion); 4] = [
-    ("movel", Motion::Linear),
-    ("movep", Motion::Linear),
-    ("movec", Motion::Circular),
-    ("movej", Motion::Joint),
-];
+const MOVES: [(&str, Motion); 4] =
+    [("movel", Motion::Linear), ("movep", Motion::Linear), ("movec", Motion::Circular), ("movej", Motion::Joint)];
 
 fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     if line.passes("#") {
@@ -187,15 +165,9 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         reader.at_feed(feed(line.rest()));
         let rest: String = line.rest().split_whitespace().collect();
         if motion == Motion::Circular
-            && (rest.contains("mode=1")
-                || rest
-                    .split(',')
-                    .nth(4)
-                    .is_some_and(|mode| mode.starts_with('1')))
+            && (rest.contains("mode=1") || rest.split(',').nth(4).is_some_and(|mode| mode.starts_with('1')))
         {
-            return Err(line.wrong_here(
-                "An arc that turns the tool along with it (mode=1) is not read here.",
-            ));
+            return Err(line.wrong_here("An arc that turns the tool along with it (mode=1) is not read here."));
         }
     } else if reader.is_path && line.word("set_tcp") {
         line.expect("(")?;
@@ -256,10 +228,7 @@ fn feed(rest: &str) -> Option<f64> {
     for (at, part) in parts.enumerate() {
         let (name, value) = part.split_once('=').unwrap_or(("", part));
         let named = ["a", "v", "t"].iter().position(|own| *own == name.trim());
-        if let Some(own) = given
-            .get_mut(named.unwrap_or(at))
-            .filter(|_| named.is_some() || name.is_empty())
-        {
+        if let Some(own) = given.get_mut(named.unwrap_or(at)).filter(|_| named.is_some() || name.is_empty()) {
             *own = value.trim().parse::<f64>().ok();
         }
     }
@@ -317,13 +286,9 @@ fn parameter(line: &mut Cursor<'_>) -> Result<Option<u8>> {
     let percent = (rad_to_deg(value) / FULL_SPEED * 100.0).round();
     match key {
         "v" if (1.0..=100.0).contains(&percent) => Ok(Some(percent as u8)),
-        "v" => Err(place.wrong_here(format!(
-            "The speed must lie between 1 and 100 per cent of {FULL_SPEED} deg/s."
-        ))),
+        "v" => Err(place.wrong_here(format!("The speed must lie between 1 and 100 per cent of {FULL_SPEED} deg/s."))),
         "a" => Ok(None),
         "t" | "r" if value == 0.0 => Ok(None),
-        _ => Err(place.wrong_here(format!(
-            "`{key}` is not read here: the move has a time, or does not end at rest."
-        ))),
+        _ => Err(place.wrong_here(format!("`{key}` is not read here: the move has a time, or does not end at rest."))),
     }
 }

@@ -12,15 +12,9 @@ use super::{Program, ProgramFile, ProgramOptions, Step};
 use stiffarm::units::rad_to_deg;
 
 /// The files of `program`.
-pub fn write(
-    program: &Program,
-    dialect: &Dialect,
-    syntax: &Syntax,
-    options: &ProgramOptions,
-) -> Vec<ProgramFile> {
+pub fn write(program: &Program, dialect: &Dialect, syntax: &Syntax, options: &ProgramOptions) -> Vec<ProgramFile> {
     let tool = options.tool.as_deref().or(dialect.tool.default());
-    let (body, points) =
-        lines_of_steps(program, dialect, syntax, options, tool.unwrap_or_default());
+    let (body, points) = lines_of_steps(program, dialect, syntax, options, tool.unwrap_or_default());
     let moves = program.moves().count().to_string();
     let lists: [(&str, Vec<String>); 5] = [
         ("{header}", header(program, dialect, syntax.comment_width)),
@@ -32,42 +26,23 @@ pub fn write(
     let files = syntax.files.iter();
     files
         .map(|(extension, template)| {
-            let words = [
-                ("{name}", program.name.as_str()),
-                ("{moves}", &moves),
-                ("{what}", "plan"),
-                ("{base}", "0"),
-            ];
-            let name = if syntax.small_file_names {
-                program.name.to_ascii_lowercase()
-            } else {
-                program.name.clone()
-            };
-            ProgramFile {
-                name: format!("{name}.{extension}"),
-                text: filled(template, &words, &lists, syntax.line_end),
-            }
+            let words = [("{name}", program.name.as_str()), ("{moves}", &moves), ("{what}", "plan"), ("{base}", "0")];
+            let name = if syntax.small_file_names { program.name.to_ascii_lowercase() } else { program.name.clone() };
+            ProgramFile { name: format!("{name}.{extension}"), text: filled(template, &words, &lists, syntax.line_end) }
         })
         .collect()
 }
 
 /// A template with its words, and with its lines that hold a list once for each line of it.
-pub fn filled(
-    template: &str,
-    words: &[(&str, &str)],
-    lists: &[(&str, Vec<String>)],
-    line_end: &str,
-) -> String {
+pub fn filled(template: &str, words: &[(&str, &str)], lists: &[(&str, Vec<String>)], line_end: &str) -> String {
     let lines = template.lines().map(|line| {
         let replaced = |line: String, (place, word): &(&str, &str)| line.replace(place, word);
         words.iter().fold(line.to_string(), replaced)
     });
-    let lines = lines.flat_map(
-        |line| match lists.iter().find(|(place, _)| line.contains(place)) {
-            Some((place, list)) => list.iter().map(|own| line.replace(place, own)).collect(),
-            None => vec![line],
-        },
-    );
+    let lines = lines.flat_map(|line| match lists.iter().find(|(place, _)| line.contains(place)) {
+        Some((place, list)) => list.iter().map(|own| line.replace(place, own)).collect(),
+        None => vec![line],
+    });
     let lines = numbered(lines.collect()).into_iter();
     lines.map(|line| line + line_end).collect()
 }
@@ -93,23 +68,11 @@ fn lines_of_steps(
         };
         moves += 1;
         let degrees = options.to_controller(&target.q).into_iter().map(rad_to_deg);
-        let values = match options
-            .pulses_per_degree
-            .as_ref()
-            .filter(|_| dialect.in_pulses)
-        {
-            Some(scales) => degrees
-                .zip(scales)
-                .map(|(angle, scale)| fixed(angle * scale, 0))
-                .collect(),
+        let values = match options.pulses_per_degree.as_ref().filter(|_| dialect.in_pulses) {
+            Some(scales) => degrees.zip(scales).map(|(angle, scale)| fixed(angle * scale, 0)).collect(),
             None => degrees.map(|angle| fixed(angle, decimals)).collect(),
         };
-        let to = Target {
-            label: (syntax.label)(moves),
-            values,
-            speed_percent: target.speed_percent,
-            tool,
-        };
+        let to = Target { label: (syntax.label)(moves), values, speed_percent: target.speed_percent, tool };
         let named = marker(target.kind, &target.name, syntax.name_width);
         body.push((syntax.marker)(&named));
         if speed.replace(to.speed_percent) != Some(to.speed_percent) {
@@ -152,8 +115,5 @@ fn numbered(lines: Vec<String>) -> Vec<String> {
         })
         .collect();
     let count = count.to_string();
-    lines
-        .into_iter()
-        .map(|line| line.replace("{count}", &count))
-        .collect()
+    lines.into_iter().map(|line| line.replace("{count}", &count)).collect()
 }

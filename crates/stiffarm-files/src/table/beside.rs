@@ -85,10 +85,9 @@ impl Beside {
             set: None,
         };
         match self {
-            Beside::Station => Facts {
-                get: |given| given.station.map(Field::Name),
-                ..facts(&["station"], Quantity::Name, "station")
-            },
+            Beside::Station => {
+                Facts { get: |given| given.station.map(Field::Name), ..facts(&["station"], Quantity::Name, "station") }
+            }
             Beside::Force => Facts {
                 of_displacements: true,
                 get: |given| given.wrench.map(|wrench| Field::Numbers(wrench.force)),
@@ -99,10 +98,7 @@ impl Beside {
                 get: |given| given.wrench.map(|wrench| Field::Numbers(wrench.moment)),
                 ..facts(&["mx", "my", "mz"], Quantity::Moment, "moment")
             },
-            Beside::Load => Facts {
-                get: |given| given.load.map(one),
-                ..facts(&["load"], Quantity::Force, "load")
-            },
+            Beside::Load => Facts { get: |given| given.load.map(one), ..facts(&["load"], Quantity::Force, "load") },
             Beside::Time => Facts {
                 of_displacements: true,
                 get: |given| given.time.or_else(|| given.reading?.time).map(one),

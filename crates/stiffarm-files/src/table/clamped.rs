@@ -33,9 +33,7 @@ fn turn() -> [Known; 3] {
 /// `dq1` to `dqn`.
 fn differences(joints: usize) -> Vec<Known> {
     let stems = (1..=joints).map(|j| format!("dq{j}"));
-    stems
-        .map(|stem| Known::of(stem, Quantity::Angle, "dq"))
-        .collect()
+    stems.map(|stem| Known::of(stem, Quantity::Angle, "dq")).collect()
 }
 
 /// Reads clamped postures from a table with one row per posture and load state;
@@ -68,22 +66,12 @@ pub fn read_clamped(
     read(&table, cell, postures).map_err(|error| table.with_aside(error))
 }
 
-fn read(
-    table: &Table<'_>,
-    cell: &Cell,
-    postures: Option<&[Posture]>,
-) -> Result<Vec<ClampedPosture>> {
+fn read(table: &Table<'_>, cell: &Cell, postures: Option<&[Posture]>) -> Result<Vec<ClampedPosture>> {
     let columns = Columns::of(table, cell, postures.is_some())?;
     let rows = table.rows()?;
-    let reader = Reader {
-        table,
-        columns: &columns,
-        cell,
-    };
+    let reader = Reader { table, columns: &columns, cell };
     if columns.differences.is_some() {
-        rows.iter()
-            .map(|row| reader.difference(row, postures))
-            .collect()
+        rows.iter().map(|row| reader.difference(row, postures)).collect()
     } else {
         reader.states(&rows)
     }
@@ -95,13 +83,7 @@ pub fn write_clamped(clamped: &[ClampedPosture], robot: &Robot) -> String {
     let joints = robot.joint_count();
     let moves = clamped.iter().any(|c| c.fixture_motion.is_some());
     let mut heading: Vec<String> = ["posture", "state"].map(String::from).to_vec();
-    heading.extend(
-        Beside::Force
-            .known()
-            .iter()
-            .chain(&Beside::Moment.known())
-            .map(Known::heading),
-    );
+    heading.extend(Beside::Force.known().iter().chain(&Beside::Moment.known()).map(Known::heading));
     heading.extend(differences(joints).iter().map(Known::heading));
     if moves {
         heading.extend(shift().iter().chain(&turn()).map(Known::heading));
@@ -215,8 +197,7 @@ impl Reader<'_> {
         let name = table.name(row, columns.posture)?;
         let state = table.name(row, columns.state)?;
         if Role::of(state) != Role::Loaded {
-            let message =
-                "A row of differences is loaded minus unloaded; it has no unloaded state.";
+            let message = "A row of differences is loaded minus unloaded; it has no unloaded state.";
             return Err(table
                 .error(row, columns.state.at, Code::TableRow, message)
                 .hint("leave the row out, or give the angles of each state as q1_deg … without dq1_deg …"));
@@ -240,10 +221,7 @@ impl Reader<'_> {
         Ok(ClampedPosture {
             wrench: self.on_robot(&q, &read),
             preload: None,
-            posture: Posture {
-                name: name.to_string(),
-                q,
-            },
+            posture: Posture { name: name.to_string(), q },
             state: state.to_string(),
             motor,
             reference: None,
@@ -253,10 +231,7 @@ impl Reader<'_> {
 
     /// Rows of states, taken against the reference of their posture.
     fn states(&self, rows: &[Row<'_>]) -> Result<Vec<ClampedPosture>> {
-        let read = rows
-            .iter()
-            .map(|row| self.state(row))
-            .collect::<Result<Vec<State<'_>>>>()?;
+        let read = rows.iter().map(|row| self.state(row)).collect::<Result<Vec<State<'_>>>>()?;
         let mut out = Vec::new();
         for loaded in read.iter().filter(|s| s.role == Role::Loaded) {
             let of = |role: Role| -> Vec<&State<'_>> {
@@ -269,10 +244,7 @@ impl Reader<'_> {
             } else {
                 let mut own = self.against(loaded, &preload)?;
                 let [light, none] = [&preload, &unloaded].map(|states| mean_wrench(states));
-                let read = Wrench {
-                    force: light.force - none.force,
-                    moment: light.moment - none.moment,
-                };
+                let read = Wrench { force: light.force - none.force, moment: light.moment - none.moment };
                 // On the flange the weight of the tool is in it, unless it was read unloaded.
                 let on_flange = self.cell.sensor.as_ref().map(|s| s.mount) == Some(Mount::Flange);
                 let is_known = !on_flange || unloaded.iter().any(|state| state.wrench.is_some());
@@ -285,9 +257,7 @@ impl Reader<'_> {
         }
         if let (true, Some(first)) = (out.is_empty(), read.first()) {
             let message = "The table has no loaded state.";
-            let error = self
-                .table
-                .error(first.row, self.columns.state.at, Code::TableRow, message);
+            let error = self.table.error(first.row, self.columns.state.at, Code::TableRow, message);
             return Err(error.hint("states named unloaded… and preload… are references"));
         }
         Ok(out)
@@ -323,9 +293,7 @@ impl Reader<'_> {
         }
         let count = reference.len() as f64;
         let joints = loaded.q.len();
-        let q: Vec<f64> = (0..joints)
-            .map(|j| reference.iter().map(|r| r.q[j]).sum::<f64>() / count)
-            .collect();
+        let q: Vec<f64> = (0..joints).map(|j| reference.iter().map(|r| r.q[j]).sum::<f64>() / count).collect();
         let positions = self.columns.angles.as_deref().unwrap_or_default();
         let motor = (0..joints)
             .map(|j| self.give(loaded.row, positions[j], loaded.q[j] - q[j]))
@@ -337,18 +305,11 @@ impl Reader<'_> {
             read.force -= before.force / count;
             read.moment -= before.moment / count;
         }
-        let before = reference
-            .iter()
-            .filter_map(|r| r.motion)
-            .sum::<Vector6<f64>>()
-            / count;
+        let before = reference.iter().filter_map(|r| r.motion).sum::<Vector6<f64>>() / count;
         Ok(ClampedPosture {
             wrench: self.on_robot(&q, &read),
             preload: None,
-            posture: Posture {
-                name: loaded.posture.to_string(),
-                q,
-            },
+            posture: Posture { name: loaded.posture.to_string(), q },
             state: loaded.state.to_string(),
             motor,
             // All states of a posture are taken against the same mean.
@@ -361,8 +322,7 @@ impl Reader<'_> {
     fn give(&self, row: &Row, column: Column, angle: f64) -> Result<f64> {
         let degrees = rad_to_deg(angle);
         if degrees.abs() > LARGEST_GIVE_DEG {
-            let message =
-                format!("The joint gives way by {degrees:.3}°: no spring of a robot does that.");
+            let message = format!("The joint gives way by {degrees:.3}°: no spring of a robot does that.");
             return Err(self
                 .table
                 .error(row, column.at, Code::TableRow, message)
@@ -378,16 +338,12 @@ impl Reader<'_> {
         if force.iter().chain(moment).all(blank) {
             return Ok(None);
         }
-        Ok(Some(Wrench {
-            force: self.table.vector(row, force)?,
-            moment: self.table.vector(row, moment)?,
-        }))
+        Ok(Some(Wrench { force: self.table.vector(row, force)?, moment: self.table.vector(row, moment)? }))
     }
 
     fn no_wrench(&self, row: &Row) -> Error {
         let message = "A loaded state needs force and moment.";
-        self.table
-            .error(row, self.columns.force[0].at, Code::TableRow, message)
+        self.table.error(row, self.columns.force[0].at, Code::TableRow, message)
     }
 
     /// How the clamp moved: \[shift (m); turn (rad)\].
@@ -397,9 +353,7 @@ impl Reader<'_> {
         };
         let shift = self.table.vector(row, shift)?;
         let turn = self.table.vector(row, turn)?;
-        Ok(Some(Vector6::new(
-            shift.x, shift.y, shift.z, turn.x, turn.y, turn.z,
-        )))
+        Ok(Some(Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)))
     }
 
     /// The wrench on the robot at the loading point, base axes.

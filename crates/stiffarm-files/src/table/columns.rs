@@ -27,12 +27,7 @@ pub(super) struct MeasurementColumns {
 }
 
 impl MeasurementColumns {
-    pub(super) fn of(
-        table: &Table<'_>,
-        cell: &Cell,
-        values: Values,
-        has_postures: bool,
-    ) -> Result<Self> {
+    pub(super) fn of(table: &Table<'_>, cell: &Cell, values: Values, has_postures: bool) -> Result<Self> {
         let joints = cell.setup.robot.joint_count();
         let found = table.check_heading(&values.known(joints), joints)?;
         let fault = |column: Option<Column>, code: Code, message: &str, hint: &str| {
@@ -43,9 +38,7 @@ impl MeasurementColumns {
             Values::Positions => {
                 "a table of readings has the columns posture, state, point, x_mm, y_mm, z_mm; one without names is read beside the sheet in whose order it was taken: give both"
             }
-            Values::Displacements => {
-                "a table of displacements has the columns posture, point, dx_mm, dy_mm, dz_mm"
-            }
+            Values::Displacements => "a table of displacements has the columns posture, point, dx_mm, dy_mm, dz_mm",
         };
         let hint = hint.to_string() + &unmatched(table, cell, &values.known(joints));
         let posture = found.require(&Known::name("posture"), &hint)?;
@@ -60,11 +53,7 @@ impl MeasurementColumns {
             let columns = found.all_or_none(&own.known(), &own.hint())?;
             beside.extend(columns.map(|columns| (own, columns)));
         }
-        let first = |own| {
-            beside
-                .get(&own)
-                .and_then(|columns| columns.first().copied())
-        };
+        let first = |own| beside.get(&own).and_then(|columns| columns.first().copied());
         let force = first(Beside::Force);
         if force.is_none() && cell.setup.load == Load::Measured {
             let message = "The cell's load is measured, but the table has no forces.";
@@ -86,13 +75,9 @@ impl MeasurementColumns {
             let hint = "add fx_n, fy_n, fz_n (zeros where a pure moment acts)";
             return fault(Some(moment), Code::TableHeading, message, hint);
         }
-        if let (Some(load), false) = (
-            first(Beside::Load),
-            cell.setup.load.each().any(|l| l.size().is_some()),
-        ) {
+        if let (Some(load), false) = (first(Beside::Load), cell.setup.load.each().any(|l| l.size().is_some())) {
             let message = "Only a rope, a cylinder with anchor_mm or a weight has one force per state, and the cell's load is none.";
-            let hint =
-                "give fx_n, fy_n, fz_n, or set load.kind to \"rope\", \"cylinder\" or \"weight\"";
+            let hint = "give fx_n, fy_n, fz_n, or set load.kind to \"rope\", \"cylinder\" or \"weight\"";
             return fault(Some(load), Code::Conflict, message, hint);
         }
         let angle_columns: Vec<Known> = Known::angles(joints).collect();
@@ -100,19 +85,10 @@ impl MeasurementColumns {
         let angles = found.all_or_none(&angle_columns, &hint)?;
         if angles.is_none() && !has_postures {
             let message = "The table has no controller angles.";
-            let hint = format!(
-                "add q1_deg to q{joints}_deg, or give the posture file whose names the table uses"
-            );
+            let hint = format!("add q1_deg to q{joints}_deg, or give the posture file whose names the table uses");
             return fault(None, Code::TableHeading, message, &hint);
         }
-        Ok(MeasurementColumns {
-            posture,
-            state,
-            point,
-            vector,
-            beside,
-            angles,
-        })
+        Ok(MeasurementColumns { posture, state, point, vector, beside, angles })
     }
 
     /// The columns of a quantity; none where the table has not got it.
@@ -151,13 +127,7 @@ impl MeasurementColumns {
 
     /// Refuses a loaded state that belongs to none of the cell's load cases; the number of the
     /// one it belongs to, 0 where there is a single load.
-    pub(super) fn load_case(
-        &self,
-        table: &Table<'_>,
-        row: &Row,
-        cell: &Cell,
-        state: &str,
-    ) -> Result<usize> {
+    pub(super) fn load_case(&self, table: &Table<'_>, row: &Row, cell: &Cell, state: &str) -> Result<usize> {
         if Role::of(state) != Role::Loaded {
             return Ok(0);
         }
@@ -185,16 +155,10 @@ impl MeasurementColumns {
 
     /// Refuses a row of a posture, `of`, that is read from another station than the row `first`, or a table that names
     /// the station of one and not of the other.
-    pub(super) fn same_station(
-        &self,
-        table: &Table<'_>,
-        [first, row]: [&Row<'_>; 2],
-        of: Option<&str>,
-    ) -> Result<()> {
-        let (Some(column), [before, own]) = (
-            self.only(Beside::Station),
-            [self.station(table, first)?, self.station(table, row)?],
-        ) else {
+    pub(super) fn same_station(&self, table: &Table<'_>, [first, row]: [&Row<'_>; 2], of: Option<&str>) -> Result<()> {
+        let (Some(column), [before, own]) =
+            (self.only(Beside::Station), [self.station(table, first)?, self.station(table, row)?])
+        else {
             return Ok(());
         };
         let shown = |name: &Option<String>| match name {
@@ -214,18 +178,11 @@ impl MeasurementColumns {
             ),
             None if before.is_some() == own.is_some() => return Ok(()),
             _ => (
-                format!(
-                    "This row is read {}, line {} {}.",
-                    shown(&own),
-                    first.line,
-                    shown(&before)
-                ),
+                format!("This row is read {}, line {} {}.", shown(&own), first.line, shown(&before)),
                 "name the station of every posture, or leave the column out where the tracker stood in one place",
             ),
         };
-        Err(table
-            .error(row, column.at, Code::Conflict, message)
-            .hint(hint))
+        Err(table.error(row, column.at, Code::Conflict, message).hint(hint))
     }
 
     /// Time \[s\], where the row has one.
@@ -235,12 +192,7 @@ impl MeasurementColumns {
     }
 
     /// Takes what the row says beside its position into `reading`.
-    pub(super) fn complete(
-        &self,
-        table: &Table<'_>,
-        row: &Row,
-        reading: &mut Reading,
-    ) -> Result<()> {
+    pub(super) fn complete(&self, table: &Table<'_>, row: &Row, reading: &mut Reading) -> Result<()> {
         for (own, columns) in &self.beside {
             let is_blank = columns.iter().all(|column| table.is_blank(row, *column));
             let Some(set) = own.setter().filter(|_| !is_blank) else {
@@ -264,10 +216,7 @@ impl MeasurementColumns {
         if force.is_empty() {
             return Ok(None);
         }
-        Ok(Some(Wrench {
-            force: table.vector(row, force)?,
-            moment: table.vector(row, moment)?,
-        }))
+        Ok(Some(Wrench { force: table.vector(row, force)?, moment: table.vector(row, moment)? }))
     }
 
     /// True where all fields of force and moment are empty.
@@ -278,16 +227,9 @@ impl MeasurementColumns {
     }
 
     /// The row's own controller angles \[rad\], inside the machine's limits.
-    pub(super) fn own_angles(
-        &self,
-        table: &Table<'_>,
-        row: &Row,
-        cell: &Cell,
-    ) -> Result<Option<Vec<f64>>> {
+    pub(super) fn own_angles(&self, table: &Table<'_>, row: &Row, cell: &Cell) -> Result<Option<Vec<f64>>> {
         let columns = self.angles.as_ref();
-        columns
-            .map(|columns| angles(table, row, columns, &cell.setup.robot))
-            .transpose()
+        columns.map(|columns| angles(table, row, columns, &cell.setup.robot)).transpose()
     }
 
     /// The posture of the posture file that the row names.
@@ -311,13 +253,7 @@ impl MeasurementColumns {
 
     /// Index of the measuring point that the row names; `also` are names that
     /// the table knows beside.
-    pub(super) fn measuring_point(
-        &self,
-        table: &Table<'_>,
-        row: &Row,
-        cell: &Cell,
-        also: &[&str],
-    ) -> Result<usize> {
+    pub(super) fn measuring_point(&self, table: &Table<'_>, row: &Row, cell: &Cell, also: &[&str]) -> Result<usize> {
         let name = table.name(row, self.point)?;
         let tool = &cell.setup.tool;
         if let Some(point) = tool.point_index(name) {
@@ -337,8 +273,7 @@ impl MeasurementColumns {
         let angles = self.angles.iter().flatten();
         let given = [Beside::Force, Beside::Moment, Beside::Load];
         let given = angles.chain(given.iter().flat_map(|own| self.of_beside(*own)));
-        let differs =
-            |column: &Column| table.number(first, *column).ok() != table.number(row, *column).ok();
+        let differs = |column: &Column| table.number(first, *column).ok() != table.number(row, *column).ok();
         let column = given.copied().find(differs).unwrap_or(self.posture);
         let shown = |row: &Row| match row.fields[column.at].text.as_str() {
             "" => "An empty field".to_string(),
@@ -350,9 +285,9 @@ impl MeasurementColumns {
             shown(first).replace("An empty", "an empty"),
             first.line
         );
-        table.error(row, column.at, Code::Conflict, message).hint(
-            "angles and wrench belong to the posture and state: average them, or name another state",
-        )
+        table
+            .error(row, column.at, Code::Conflict, message)
+            .hint("angles and wrench belong to the posture and state: average them, or name another state")
     }
 }
 
@@ -360,21 +295,14 @@ impl MeasurementColumns {
 fn unmatched(table: &Table<'_>, cell: &Cell, known: &[Known]) -> String {
     let missing = |ours: &String| {
         // A path has columns that measurements have not.
-        known
-            .iter()
-            .any(|k| k.headings().any(|heading| heading == *ours))
+        known.iter().any(|k| k.headings().any(|heading| heading == *ours))
             && table.headings.iter().all(|heading| heading.name != *ours)
     };
     let names = cell.columns.names.iter();
-    let names: Vec<String> = names
-        .filter(|(ours, _)| missing(ours))
-        .map(|(_, theirs)| format!("\"{theirs}\""))
-        .collect();
+    let names: Vec<String> =
+        names.filter(|(ours, _)| missing(ours)).map(|(_, theirs)| format!("\"{theirs}\"")).collect();
     if names.is_empty() {
         return String::new();
     }
-    format!(
-        "; [columns] in the cell file looks for {}, which the table has not",
-        names.join(", ")
-    )
+    format!("; [columns] in the cell file looks for {}, which the table has not", names.join(", "))
 }

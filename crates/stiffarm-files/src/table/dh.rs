@@ -22,12 +22,7 @@ const HINT: &str = "a table of rows has the columns joint, alpha_deg, a_mm, d_mm
 /// # Errors
 /// A heading or row that cannot be read, a joint that appears twice, limits the wrong way
 /// round, a sign that is none: with line, column and the column's name.
-pub fn read_dh_rows(
-    bytes: &[u8],
-    file_name: &str,
-    name: &str,
-    convention: DhConvention,
-) -> Result<DhRobot> {
+pub fn read_dh_rows(bytes: &[u8], file_name: &str, name: &str, convention: DhConvention) -> Result<DhRobot> {
     let table = Table::read(bytes, file_name, &Columns::default())?;
     let joint = Known::name("joint");
     let numbers = [
@@ -38,13 +33,7 @@ pub fn read_dh_rows(
     ];
     let limits = ["low", "high"].map(|stem| Known::of(stem, Quantity::Angle, "limits"));
     let sign = Known::of("sign", Quantity::Number, "sign");
-    let known = [
-        std::slice::from_ref(&joint),
-        &numbers,
-        &limits,
-        std::slice::from_ref(&sign),
-    ]
-    .concat();
+    let known = [std::slice::from_ref(&joint), &numbers, &limits, std::slice::from_ref(&sign)].concat();
     let found = table.check_heading(&known, 0)?;
     let joint = found.require(&joint, HINT)?;
     let numbers = numbers.iter().map(|known| found.require(known, HINT));
@@ -67,10 +56,7 @@ pub fn read_dh_rows(
     let mut lines: HashMap<&str, usize> = HashMap::new();
     let rows = table.rows()?;
     if let Some(row) = rows.get(MOST_JOINTS) {
-        let message = format!(
-            "The table has {} joints; at most {MOST_JOINTS} are supported.",
-            rows.len()
-        );
+        let message = format!("The table has {} joints; at most {MOST_JOINTS} are supported.", rows.len());
         return Err(table.error(row, joint.at, Code::Unsupported, message));
     }
     for row in &rows {
@@ -82,20 +68,13 @@ pub fn read_dh_rows(
             *value = table.number(row, *column)?;
         }
         let [alpha, a, d, offset] = values;
-        robot.rows.push(DhRow {
-            alpha,
-            a,
-            d,
-            offset,
-        });
+        robot.rows.push(DhRow { alpha, a, d, offset });
         if let (Some(columns), Some(limits)) = (&with_limits, &mut robot.limits) {
             let low = table.number(row, columns[0])?;
             let high = table.number(row, columns[1])?;
             if low >= high {
                 let [low, high] = [low, high].map(rad_to_deg);
-                let message = format!(
-                    "The lower limit is not below the upper one: {low:.3}° and {high:.3}°."
-                );
+                let message = format!("The lower limit is not below the upper one: {low:.3}° and {high:.3}°.");
                 return Err(table.error(row, columns[1].at, Code::InvalidValue, message));
             }
             limits.push([low, high]);
@@ -116,8 +95,7 @@ const ONE_LENGTH: f64 = 2e-3;
 /// The first two neighbouring axes, counted from 0, that lie on one line: no arm has such.
 fn on_one_line(convention: DhConvention, rows: &[DhRow]) -> Option<usize> {
     let total: f64 = rows.iter().map(|row| row.a.abs() + row.d.abs()).sum();
-    let is_one =
-        |row: &DhRow| row.alpha.sin().abs() < ONE_TWIST && row.a.abs() <= ONE_LENGTH * total;
+    let is_one = |row: &DhRow| row.alpha.sin().abs() < ONE_TWIST && row.a.abs() <= ONE_LENGTH * total;
     convention.between_axes(rows).iter().position(is_one)
 }
 

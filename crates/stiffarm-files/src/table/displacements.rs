@@ -36,8 +36,7 @@ pub(super) fn displacements(
     postures: Option<&[Posture]>,
 ) -> Result<Vec<MeasuredPosture>> {
     let columns = MeasurementColumns::of(table, cell, Values::Displacements, postures.is_some())?;
-    let plan: Option<Plan<'_>> =
-        postures.map(|list| list.iter().map(|p| (p.name.as_str(), p)).collect());
+    let plan: Option<Plan<'_>> = postures.map(|list| list.iter().map(|p| (p.name.as_str(), p)).collect());
     // First row and number of each group, by posture and state.
     let mut first_rows: HashMap<(&str, &str), (&Row<'_>, usize)> = HashMap::new();
     let mut groups: Vec<MeasuredPosture> = Vec::new();
@@ -81,20 +80,12 @@ pub(super) fn displacements(
         let point = displacement.point;
         let before = group.displacements.iter().filter(|d| d.point == point);
         let reference = first_reference + before.count() as u32;
-        group.displacements.push(Displacement {
-            reference: vec![ReferencePart::reading(reference)],
-            ..displacement
-        });
+        group.displacements.push(Displacement { reference: vec![ReferencePart::reading(reference)], ..displacement });
     }
     Ok(groups)
 }
 
-fn displacement(
-    columns: &MeasurementColumns,
-    table: &Table<'_>,
-    row: &Row,
-    cell: &Cell,
-) -> Result<Displacement> {
+fn displacement(columns: &MeasurementColumns, table: &Table<'_>, row: &Row, cell: &Cell) -> Result<Displacement> {
     let name = table.name(row, columns.point)?;
     if ReadingTarget::is_base_name(name) {
         let message = "A reflector on the base has no displacement of its own.";
@@ -104,10 +95,7 @@ fn displacement(
         ));
     }
     let point = columns.measuring_point(table, row, cell, &[])?;
-    Ok(Displacement {
-        time: columns.time(table, row)?,
-        ..Displacement::new(point, columns.vector(table, row)?)
-    })
+    Ok(Displacement { time: columns.time(table, row)?, ..Displacement::new(point, columns.vector(table, row)?) })
 }
 
 /// Angles of the table or of the posture file, which must agree.

@@ -104,20 +104,8 @@ impl<'a> Table<'a> {
                 let same = |other: &String| normal(other) == given;
                 let ours = foreign.names.iter().find(|(_, theirs)| same(theirs));
                 let ours = ours.map(|(ours, _)| ours.clone());
-                let name = || {
-                    foreign
-                        .name
-                        .as_ref()
-                        .filter(|n| same(n))
-                        .map(|_| NAME.into())
-                };
-                let date = || {
-                    foreign
-                        .date
-                        .as_ref()
-                        .filter(|d| same(d))
-                        .map(|_| DATE.into())
-                };
+                let name = || foreign.name.as_ref().filter(|n| same(n)).map(|_| NAME.into());
+                let date = || foreign.date.as_ref().filter(|d| same(d)).map(|_| DATE.into());
                 Heading {
                     ignored: foreign.ignore.iter().any(same)
                         || by_place.contains(&at)
@@ -137,9 +125,7 @@ impl<'a> Table<'a> {
         }
         let left_out = headings.iter().enumerate();
         let left_out = left_out.filter(|(at, _)| by_place.contains(at));
-        let left_out: Vec<(usize, &str)> = left_out
-            .map(|(at, heading)| (at, heading.shown.as_str()))
-            .collect();
+        let left_out: Vec<(usize, &str)> = left_out.map(|(at, heading)| (at, heading.shown.as_str())).collect();
         let remarks = left_out_by_place(&left_out, file);
         rows.drop_empty_ends(headings.len());
         Table {
@@ -147,12 +133,7 @@ impl<'a> Table<'a> {
             style,
             rows,
             headings,
-            foreign: foreign
-                .names
-                .values()
-                .chain(&foreign.ignore)
-                .cloned()
-                .collect(),
+            foreign: foreign.names.values().chain(&foreign.ignore).cloned().collect(),
             aside: None,
             delimiter: ',',
             has_quoted_decimals: false,
@@ -175,9 +156,7 @@ impl<'a> Table<'a> {
     pub(super) fn has_decimal_commas(&self) -> bool {
         let mut fields = self.rows.below().flat_map(|row| row.fields);
         self.delimiter != ','
-            && fields.any(|field| {
-                field.text.replacen(',', ".", 1).parse::<f64>().is_ok() && field.text.contains(',')
-            })
+            && fields.any(|field| field.text.replacen(',', ".", 1).parse::<f64>().is_ok() && field.text.contains(','))
     }
 
     /// The rows, each with one field per column. The heading is checked
@@ -210,9 +189,7 @@ impl<'a> Table<'a> {
                 .line(row.line, held.map(|field| field.column as usize))
                 .hint("give its column a heading, or empty the cell"));
         }
-        let comma = (self.style == Style::Commas && found > expected)
-            .then(|| self.decimal_comma(row.fields))
-            .flatten();
+        let comma = (self.style == Style::Commas && found > expected).then(|| self.decimal_comma(row.fields)).flatten();
         if let Some(at) = comma {
             let (whole, fraction) = (&row.fields[at].text, &row.fields[at + 1].text);
             let message = format!(
@@ -222,14 +199,10 @@ impl<'a> Table<'a> {
             return Err(Error::new(Code::DecimalComma, message)
                 .file(self.file(row))
                 .line(row.line, Some(row.fields[at].column as usize))
-                .hint(format!(
-                    "write {whole}.{fraction}, or separate the columns with semicolons"
-                )));
+                .hint(format!("write {whole}.{fraction}, or separate the columns with semicolons")));
         }
         let message = format!("Fields in this row: {found}; columns in the heading: {expected}.");
-        let error = Error::new(Code::TableRow, message)
-            .file(self.file(row))
-            .line(row.line, None);
+        let error = Error::new(Code::TableRow, message).file(self.file(row)).line(row.line, None);
         Err(if row.open_quote {
             error.hint("a quotation mark is not closed on this line")
         } else if self.by_order {
@@ -242,13 +215,7 @@ impl<'a> Table<'a> {
     }
 
     /// An error at a field.
-    pub(super) fn error(
-        &self,
-        row: &Row,
-        column: usize,
-        code: Code,
-        message: impl Into<String>,
-    ) -> Error {
+    pub(super) fn error(&self, row: &Row, column: usize, code: Code, message: impl Into<String>) -> Error {
         Error::new(code, message)
             .file(self.file(row))
             .line(row.line, Some(row.fields[column].column as usize))
@@ -265,22 +232,13 @@ impl<'a> Table<'a> {
     }
 
     /// An error at the heading.
-    pub(super) fn heading_error(
-        &self,
-        column: Option<usize>,
-        code: Code,
-        message: impl Into<String>,
-    ) -> Error {
+    pub(super) fn heading_error(&self, column: Option<usize>, code: Code, message: impl Into<String>) -> Error {
         let error = Error::new(code, message).file(self.files[0]);
         let Some(heading) = column.map(|column| &self.headings[column]) else {
             return error.line(self.heading_line(), None);
         };
         let error = error.line(self.heading_line(), Some(heading.column));
-        if heading.shown.is_empty() {
-            error
-        } else {
-            error.key(heading.shown.as_str())
-        }
+        if heading.shown.is_empty() { error } else { error.key(heading.shown.as_str()) }
     }
 
     /// The error with what a reader should know whose heading is none of a table.
@@ -325,8 +283,7 @@ impl<'a> Table<'a> {
             }
             Entry::Occupied(entry) => {
                 let (name, first) = (entry.key(), entry.get());
-                let message =
-                    format!("The {what} \"{name}\" appears twice; first on line {first}.");
+                let message = format!("The {what} \"{name}\" appears twice; first on line {first}.");
                 Err(self.error(row, at, Code::Duplicate, message))
             }
         }
@@ -342,13 +299,7 @@ impl<'a> Table<'a> {
         column.filter(|column| !self.is_blank(row, *column))
     }
 
-    pub(super) fn refuse_other(
-        &self,
-        row: &Row,
-        column: Column,
-        wanted: &str,
-        hint: &str,
-    ) -> Result<()> {
+    pub(super) fn refuse_other(&self, row: &Row, column: Column, wanted: &str, hint: &str) -> Result<()> {
         let field = &row.fields[column.at];
         if !field.other {
             return Ok(());
@@ -356,7 +307,9 @@ impl<'a> Table<'a> {
         let message = format!("The cell holds {}; it must be {wanted}.", field.text);
         let error = self.error(row, column.at, Code::TableRow, message);
         Err(if field.text.starts_with(OPEN_FORMULA) {
-            error.hint("open the workbook in a spreadsheet program and save it, or write the value instead of the formula")
+            error.hint(
+                "open the workbook in a spreadsheet program and save it, or write the value instead of the formula",
+            )
         } else {
             error.hint(format!("{hint}, and enter the value again"))
         })
@@ -373,17 +326,11 @@ impl<'a> Table<'a> {
         }
         // Where other numbers have a point, one field too many is no fraction.
         let excess = fields.len() - self.headings.len();
-        if excess == 1
-            && fields
-                .iter()
-                .skip(first)
-                .any(|field| field.text.contains('.'))
-        {
+        if excess == 1 && fields.iter().skip(first).any(|field| field.text.contains('.')) {
             return None;
         }
         let digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
         let whole = |text: &str| digits(text.trim_start_matches(['+', '-']));
-        (first..fields.len().saturating_sub(1))
-            .find(|&i| whole(&fields[i].text) && digits(&fields[i + 1].text))
+        (first..fields.len().saturating_sub(1)).find(|&i| whole(&fields[i].text) && digits(&fields[i + 1].text))
     }
 }

@@ -26,11 +26,7 @@ impl Known {
     }
 
     pub(super) fn of(stem: impl Into<String>, quantity: Quantity, group: &'static str) -> Self {
-        Known {
-            stem: stem.into(),
-            quantity,
-            group,
-        }
+        Known { stem: stem.into(), quantity, group }
     }
 
     /// `q1` to `qn`.
@@ -52,8 +48,7 @@ impl Known {
     pub(super) fn headings(&self) -> impl Iterator<Item = String> {
         let units = self.quantity.units().iter();
         let bare = self.quantity.units().is_empty().then(|| self.stem.clone());
-        bare.into_iter()
-            .chain(units.map(|unit| format!("{}_{}", self.stem, unit.suffix)))
+        bare.into_iter().chain(units.map(|unit| format!("{}_{}", self.stem, unit.suffix)))
     }
 
     /// True for forces, moments and angles, whose names other programs have as well as ours.
@@ -70,10 +65,7 @@ impl Known {
         let suffix = rest.strip_prefix('_')?;
         let mut units = self.quantity.units().iter();
         let unit = *units.find(|unit| unit.suffix == suffix)?;
-        Some(Column {
-            at,
-            unit: Some(unit),
-        })
+        Some(Column { at, unit: Some(unit) })
     }
 }
 
@@ -82,9 +74,7 @@ impl Beside {
     pub(super) fn known(self) -> Vec<Known> {
         let (stems, quantity, group) = self.columns();
         let stems = stems.iter();
-        stems
-            .map(|stem| Known::of(*stem, quantity, group))
-            .collect()
+        stems.map(|stem| Known::of(*stem, quantity, group)).collect()
     }
 }
 
@@ -109,9 +99,7 @@ impl<'a> Table<'a> {
             if is_foreign(known) {
                 hint += "; or say in [columns] of the cell file what the columns are, for example order = [\"name\", \"x_mm\", \"y_mm\", \"z_mm\"], or which software wrote them, for example profile = \"spatialanalyzer\"";
             }
-            return Err(self
-                .heading_error(None, Code::TableHeading, message)
-                .hint(hint));
+            return Err(self.heading_error(None, Code::TableHeading, message).hint(hint));
         }
         let mut columns = BTreeMap::new();
         let mut groups: BTreeMap<&str, Column> = BTreeMap::new();
@@ -126,9 +114,7 @@ impl<'a> Table<'a> {
                 let error = error.hint_if(is_foreign(known).then(|| hint.to_string()));
                 return Err(self.two_rows(known).unwrap_or(error));
             }
-            let found = known
-                .iter()
-                .find_map(|k| k.column(&heading.name, at).map(|column| (k, column)));
+            let found = known.iter().find_map(|k| k.column(&heading.name, at).map(|column| (k, column)));
             let Some((k, column)) = found else {
                 let two_rows = self.two_rows(known);
                 return Err(two_rows.unwrap_or_else(|| self.unknown_column(at, known, joints)));
@@ -145,10 +131,7 @@ impl<'a> Table<'a> {
                 return Err(error.hint(format!("give these {} in one unit", k.quantity.plural())));
             }
         }
-        Ok(Found {
-            table: self,
-            columns,
-        })
+        Ok(Found { table: self, columns })
     }
 
     /// The error of a heading of two rows, `position [mm]` above x, y and z, where it is one.
@@ -170,11 +153,7 @@ impl<'a> Table<'a> {
             let unit = group.rsplit_once(['[', '(']).map_or("", |(_, unit)| unit);
             let unit = unit.trim_end_matches([']', ')']);
             let below = field.text.trim_matches(['[', ']', '(', ')']);
-            let with_unit = [
-                name.clone(),
-                format!("{name} [{unit}]"),
-                format!("{shown} [{below}]"),
-            ];
+            let with_unit = [name.clone(), format!("{name} [{unit}]"), format!("{shown} [{below}]")];
             let own = with_unit.iter().filter_map(|n| own_unit(&normal(n)));
             let bare = known.iter().find(|k| k.stem == name);
             let own = [name.clone()].into_iter().chain(own).find(is_known);
@@ -183,11 +162,7 @@ impl<'a> Table<'a> {
             // What is not understood keeps its place.
             names.push(own.unwrap_or_else(|| [shown, &field.text].join(" ").trim().to_string()));
         }
-        let error = self.heading_error(
-            None,
-            Code::TableHeading,
-            "The heading has two rows; that of a table has one.",
-        );
+        let error = self.heading_error(None, Code::TableHeading, "The heading has two rows; that of a table has one.");
         (found >= 2).then(|| error.hint(format!("write one row: {}", names.join(","))))
     }
 
@@ -196,33 +171,24 @@ impl<'a> Table<'a> {
         if a.name == b.name {
             let message = "The column appears twice.";
             let error = self.heading_error(Some(second.at), Code::TableHeading, message);
-            return if a.shown == b.shown {
-                error
-            } else {
-                error.hint(format!("{} is the same column", a.shown))
-            };
+            return if a.shown == b.shown { error } else { error.hint(format!("{} is the same column", a.shown)) };
         }
         let message = format!("The column appears twice; {} is there already.", a.shown);
-        self.heading_error(Some(second.at), Code::Conflict, message)
-            .hint("keep one of them")
+        self.heading_error(Some(second.at), Code::Conflict, message).hint("keep one of them")
     }
 
     fn unknown_column(&self, column: usize, known: &[Known], joints: usize) -> Error {
         let name = self.headings[column].name.as_str();
-        let error = self.heading_error(
-            Some(column),
-            Code::TableHeading,
-            "The table has no column of this name.",
-        );
+        let error = self.heading_error(Some(column), Code::TableHeading, "The table has no column of this name.");
         if self.headings.len() == 1 {
             let hint = "separate the columns with commas, semicolons or tabs".to_string();
             let shown = &self.headings[0].shown;
             let mut signs = ["//", "%", "!", "*"].into_iter();
             let sign = signs.find(|sign| shown.starts_with(sign));
             return error.hint(match (is_foreign(known), sign) {
-                (true, Some(sign)) => format!(
-                    "where such lines are remarks, write comment = \"{sign}\" into [columns] of the cell file"
-                ),
+                (true, Some(sign)) => {
+                    format!("where such lines are remarks, write comment = \"{sign}\" into [columns] of the cell file")
+                }
                 (true, None) if shown.contains(' ') => {
                     hint + "; where spaces do, write separator = \"space\" into [columns] of the cell file"
                 }
@@ -275,8 +241,7 @@ impl<'a> Table<'a> {
         error.hint(nearest.or(suggested).unwrap_or_else(|| {
             let mut hint = format!("known columns: {}", list(known, ", "));
             if foreign {
-                hint +=
-                    "; [columns] in the cell file maps other headings to these, or ignores them";
+                hint += "; [columns] in the cell file maps other headings to these, or ignores them";
             }
             hint
         }))
@@ -298,9 +263,7 @@ impl Found<'_, '_> {
     pub(super) fn require(&self, known: &Known, hint: &str) -> Result<Column> {
         self.get(&known.stem).ok_or_else(|| {
             let message = format!("The column {} is missing.", known.heading());
-            self.table
-                .heading_error(None, Code::TableHeading, message)
-                .hint(hint)
+            self.table.heading_error(None, Code::TableHeading, message).hint(hint)
         })
     }
 
@@ -343,9 +306,7 @@ fn list(known: &[Known], separator: &str) -> String {
 
 /// The quantity of a column's name, without its unit.
 pub(super) fn stem(name: &str) -> &str {
-    name.split(|c: char| !c.is_alphanumeric())
-        .next()
-        .unwrap_or(name)
+    name.split(|c: char| !c.is_alphanumeric()).next().unwrap_or(name)
 }
 
 /// What to do with a column that is `known` but whose unit is written as `unit`.
@@ -359,16 +320,9 @@ fn rename(unit: &str, known: &Known) -> String {
     } else if known.quantity.units().is_empty() {
         format!("name the column {}", known.heading())
     } else if letters.is_empty() {
-        format!(
-            "{plural} carry their unit: name the column {}",
-            or(&headings)
-        )
+        format!("{plural} carry their unit: name the column {}", or(&headings))
     } else {
-        format!(
-            "units of {plural} are {}: convert the values, and name the column {}",
-            or(&suffixes),
-            known.heading()
-        )
+        format!("units of {plural} are {}: convert the values, and name the column {}", or(&suffixes), known.heading())
     }
 }
 
@@ -385,12 +339,7 @@ fn or<S: AsRef<str>>(names: &[S]) -> String {
 ///
 /// # Errors
 /// A name that no known column has, with the nearest, among `also`, too, as a hint.
-pub(super) fn find_heading(
-    name: &str,
-    known: &[Known],
-    joints: usize,
-    also: &str,
-) -> Result<String> {
+pub(super) fn find_heading(name: &str, known: &[Known], joints: usize, also: &str) -> Result<String> {
     let heading = normal(name);
     if known.iter().any(|k| k.column(&heading, 0).is_some()) {
         return Ok(heading);

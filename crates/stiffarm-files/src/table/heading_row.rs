@@ -22,11 +22,7 @@ where
     let mut rows = rows.into_iter().take(MOST_ABOVE);
     rows.position(|row| {
         let fields = row.into_iter();
-        fields
-            .filter(|field| is_known(field.as_ref(), foreign))
-            .take(ENOUGH)
-            .count()
-            == ENOUGH
+        fields.filter(|field| is_known(field.as_ref(), foreign)).take(ENOUGH).count() == ENOUGH
     })
 }
 
@@ -72,9 +68,7 @@ fn quantity(base: &str) -> Option<Quantity> {
 }
 
 /// Signs between a name and its unit, and around it.
-const AROUND_UNIT: [char; 14] = [
-    ' ', '_', '/', '[', ']', '(', ')', '{', '}', '<', '>', ',', ':', '.',
-];
+const AROUND_UNIT: [char; 14] = [' ', '_', '/', '[', ']', '(', ')', '{', '}', '<', '>', ',', ':', '.'];
 
 /// Our heading for one whose unit stands in brackets or behind a sign: `X [mm]`, `x (m)`, `Fx / N`,
 /// `x_(mm)`, `y in mm`, and `x..mm.` as R makes of brackets.
@@ -86,16 +80,9 @@ pub(super) fn own_unit(name: &str) -> Option<String> {
     let torque = torques.iter().find(|(theirs, _)| *theirs == base);
     let base = torque.map_or(base, |(_, ours)| ours);
     let unit = unit.trim_matches(AROUND_UNIT);
-    let unit = match unit
-        .strip_prefix("in ")
-        .unwrap_or(unit)
-        .trim_matches(AROUND_UNIT)
-    {
+    let unit = match unit.strip_prefix("in ").unwrap_or(unit).trim_matches(AROUND_UNIT) {
         "°" => "deg".to_string(),
-        unit => unit
-            .replace(['·', '*', ' ', '°', '-'], "")
-            .replace('/', "_per_")
-            .to_lowercase(),
+        unit => unit.replace(['·', '*', ' ', '°', '-'], "").replace('/', "_per_").to_lowercase(),
     };
     let known = quantity(base)?.units().iter().any(|own| own.suffix == unit);
     known.then(|| format!("{base}_{unit}"))
@@ -106,10 +93,7 @@ const OWN_SHEET: [&str; 6] = ["posture", "state", "point", "x", "y", "z"];
 
 /// What counts for a file whose heading is that of a sheet of our own, beside which another
 /// software's export may be read: its names are ours, whatever `[columns]` calls so there.
-pub(super) fn of_own_sheet<R, F>(
-    rows: impl IntoIterator<Item = R>,
-    foreign: &Columns,
-) -> Option<Columns>
+pub(super) fn of_own_sheet<R, F>(rows: impl IntoIterator<Item = R>, foreign: &Columns) -> Option<Columns>
 where
     R: IntoIterator<Item = F>,
     F: AsRef<str>,
@@ -123,15 +107,13 @@ where
         let mut pairs = row.iter().zip(OWN_SHEET);
         row.len() == OWN_SHEET.len()
             && pairs.all(|(name, own)| {
-                is_own(name)
-                    && (name == own || name.strip_prefix(own).is_some_and(|u| u.starts_with('_')))
+                is_own(name) && (name == own || name.strip_prefix(own).is_some_and(|u| u.starts_with('_')))
             })
     };
     let heading = rows.map(names).find(is_sheet)?;
     let is_ours = |theirs: &String| heading.contains(&normal(theirs));
     let mut own = foreign.clone();
-    own.ignore
-        .retain(|theirs| !is_ours(theirs) && place_of(theirs).is_none());
+    own.ignore.retain(|theirs| !is_ours(theirs) && place_of(theirs).is_none());
     own.names.retain(|_, theirs| !is_ours(theirs));
     own.name.take_if(|theirs| is_ours(theirs));
     own.date.take_if(|theirs| is_ours(theirs));

@@ -17,10 +17,7 @@ impl Layout {
     /// With what is `wanted` beside names, lengths and angles.
     pub(super) fn new(values: Values, wanted: impl Fn(Beside) -> bool) -> Self {
         let beside = values.beside().filter(|beside| wanted(*beside));
-        Layout {
-            values,
-            beside: beside.collect(),
-        }
+        Layout { values, beside: beside.collect() }
     }
 
     /// Whether it has these columns.

@@ -13,10 +13,7 @@ const SMALLEST_PART: f64 = 0.05;
 /// The forces of `states` \[N\]: the number in a state's name, or the cell's own where the
 /// state is the only one under its load. `None` where neither is certain.
 pub(super) fn planned(states: &[String], load: &Load) -> Vec<Option<f64>> {
-    states
-        .iter()
-        .map(|state| planned_load(state, states, load))
-        .collect()
+    states.iter().map(|state| planned_load(state, states, load)).collect()
 }
 
 fn planned_load(state: &str, states: &[String], load: &Load) -> Option<f64> {
@@ -25,9 +22,7 @@ fn planned_load(state: &str, states: &[String], load: &Load) -> Option<f64> {
     let alone = || {
         let mut others = states.iter().filter(|s| Role::of(s) == Role::Loaded);
         Role::of(state) == Role::Loaded
-            && others.all(|s| {
-                s == state || !own_load(s, load).is_some_and(|(of, _)| std::ptr::eq(of, own))
-            })
+            && others.all(|s| s == state || !own_load(s, load).is_some_and(|(of, _)| std::ptr::eq(of, own)))
     };
     match number(rest, size) {
         Number::None if alone() => Some(size),
@@ -83,9 +78,7 @@ fn number(name: &str, size: f64) -> Number {
         return Number::None;
     };
     let rest = &name[start..];
-    let end = rest
-        .find(|c: char| !c.is_ascii_digit() && c != '.')
-        .unwrap_or(rest.len());
+    let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
     let (digits, behind) = rest.split_at(end);
     let Ok(value) = digits.parse::<f64>() else {
         return Number::Unclear;
@@ -94,11 +87,7 @@ fn number(name: &str, size: f64) -> Number {
         return Number::Unclear;
     }
     let letters = |c: char| c.is_alphabetic() || c == '%';
-    let unit: String = behind
-        .trim_start_matches([' ', '_', '-'])
-        .chars()
-        .take_while(|c| letters(*c))
-        .collect();
+    let unit: String = behind.trim_start_matches([' ', '_', '-']).chars().take_while(|c| letters(*c)).collect();
     let parted = behind.starts_with([' ', '_', '-']);
     match unit.to_lowercase().as_str() {
         "n" | "newton" if value > 0.0 => Number::Force(value),
@@ -111,9 +100,5 @@ fn number(name: &str, size: f64) -> Number {
 }
 
 fn bare(value: f64, size: f64) -> Number {
-    if value >= SMALLEST_BARE && value >= SMALLEST_PART * size {
-        Number::Force(value)
-    } else {
-        Number::None
-    }
+    if value >= SMALLEST_BARE && value >= SMALLEST_PART * size { Number::Force(value) } else { Number::None }
 }

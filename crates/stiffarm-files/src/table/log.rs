@@ -15,12 +15,7 @@ use stiffarm::model::process::ForceAxes;
 /// # Errors
 /// A heading or row that cannot be read, columns that say neither or both of way and time, of forces and
 /// power, forces without axes, rows that go back, fewer than two rows: with line, column and the column's name.
-pub fn read_log(
-    bytes: &[u8],
-    file_name: &str,
-    cell: &Cell,
-    axes: Option<ForceAxes>,
-) -> Result<LoadLog> {
+pub fn read_log(bytes: &[u8], file_name: &str, cell: &Cell, axes: Option<ForceAxes>) -> Result<LoadLog> {
     let table = Table::read(bytes, file_name, &cell.columns)?;
     read(&table, axes).map_err(|error| table.with_aside(error))
 }
@@ -65,10 +60,7 @@ fn read(table: &Table<'_>, axes: Option<ForceAxes>) -> Result<LoadLog> {
         }
     };
     let force = if has_forces {
-        found.all(
-            &Beside::Force.known(),
-            "give all three components of the force",
-        )?
+        found.all(&Beside::Force.known(), "give all three components of the force")?
     } else {
         Vec::new()
     };
@@ -80,37 +72,23 @@ fn read(table: &Table<'_>, axes: Option<ForceAxes>) -> Result<LoadLog> {
         if stations.last().is_some_and(|before| station < *before) {
             let message = "The log goes back here.";
             let error = table.error(&row, at.at, Code::TableRow, message);
-            return Err(
-                error.hint("the rows of a log stand in the order in which they were recorded")
-            );
+            return Err(error.hint("the rows of a log stand in the order in which they were recorded"));
         }
         stations.push(station);
         let [force, moment]: [Vector3<f64>; 2] = if has_forces {
             [
                 table.vector(&row, &force)?,
-                moment
-                    .as_deref()
-                    .map(|moment| table.vector(&row, moment))
-                    .transpose()?
-                    .unwrap_or_default(),
+                moment.as_deref().map(|moment| table.vector(&row, moment)).transpose()?.unwrap_or_default(),
             ]
         } else {
-            [
-                Vector3::new(table.number(&row, value)?, 0.0, 0.0),
-                Vector3::zeros(),
-            ]
+            [Vector3::new(table.number(&row, value)?, 0.0, 0.0), Vector3::zeros()]
         };
         values.push(Vector6::from_iterator(force.iter().chain(&moment).copied()));
     }
     if stations.len() < 2 {
-        let error: Error =
-            table.heading_error(None, Code::TooFewData, "A log needs two rows or more.");
+        let error: Error = table.heading_error(None, Code::TooFewData, "A log needs two rows or more.");
         return Err(error);
     }
-    let by = if is_length {
-        CountedBy::Length
-    } else {
-        CountedBy::Time
-    };
+    let by = if is_length { CountedBy::Length } else { CountedBy::Time };
     Ok(LoadLog::new(by, what, stations, values))
 }

@@ -55,18 +55,11 @@ pub fn read_growing_measurements(
     read_of(files, cell, postures, true)
 }
 
-fn read_of(
-    files: &[(&[u8], &str)],
-    cell: &Cell,
-    postures: Option<&[Posture]>,
-    growing: bool,
-) -> Result<Measurements> {
+fn read_of(files: &[(&[u8], &str)], cell: &Cell, postures: Option<&[Posture]>, growing: bool) -> Result<Measurements> {
     let table = Table::read_all(files, &cell.columns, &names(cell, postures), growing)?;
     let read = || match Values::of(&table, cell.setup.robot.joint_count())? {
         Values::Positions => readings(&table, cell, postures, growing).map(Measurements::Readings),
-        Values::Displacements => {
-            displacements(&table, cell, postures).map(Measurements::Displacements)
-        }
+        Values::Displacements => displacements(&table, cell, postures).map(Measurements::Displacements),
     };
     read().map_err(|error| table.with_aside(error))
 }
@@ -76,11 +69,7 @@ fn names<'n>(cell: &'n Cell, postures: Option<&'n [Posture]>) -> Names<'n> {
     let points = cell.setup.tool.measuring_points.iter();
     let cases = cell.setup.load.cases().iter();
     Names {
-        postures: postures
-            .into_iter()
-            .flatten()
-            .map(|p| p.name.as_str())
-            .collect(),
+        postures: postures.into_iter().flatten().map(|p| p.name.as_str()).collect(),
         points: points.map(|point| point.name.as_str()).collect(),
         cases: cases.map(|case| case.name.as_str()).collect(),
     }
@@ -91,11 +80,6 @@ fn names<'n>(cell: &'n Cell, postures: Option<&'n [Posture]>) -> Names<'n> {
 /// # Errors
 /// Not a table.
 pub fn holds_measurements(bytes: &[u8], file_name: &str, cell: &Cell) -> Result<bool> {
-    let table = Table::read_all(
-        &[(bytes, file_name)],
-        &cell.columns,
-        &names(cell, None),
-        false,
-    )?;
+    let table = Table::read_all(&[(bytes, file_name)], &cell.columns, &names(cell, None), false)?;
     Ok(Values::of(&table, cell.setup.robot.joint_count()).is_ok())
 }

@@ -62,9 +62,7 @@ pub use clamped::{read_clamped, write_clamped};
 pub(crate) use dh::other_convention;
 pub use dh::read_dh_rows;
 pub use log::read_log;
-pub use measurements::{
-    holds_measurements, read_growing_measurements, read_measurements, read_measurements_of,
-};
+pub use measurements::{holds_measurements, read_growing_measurements, read_measurements, read_measurements_of};
 pub use pairs::read_pairs;
 pub use path::{PathFormat, PathKind, PathTable, read_path, write_path};
 pub use poses::{NamedPose, read_poses, write_poses};
@@ -74,9 +72,7 @@ pub use sheet::{Sheet, SheetOptions, SheetRow, displacement_sheet, is_turned, re
 pub(crate) use values::own_heading;
 #[cfg(feature = "schema")]
 pub(crate) use values::own_headings;
-pub use write::{
-    write_displacements, write_postures, write_readings, write_simulated, write_simulated_readings,
-};
+pub use write::{write_displacements, write_postures, write_readings, write_simulated, write_simulated_readings};
 
 use sha2::{Digest, Sha256};
 

@@ -19,8 +19,6 @@ pub(super) fn joint_number(name: &str) -> Option<(usize, &str)> {
         return None;
     }
     let rest = name[letters.len()..].trim_start_matches(|c: char| !c.is_alphanumeric());
-    let end = rest
-        .find(|c: char| !c.is_ascii_digit())
-        .unwrap_or(rest.len());
+    let end = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
     Some((rest[..end].parse().ok()?, &rest[end..]))
 }

@@ -16,9 +16,7 @@ const MINUS: [char; 4] = ['\u{2212}', '\u{2013}', '\u{fe63}', '\u{ff0d}'];
 
 /// What stands between thousands where it can be nothing else: blanks at which no line breaks,
 /// and the apostrophes of Switzerland.
-const GROUPING: [char; 7] = [
-    '\u{a0}', '\u{202f}', '\u{2009}', '\u{2007}', '\u{2008}', '\'', '\u{2019}',
-];
+const GROUPING: [char; 7] = ['\u{a0}', '\u{202f}', '\u{2009}', '\u{2007}', '\u{2008}', '\'', '\u{2019}'];
 
 /// A number with the minus of the keyboard and without what parts its thousands; anything else as it is.
 fn plain(text: &str) -> Cow<'_, str> {
@@ -28,20 +26,12 @@ fn plain(text: &str) -> Cow<'_, str> {
     let negative = text.strip_prefix(MINUS);
     let rest = negative.unwrap_or(text).trim_start_matches(GROUPING);
     let unsigned = rest.trim_start_matches(['+', '-']);
-    let end = unsigned
-        .find(['.', ',', 'e', 'E'])
-        .unwrap_or(unsigned.len());
+    let end = unsigned.find(['.', ',', 'e', 'E']).unwrap_or(unsigned.len());
     let (whole, fraction) = unsigned.split_at(end);
-    let sign = if negative.is_some() {
-        "-"
-    } else {
-        &rest[..rest.len() - unsigned.len()]
-    };
+    let sign = if negative.is_some() { "-" } else { &rest[..rest.len() - unsigned.len()] };
     let mut groups = whole.split(GROUPING);
     let digits = |group: &str| group.bytes().all(|b| b.is_ascii_digit());
-    let first = groups
-        .next()
-        .is_some_and(|first| (1..=3).contains(&first.len()) && digits(first));
+    let first = groups.next().is_some_and(|first| (1..=3).contains(&first.len()) && digits(first));
     let is_grouped = whole.contains(GROUPING) && first && groups.all(|g| g.len() == 3 && digits(g));
     match (negative, is_grouped) {
         (None, false) => Cow::Borrowed(text),
@@ -53,11 +43,7 @@ fn plain(text: &str) -> Cow<'_, str> {
 /// True where commas separate the columns and every number with a fraction stands in quotation
 /// marks with a comma for its point, one of them at least where no comma parts thousands.
 pub(super) fn has_quoted_decimals(rows: &Rows) -> bool {
-    let fields = || {
-        rows.below()
-            .flat_map(|row| row.fields)
-            .map(|field| plain(&field.text))
-    };
+    let fields = || rows.below().flat_map(|row| row.fields).map(|field| plain(&field.text));
     let is_number = |text: &str| text.parse::<f64>().is_ok();
     let decimal = |text: &str| text.contains(',') && is_number(&text.replacen(',', ".", 1));
     let certain = |text: &str| {
@@ -105,9 +91,7 @@ impl Table<'_> {
         }
         if let Some(message) = self.beyond_sense(at, value) {
             let error = self.error(row, at, Code::TableRow, message);
-            let other = column
-                .unit
-                .and_then(|unit| unit.of_others(&self.headings[at].name));
+            let other = column.unit.and_then(|unit| unit.of_others(&self.headings[at].name));
             return Err(error.hint_if(other));
         }
         Ok(column.unit.map_or(value, |unit| (unit.to_si)(value)))

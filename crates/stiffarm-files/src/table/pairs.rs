@@ -24,10 +24,7 @@ pub fn read_pairs(bytes: &[u8], file_name: &str) -> Result<Vec<PointPair>> {
 fn read(table: &Table<'_>) -> Result<Vec<PointPair>> {
     let name = Known::name("name");
     let position_of = |frame: &'static str| -> Vec<Known> {
-        ["x", "y", "z"]
-            .iter()
-            .map(|axis| Known::of(format!("{frame}_{axis}"), Quantity::Length, frame))
-            .collect()
+        ["x", "y", "z"].iter().map(|axis| Known::of(format!("{frame}_{axis}"), Quantity::Length, frame)).collect()
     };
     let (tracker, base) = (position_of("tracker"), position_of("base"));
     let known = [std::slice::from_ref(&name), &tracker, &base].concat();
@@ -42,9 +39,7 @@ fn read(table: &Table<'_>) -> Result<Vec<PointPair>> {
         let name = table.name(row, name_column)?;
         table
             .once(&mut lines, ("point", name), row, name_column.at)
-            .map_err(|e| {
-                e.hint("average repeated readings of a point, or give each a name of its own")
-            })?;
+            .map_err(|e| e.hint("average repeated readings of a point, or give each a name of its own"))?;
         pairs.push(PointPair {
             name: name.to_string(),
             tracker: position(table, row, &tracker)?,

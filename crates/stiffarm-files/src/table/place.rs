@@ -34,9 +34,6 @@ pub(super) fn left_out_by_place(left: &[(usize, &str)], file: &str) -> Option<Fi
         shown => format!("{} (\"{shown}\")", at + 1),
     });
     let names: Vec<String> = names.collect();
-    let sentence = format!(
-        "`ignore` in [columns] leaves out by its place: column {} of {file}.",
-        list(&names)
-    );
+    let sentence = format!("`ignore` in [columns] leaves out by its place: column {} of {file}.", list(&names));
     (!names.is_empty()).then(|| Finding::note("columns-left-out", "readings", sentence))
 }

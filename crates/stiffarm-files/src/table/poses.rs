@@ -27,12 +27,7 @@ pub fn read_poses(bytes: &[u8], file_name: &str, convention: Convention) -> Resu
     let name = Known::name("posture");
     let position = ["x", "y", "z"].map(|stem| Known::of(stem, Quantity::Length, "position"));
     let orientation: Vec<Known> = convention.columns().iter().map(|c| known(c)).collect();
-    let all = [
-        std::slice::from_ref(&name),
-        position.as_slice(),
-        orientation.as_slice(),
-    ]
-    .concat();
+    let all = [std::slice::from_ref(&name), position.as_slice(), orientation.as_slice()].concat();
     let found = table.check_heading(&all, 0)?;
     let hint = format!(
         "poses in the convention {} have the columns x_mm, y_mm, z_mm, {}",
@@ -60,10 +55,7 @@ pub fn read_poses(bytes: &[u8], file_name: &str, convention: Convention) -> Resu
             let error = table.error(row, orientation[0].at, e.code(), e.message());
             error.hint_if(e.hint_text())
         })?;
-        poses.push(NamedPose {
-            name,
-            pose: Isometry3::from_parts(Translation3::new(at[0], at[1], at[2]), rotation),
-        });
+        poses.push(NamedPose { name, pose: Isometry3::from_parts(Translation3::new(at[0], at[1], at[2]), rotation) });
     }
     Ok(poses)
 }

@@ -36,10 +36,7 @@ fn read(table: &Table<'_>, robot: &Robot) -> Result<Vec<Posture>> {
         let name = table.name(row, name_column)?;
         table.once(&mut lines, ("posture", name), row, name_column.at)?;
         let q = angles(table, row, &columns, robot)?;
-        postures.push(Posture {
-            name: name.to_string(),
-            q,
-        });
+        postures.push(Posture { name: name.to_string(), q });
     }
     Ok(postures)
 }
@@ -50,24 +47,13 @@ pub(super) fn angle_names(joints: usize) -> Vec<String> {
 }
 
 /// Controller angles of a row \[rad\], inside the machine's limits.
-pub(super) fn angles(
-    table: &Table<'_>,
-    row: &Row,
-    columns: &[Column],
-    robot: &Robot,
-) -> Result<Vec<f64>> {
-    let q = columns
-        .iter()
-        .map(|column| table.number(row, *column))
-        .collect::<Result<Vec<f64>>>()?;
+pub(super) fn angles(table: &Table<'_>, row: &Row, columns: &[Column], robot: &Robot) -> Result<Vec<f64>> {
+    let q = columns.iter().map(|column| table.number(row, *column)).collect::<Result<Vec<f64>>>()?;
     if let Some((j, angle)) = robot.outside_limits(&q) {
         let joint = &robot.joints()[j];
         let angle = rad_to_shortest_deg(angle);
         let [low, high] = joint.limits.map(rad_to_shortest_deg);
-        let message = format!(
-            "{} at {angle}° is outside the machine's limits, {low}° to {high}°.",
-            joint.name
-        );
+        let message = format!("{} at {angle}° is outside the machine's limits, {low}° to {high}°.", joint.name);
         return Err(table.error(row, columns[j].at, Code::OutsideLimits, message));
     }
     Ok(q)

@@ -1,8 +1,7 @@
 //! Units of columns: the suffixes that a quantity may have, and what they mean.
 
 use stiffarm::units::{
-    deg_to_rad, in_to_m, kn_to_n, m_to_mm, min_to_s, mm_to_m, ms_to_s, nmm_to_nm, rad_to_deg,
-    shortest, um_to_m,
+    deg_to_rad, in_to_m, kn_to_n, m_to_mm, min_to_s, mm_to_m, ms_to_s, nmm_to_nm, rad_to_deg, shortest, um_to_m,
 };
 
 /// What a column holds.
@@ -48,9 +47,7 @@ impl Unit {
         let own = units.find(|units| units.iter().any(|unit| unit == self))?;
         let stem = name.strip_suffix(self.suffix)?;
         let others = own.iter().filter(|unit| *unit != self);
-        let others: Vec<String> = others
-            .map(|unit| format!("{stem}{}", unit.suffix))
-            .collect();
+        let others: Vec<String> = others.map(|unit| format!("{stem}{}", unit.suffix)).collect();
         let others = others.join(" or ");
         Some(format!(
             "the heading {name} says {}: if the numbers are in another unit, name the column {others}",
@@ -81,20 +78,12 @@ impl PartialEq for Unit {
 pub(super) fn rounded(value: f64, decimals: i32) -> f64 {
     // Powers of ten up to 22 are exact, so that each way rounds once.
     let step = 10f64.powi(decimals.abs());
-    let number = if decimals >= 0 {
-        (value * step).round() / step
-    } else {
-        (value / step).round() * step
-    };
+    let number = if decimals >= 0 { (value * step).round() / step } else { (value / step).round() * step };
     number + 0.0
 }
 
 const fn unit(suffix: &'static str, to_si: fn(f64) -> f64, from_si: fn(f64) -> f64) -> Unit {
-    Unit {
-        suffix,
-        to_si,
-        from_si,
-    }
+    Unit { suffix, to_si, from_si }
 }
 
 /// SI already.

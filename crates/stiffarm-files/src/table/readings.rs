@@ -12,8 +12,7 @@ use stiffarm::findings::{Finding, codes, list};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::{Load, Wrench};
 use stiffarm::model::measurement::{
-    PendingReading, PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings,
-    WrenchColumns,
+    PendingReading, PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
 };
 use stiffarm::model::posture::Posture;
 use stiffarm::units::rad_to_shortest_deg;
@@ -57,13 +56,8 @@ pub(super) fn readings(
     growing: bool,
 ) -> Result<ReadingTable> {
     let columns = MeasurementColumns::of(table, cell, Values::Positions, postures.is_some())?;
-    let plan: Option<Plan<'_>> =
-        postures.map(|list| list.iter().map(|p| (p.name.as_str(), p)).collect());
-    let reader = Reader {
-        table,
-        cell,
-        columns,
-    };
+    let plan: Option<Plan<'_>> = postures.map(|list| list.iter().map(|p| (p.name.as_str(), p)).collect());
+    let reader = Reader { table, cell, columns };
     let mut numbers: HashMap<&str, usize> = HashMap::new();
     let mut groups: Vec<Group<'_>> = Vec::new();
     let rows = table.rows()?;
@@ -80,9 +74,7 @@ pub(super) fn readings(
         }
         let of = [groups[number].row, row];
         reader.columns.same_station(table, of, Some(name))?;
-        reader
-            .columns
-            .same_station(table, [groups[0].row, row], None)?;
+        reader.columns.same_station(table, [groups[0].row, row], None)?;
         reader.add(&mut groups[number], row)?;
     }
     unread::check(table, &reader.columns, &rows)?;
@@ -121,9 +113,7 @@ pub(super) fn readings(
 
 /// Says which forces the names of states gave.
 fn loads_from_names(named: &BTreeMap<String, f64>) -> Option<Finding> {
-    let each = named
-        .iter()
-        .map(|(state, force)| format!("{state}: {force} N"));
+    let each = named.iter().map(|(state, force)| format!("{state}: {force} N"));
     let each: Vec<String> = each.collect();
     let sentence = format!(
         "The table does not give load_n of {}: the force is the one in the name ({}).",
@@ -206,9 +196,7 @@ impl Reader<'_, '_> {
         };
         let same = group.states.iter_mut().find(|(_, s)| s.state == name);
         if let Some((first, before)) = same {
-            if (&before.angles, before.wrench, before.load)
-                != (&state.angles, state.wrench, state.load)
-            {
+            if (&before.angles, before.wrench, before.load) != (&state.angles, state.wrench, state.load) {
                 return Err(columns.contradiction(table, first, row));
             }
             before.readings.extend(state.readings);
@@ -227,10 +215,7 @@ impl Reader<'_, '_> {
         let name = self.table.name(row, column)?;
         let letters: String = name.chars().filter(|c| c.is_alphabetic()).collect();
         let letters = letters.to_lowercase();
-        if Role::of(name) != Role::Loaded
-            || letters.starts_with("load")
-            || letters.starts_with("reload")
-        {
+        if Role::of(name) != Role::Loaded || letters.starts_with("load") || letters.starts_with("reload") {
             return Ok(name);
         }
         let nearest = if ["noload", "zeroload", "empty"].contains(&letters.as_str()) {
@@ -298,9 +283,7 @@ impl Reader<'_, '_> {
             let place = format!("in the state \"{}\" on line {}", state.state, row.line);
             Some((state.angles.as_ref()?, place))
         });
-        let planned = group
-            .planned
-            .map(|p| (&p.q, "in the posture file".to_string()));
+        let planned = group.planned.map(|p| (&p.q, "in the posture file".to_string()));
         for (others, place) in before.into_iter().chain(planned) {
             let angles = state.angles.iter().flatten().zip(others).enumerate();
             for (j, (own, other)) in angles {
@@ -341,9 +324,7 @@ impl Reader<'_, '_> {
         let points = |roles| -> Vec<&ReadingTarget> {
             let readings = group.of(roles).flat_map(|(_, state)| &state.readings);
             let targets = readings.map(|reading| &reading.target);
-            targets
-                .filter(|t| matches!(t, ReadingTarget::Point(_)))
-                .collect()
+            targets.filter(|t| matches!(t, ReadingTarget::Point(_))).collect()
         };
         let before = points(&[Role::Unloaded, Role::Preload]);
         let loaded = points(&[Role::Loaded]);
@@ -359,9 +340,7 @@ impl Reader<'_, '_> {
             )
         } else if !loaded.iter().any(|target| before.contains(target)) {
             (
-                format!(
-                    "Posture \"{name}\" has no measuring point that was read both unloaded and loaded."
-                ),
+                format!("Posture \"{name}\" has no measuring point that was read both unloaded and loaded."),
                 "a displacement is the difference of two readings of one point",
             )
         } else {
@@ -409,10 +388,8 @@ impl Reader<'_, '_> {
         if count < 2 {
             return Ok(());
         }
-        let message = format!(
-            "Posture \"{name}\" has {count} load states, but the force of \"{}\" is not given.",
-            state.state
-        );
+        let message =
+            format!("Posture \"{name}\" has {count} load states, but the force of \"{}\" is not given.", state.state);
         let hint = match &self.cell.setup.load {
             Load::Rope { .. } | Load::Weight { .. } => {
                 "add the column load_n: the force of rope, cylinder or weight in each state, or name the states with it (up-250); or the measured forces fx_n, fy_n, fz_n"

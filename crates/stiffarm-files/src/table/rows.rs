@@ -21,21 +21,13 @@ pub(super) struct Field {
 impl Field {
     /// One with nothing in it.
     pub(super) fn empty() -> Self {
-        Field {
-            text: SmolStr::default(),
-            column: 1,
-            other: false,
-        }
+        Field { text: SmolStr::default(), column: 1, other: false }
     }
 }
 
 /// The heading that the cell file gives to a table without one.
 pub(super) fn named(order: &[String]) -> impl Iterator<Item = Field> {
-    (1..).zip(order).map(|(column, name)| Field {
-        text: name.as_str().into(),
-        column,
-        other: false,
-    })
+    (1..).zip(order).map(|(column, name)| Field { text: name.as_str().into(), column, other: false })
 }
 
 /// A row and its line, counted from 1; it has one field per heading.
@@ -75,29 +67,14 @@ struct Span {
 
 impl Rows {
     /// Adds a row.
-    pub(super) fn push(
-        &mut self,
-        line: usize,
-        fields: impl IntoIterator<Item = Field>,
-        open_quote: bool,
-    ) {
+    pub(super) fn push(&mut self, line: usize, fields: impl IntoIterator<Item = Field>, open_quote: bool) {
         let start = self.fields.len();
         self.fields.extend(fields);
-        self.spans.push(Span {
-            line,
-            fields: start..self.fields.len(),
-            open_quote,
-            source: 0,
-        });
+        self.spans.push(Span { line, fields: start..self.fields.len(), open_quote, source: 0 });
     }
 
     /// Adds a row like `row` with other fields, of the file `source`.
-    pub(super) fn push_as(
-        &mut self,
-        row: &Row<'_>,
-        source: usize,
-        fields: impl IntoIterator<Item = Field>,
-    ) {
+    pub(super) fn push_as(&mut self, row: &Row<'_>, source: usize, fields: impl IntoIterator<Item = Field>) {
         self.push(row.line, fields, row.open_quote);
         if let Some(span) = self.spans.last_mut() {
             span.source = source;
@@ -176,14 +153,11 @@ pub(super) fn in_words(lines: &[usize]) -> String {
         }
     }
     let more = runs.len().saturating_sub(MOST_NAMED);
-    let shown = runs
-        .iter()
-        .take(MOST_NAMED)
-        .map(|(first, last)| match last - first {
-            0 => first.to_string(),
-            1 => format!("{first}, {last}"),
-            _ => format!("{first} to {last}"),
-        });
+    let shown = runs.iter().take(MOST_NAMED).map(|(first, last)| match last - first {
+        0 => first.to_string(),
+        1 => format!("{first}, {last}"),
+        _ => format!("{first} to {last}"),
+    });
     let mut shown: Vec<String> = shown.collect();
     shown.extend((more > 0).then(|| format!("{more} more")));
     list(&shown)

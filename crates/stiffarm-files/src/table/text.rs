@@ -77,15 +77,11 @@ impl<'a> Table<'a> {
             let theirs = columns.comment.as_deref();
             line.starts_with('#') || theirs.is_some_and(|comment| line.starts_with(comment))
         };
-        let mut lines: Vec<(usize, &str)> = (1..)
-            .zip(text.split('\n'))
-            .filter(|(_, line)| !line.trim().is_empty() && !remark(line))
-            .collect();
+        let mut lines: Vec<(usize, &str)> =
+            (1..).zip(text.split('\n')).filter(|(_, line)| !line.trim().is_empty() && !remark(line)).collect();
         // Excel writes the separator into a first line `sep=;`.
-        let announcement = lines.first().filter(|(_, line)| {
-            line.get(..4)
-                .is_some_and(|s| s.eq_ignore_ascii_case("sep="))
-        });
+        let announcement =
+            lines.first().filter(|(_, line)| line.get(..4).is_some_and(|s| s.eq_ignore_ascii_case("sep=")));
         let announced = announcement.and_then(|(_, line)| line.chars().nth(4));
         let announced = announced.filter(|delimiter| [',', ';', '\t'].contains(delimiter));
         lines.drain(..usize::from(announcement.is_some()));
@@ -107,19 +103,12 @@ impl<'a> Table<'a> {
         let by_order = titles.is_none() && !columns.order.is_empty();
         lines.drain(..titles.unwrap_or(0));
         let Some((first_line, first)) = lines.first().copied() else {
-            return Err(
-                Error::new(Code::TableHeading, "The table is empty: it has no heading.")
-                    .file(file)
-                    .hint("the first line names the columns"),
-            );
+            return Err(Error::new(Code::TableHeading, "The table is empty: it has no heading.")
+                .file(file)
+                .hint("the first line names the columns"));
         };
-        let delimiter = given.unwrap_or_else(|| {
-            if by_order && !first.contains([',', ';', '\t']) {
-                ' '
-            } else {
-                by_heading(first)
-            }
-        });
+        let delimiter = given
+            .unwrap_or_else(|| if by_order && !first.contains([',', ';', '\t']) { ' ' } else { by_heading(first) });
         let style = match delimiter {
             ',' => Style::Commas,
             _ => Style::Others,
@@ -158,21 +147,12 @@ fn split(line: usize, text: &str, delimiter: char, rows: &mut Rows) {
         let fields = text.split(delimiter).map(|text| {
             let start = column;
             column += text.chars().count() as u32 + 1;
-            Field {
-                text: text.trim().into(),
-                column: start,
-                other: false,
-            }
+            Field { text: text.trim().into(), column: start, other: false }
         });
         return rows.push(line, fields, false);
     }
-    let fields = fields(text, delimiter)
-        .into_iter()
-        .map(|(text, column)| Field {
-            text: text.into(),
-            column,
-            other: false,
-        });
+    let fields =
+        fields(text, delimiter).into_iter().map(|(text, column)| Field { text: text.into(), column, other: false });
     rows.push(line, fields, text.matches('"').count() % 2 == 1);
 }
 
@@ -192,9 +172,7 @@ fn fields(text: &str, delimiter: char) -> Vec<(String, u32)> {
     let _ = reader.read_record(&mut record);
     let starts = starts(text, delimiter);
     let fields = record.iter().enumerate();
-    fields
-        .map(|(i, text)| (text.trim().to_string(), starts.get(i).copied().unwrap_or(1)))
-        .collect()
+    fields.map(|(i, text)| (text.trim().to_string(), starts.get(i).copied().unwrap_or(1))).collect()
 }
 
 /// The fields of a line that are separated by spaces or tabs; quotation marks keep a text together.

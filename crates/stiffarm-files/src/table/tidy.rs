@@ -50,8 +50,7 @@ const SUMMARIES: [&str; 31] = [
 /// Numbers of the columns that count and whose name without unit is one of `stems`.
 fn columns(table: &Table<'_>, stems: &[&str]) -> Vec<usize> {
     let headings = table.headings.iter().enumerate();
-    let own =
-        headings.filter(|(_, heading)| !heading.ignored && stems.contains(&stem(&heading.name)));
+    let own = headings.filter(|(_, heading)| !heading.ignored && stems.contains(&stem(&heading.name)));
     own.map(|(at, _)| at).collect()
 }
 
@@ -74,27 +73,19 @@ pub(super) fn leave_out(table: &mut Table<'_>, foreign: &Columns) {
             pattern.map_or(!name.is_empty(), |pattern| pattern.split(name).is_some())
         };
         let mut both = names.iter().chain(&whole).peekable();
-        both.peek().is_some()
-            && names.iter().all(|at| !is_blank(row, *at))
-            && whole.iter().all(fits)
+        both.peek().is_some() && names.iter().all(|at| !is_blank(row, *at)) && whole.iter().all(fits)
     };
     let label = |row: &Row<'_>| -> Option<String> {
         let texts = row.fields.iter().map(|field| field.text.as_str());
         let first = texts.clone().find(|text| !text.is_empty())?;
         let words = first.to_lowercase();
-        let word = words
-            .split(|c: char| !c.is_alphabetic())
-            .find(|word| !word.is_empty());
+        let word = words.split(|c: char| !c.is_alphabetic()).find(|word| !word.is_empty());
         let sums_up = word.is_some_and(|word| SUMMARIES.contains(&word));
         (sums_up && !is_named(row)).then(|| first.to_string())
     };
     // A name that other rows have is a slip or a row to come.
     let remark = |row: &Row<'_>| -> Option<String> {
-        let mut filled = row
-            .fields
-            .iter()
-            .enumerate()
-            .filter(|(_, field)| !field.text.is_empty());
+        let mut filled = row.fields.iter().enumerate().filter(|(_, field)| !field.text.is_empty());
         let (Some((at, field)), None) = (filled.next(), filled.next()) else {
             return None;
         };
@@ -115,19 +106,10 @@ pub(super) fn leave_out(table: &mut Table<'_>, foreign: &Columns) {
     if out.is_empty() {
         return;
     }
-    let shown: Vec<String> = out
-        .values()
-        .map(|(line, text)| format!("{line} (\"{text}\")"))
-        .collect();
-    let sentence = format!(
-        "Rows of {} that are no readings are left out: line {}.",
-        table.files[0],
-        list(&shown)
-    );
+    let shown: Vec<String> = out.values().map(|(line, text)| format!("{line} (\"{text}\")")).collect();
+    let sentence = format!("Rows of {} that are no readings are left out: line {}.", table.files[0], list(&shown));
     table.rows.retain(|number| !out.contains_key(&number));
-    table
-        .remarks
-        .push(Finding::note(codes::ROWS_LEFT_OUT, "readings", sentence));
+    table.remarks.push(Finding::note(codes::ROWS_LEFT_OUT, "readings", sentence));
 }
 
 /// Carries names down from the first row of their group where they stand in none of the others,
@@ -136,28 +118,19 @@ pub(super) fn carry_down(table: &mut Table<'_>) {
     if columns(table, &["x", "y", "z"]).len() != 3 {
         return;
     }
-    let rows: Vec<usize> = (1..table.rows.len())
-        .filter(|n| !table.rows.at(*n).is_empty())
-        .collect();
+    let rows: Vec<usize> = (1..table.rows.len()).filter(|n| !table.rows.at(*n).is_empty()).collect();
     let mut carried: BTreeSet<usize> = BTreeSet::new();
     let mut lines: BTreeSet<usize> = BTreeSet::new();
     let mut fill = |table: &mut Table<'_>, at: usize, from: usize, to: usize| {
         let text = table.rows.at(from).fields[at].clone();
         let line = table.rows.at(to).line;
         if let Some(field) = table.rows.fields_mut(to).get_mut(at) {
-            *field = Field {
-                text: text.text,
-                other: text.other,
-                ..field.clone()
-            };
+            *field = Field { text: text.text, other: text.other, ..field.clone() };
             carried.insert(at);
             lines.insert(line);
         }
     };
-    let names: Vec<usize> = NAMES
-        .iter()
-        .flat_map(|name| columns(table, &[*name]))
-        .collect();
+    let names: Vec<usize> = NAMES.iter().flat_map(|name| columns(table, &[*name])).collect();
     for (level, at) in names.iter().enumerate() {
         for (from, to) in groups(table, &rows, *at, &names[..level]) {
             fill(table, *at, from, to);
@@ -167,17 +140,12 @@ pub(super) fn carry_down(table: &mut Table<'_>) {
         .filter(|at| {
             let heading = &table.headings[*at];
             let number = stem(&heading.name).strip_prefix('q');
-            !heading.ignored
-                && number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
+            !heading.ignored && number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()))
         })
         .collect();
     // A row that is still to be read waits for its forces, too.
     let position = columns(table, &["x", "y", "z"]);
-    let is_read = |number: &usize| {
-        !position
-            .iter()
-            .all(|at| is_blank(&table.rows.at(*number), *at))
-    };
+    let is_read = |number: &usize| !position.iter().all(|at| is_blank(&table.rows.at(*number), *at));
     let rows: Vec<usize> = rows.into_iter().filter(is_read).collect();
     let wrench = columns(table, &["fx", "fy", "fz", "mx", "my", "mz"]);
     let state = names.len().min(2);
@@ -192,10 +160,7 @@ pub(super) fn carry_down(table: &mut Table<'_>) {
             set.iter().for_each(|at| fill(table, *at, from, to));
         }
     }
-    let shown: Vec<&str> = carried
-        .iter()
-        .map(|at| table.headings[*at].shown.as_str())
-        .collect();
+    let shown: Vec<&str> = carried.iter().map(|at| table.headings[*at].shown.as_str()).collect();
     let lines: Vec<usize> = lines.into_iter().collect();
     let sentence = format!(
         "{} {} in the first row of a group alone: the rows below have the same (lines {}).",
@@ -219,8 +184,7 @@ fn groups(table: &Table<'_>, rows: &[usize], at: usize, outer: &[usize]) -> Vec<
         let row = table.rows.at(*number);
         let text = |row: &Row<'_>, at: usize| row.fields.get(at).map(|field| field.text.clone());
         let last = before.replace(*number).map(|last| table.rows.at(last));
-        let begins =
-            last.is_none_or(|last| outer.iter().any(|o| text(&last, *o) != text(&row, *o)));
+        let begins = last.is_none_or(|last| outer.iter().any(|o| text(&last, *o) != text(&row, *o)));
         if !is_blank(&row, at) {
             first = Some(*number);
             lengths.push(1);
@@ -231,9 +195,7 @@ fn groups(table: &Table<'_>, rows: &[usize], at: usize, outer: &[usize]) -> Vec<
             *length += 1;
         }
     }
-    let complete = lengths
-        .split_last()
-        .map_or(&[][..], |(_, complete)| complete);
+    let complete = lengths.split_last().map_or(&[][..], |(_, complete)| complete);
     let fits = complete.iter().all(|length| *length > 1);
     if fits { pairs } else { Vec::new() }
 }
@@ -247,23 +209,14 @@ fn once(table: &Table<'_>, rows: &[usize], set: &[usize], names: &[usize]) -> Ve
     let mut groups: BTreeMap<Vec<String>, Vec<usize>> = BTreeMap::new();
     for number in rows {
         let row = table.rows.at(*number);
-        let key = names.iter().map(|at| {
-            row.fields
-                .get(*at)
-                .map_or("", |f| f.text.as_str())
-                .to_string()
-        });
+        let key = names.iter().map(|at| row.fields.get(*at).map_or("", |f| f.text.as_str()).to_string());
         groups.entry(key.collect()).or_default().push(*number);
     }
     let mut pairs = Vec::new();
     for (first, others) in groups.values().filter_map(|group| group.split_first()) {
         let blank = |number: &usize, at: &usize| is_blank(&table.rows.at(*number), *at);
         let whole = !set.iter().any(|at| blank(first, at));
-        if whole
-            && others
-                .iter()
-                .all(|number| set.iter().all(|at| blank(number, at)))
-        {
+        if whole && others.iter().all(|number| set.iter().all(|at| blank(number, at))) {
             pairs.extend(others.iter().map(|other| (*first, *other)));
         }
     }

@@ -38,23 +38,13 @@ struct Read<'r> {
 /// # Errors
 /// 0, 0, 0 where the point stands far from there, and a coordinate that is 10, 100, … times what
 /// the other readings of its point are: with row, column and the number that fits them.
-pub(super) fn check(
-    table: &Table<'_>,
-    columns: &MeasurementColumns,
-    rows: &[Row<'_>],
-) -> Result<()> {
+pub(super) fn check(table: &Table<'_>, columns: &MeasurementColumns, rows: &[Row<'_>]) -> Result<()> {
     let mut read = Vec::new();
-    for row in rows
-        .iter()
-        .filter(|row| !columns.has_no_position(table, row))
-    {
+    for row in rows.iter().filter(|row| !columns.has_no_position(table, row)) {
         read.push(Read {
             row,
             position: columns.vector(table, row)?,
-            of: (
-                &row.fields[columns.posture.at].text,
-                &row.fields[columns.point.at].text,
-            ),
+            of: (&row.fields[columns.posture.at].text, &row.fields[columns.point.at].text),
         });
     }
     zeros(table, columns, &read)?;
@@ -83,16 +73,10 @@ pub(super) fn check(
         let value = table.number(row, column)?;
         let shown = column.unit.map_or(value, |unit| unit.shortest(value));
         // Rounded to what a double tells of a number in another power of ten.
-        Ok(format!("{:.9}", shown / 10f64.powi(tens))
-            .trim_end_matches('0')
-            .trim_end_matches('.')
-            .to_string())
+        Ok(format!("{:.9}", shown / 10f64.powi(tens)).trim_end_matches('0').trim_end_matches('.').to_string())
     };
     let text = &row.fields[column.at].text;
-    let (posture, point) = (
-        &row.fields[columns.posture.at].text,
-        &row.fields[columns.point.at].text,
-    );
+    let (posture, point) = (&row.fields[columns.posture.at].text, &row.fields[columns.point.at].text);
     let message = format!(
         "{text} is about {} the other readings of \"{point}\" in posture \"{posture}\": a decimal sign is lost, or was taken for one of thousands.",
         if *tens > 0 {
@@ -109,29 +93,18 @@ pub(super) fn check(
         }
         let at = columns.component(*k).at;
         let (heading, text) = (&table.headings[at].shown, &row.fields[at].text);
-        hint += &format!(
-            "; on line {} {heading} {} for {text}",
-            row.line,
-            fitting(row, *k, *tens)?
-        );
+        hint += &format!("; on line {} {heading} {} for {text}", row.line, fitting(row, *k, *tens)?);
     }
-    Err(table
-        .error(row, column.at, Code::InvalidValue, message)
-        .hint(hint))
+    Err(table.error(row, column.at, Code::InvalidValue, message).hint(hint))
 }
 
 fn zeros(table: &Table<'_>, columns: &MeasurementColumns, read: &[Read<'_>]) -> Result<()> {
     let is_zero = |one: &&Read<'_>| one.position == Vector3::zeros();
     let mut distances: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for one in read.iter().filter(|one| !is_zero(one)) {
-        distances
-            .entry(one.of.1)
-            .or_default()
-            .push(one.position.norm());
+        distances.entry(one.of.1).or_default().push(one.position.norm());
     }
-    let far = distances
-        .into_iter()
-        .filter(|(_, own)| median(own.clone()).is_some_and(|d| d > FAR));
+    let far = distances.into_iter().filter(|(_, own)| median(own.clone()).is_some_and(|d| d > FAR));
     let far: Vec<&str> = far.map(|(point, _)| point).collect();
     let is_lost = |one: &&Read<'_>| is_zero(one) && far.contains(&one.of.1);
     let lost: Vec<&Read<'_>> = read.iter().filter(is_lost).collect();
@@ -143,19 +116,10 @@ fn zeros(table: &Table<'_>, columns: &MeasurementColumns, read: &[Read<'_>]) -> 
     let lines: Vec<usize> = lost.iter().map(|one| one.row.line).collect();
     let message = format!(
         "The position is 0, 0, 0, which a tracker writes that has lost its reflector: {} of posture {}.",
-        if lines.len() == 1 {
-            format!("line {}", lines[0])
-        } else {
-            format!("lines {}", in_words(&lines))
-        },
+        if lines.len() == 1 { format!("line {}", lines[0]) } else { format!("lines {}", in_words(&lines)) },
         postures.join(", ")
     );
-    let error = table.error(
-        first.row,
-        columns.component(0).at,
-        Code::InvalidValue,
-        message,
-    );
+    let error = table.error(first.row, columns.component(0).at, Code::InvalidValue, message);
     Err(error.hint("delete these rows, or leave x, y and z empty where nothing was read"))
 }
 

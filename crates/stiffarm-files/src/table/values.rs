@@ -29,8 +29,7 @@ impl Values {
             Values::Positions => "position",
             Values::Displacements => "displacement",
         };
-        self.stems()
-            .map(|stem| Known::of(stem, Quantity::Length, group))
+        self.stems().map(|stem| Known::of(stem, Quantity::Length, group))
     }
 
     /// What its rows may have beside names, lengths and angles.
@@ -65,9 +64,7 @@ impl Values {
                 let second = position.max(displacement);
                 let message = "The table has both positions and displacements.";
                 let error = table.heading_error(Some(second), Code::Conflict, message);
-                Err(error.hint(
-                    "keep x, y, z or dx, dy, dz; `ignore` in [columns] of the cell file leaves columns out",
-                ))
+                Err(error.hint("keep x, y, z or dx, dy, dz; `ignore` in [columns] of the cell file leaves columns out"))
             }
             (None, None) => {
                 // A heading that is no heading has an error of its own.

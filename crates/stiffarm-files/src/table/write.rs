@@ -9,8 +9,7 @@ use nalgebra::Vector3;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::{
-    MeasuredPosture, PostureReadings, Reading, ReadingTable, ReadingTarget, StateReadings,
-    WrenchColumns,
+    MeasuredPosture, PostureReadings, Reading, ReadingTable, ReadingTarget, StateReadings, WrenchColumns,
 };
 use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::posture::Posture;
@@ -41,9 +40,7 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
         .any(|group| group.wrench.is_some())
         .then(|| measured.iter().map(|group| wrench(group, cell)).collect());
     let moments = wrenches.iter().flatten().flatten();
-    let has_moments = moments
-        .clone()
-        .any(|wrench| wrench.moment != Vector3::zeros());
+    let has_moments = moments.clone().any(|wrench| wrench.moment != Vector3::zeros());
     let mut displacements = measured.iter().flat_map(|group| &group.displacements);
     let has_times = displacements.any(|d| d.time.is_some());
     let layout = Layout::new(Values::Displacements, |beside| match beside {
@@ -61,18 +58,9 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
                 group.state.clone(),
                 point.map_or_else(String::new, |point| point.name.clone()),
             ];
-            fields.extend(
-                displacement
-                    .value
-                    .iter()
-                    .map(|m| m_to_shortest_mm(*m).to_string()),
-            );
+            fields.extend(displacement.value.iter().map(|m| m_to_shortest_mm(*m).to_string()));
             let wrench = wrenches.as_ref().and_then(|wrenches| wrenches[g]);
-            let given = Given {
-                wrench,
-                time: displacement.time,
-                ..Given::default()
-            };
+            let given = Given { wrench, time: displacement.time, ..Given::default() };
             fields.extend(layout.fields(&given));
             fields.extend(degrees(&group.posture.q));
             text += &line(&fields);
@@ -83,9 +71,7 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
 
 /// Simulated displacements, in the digits that mean something: [`digits_of`](stiffarm::model::cell::Noise::digits_of).
 pub fn write_simulated(mut measured: Vec<MeasuredPosture>, cell: &Cell) -> String {
-    let displacements = measured
-        .iter_mut()
-        .flat_map(|group| &mut group.displacements);
+    let displacements = measured.iter_mut().flat_map(|group| &mut group.displacements);
     displacements.for_each(|d| d.value = d.value.map(|m| cell.noise.digits_of(m)));
     write_displacements(&measured, cell)
 }
@@ -136,10 +122,7 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
     for row in begun.into_iter().chain(others) {
         let mut fields = vec![row.posture.clone(), row.state.clone(), row.point.clone()];
         fields.extend([""; 3].map(String::from));
-        fields.extend(layout.fields(&Given {
-            station: row.station.as_deref(),
-            ..Given::default()
-        }));
+        fields.extend(layout.fields(&Given { station: row.station.as_deref(), ..Given::default() }));
         fields.resize(layout.heading(cell).len(), String::new());
         text += &line(&fields);
     }
@@ -147,9 +130,7 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
 }
 
 /// The readings of a posture, each with its state and what its row says beside.
-fn rows_of(
-    posture: &PostureReadings,
-) -> impl Iterator<Item = (&StateReadings, &Reading, Given<'_>)> {
+fn rows_of(posture: &PostureReadings) -> impl Iterator<Item = (&StateReadings, &Reading, Given<'_>)> {
     posture.states.iter().flat_map(move |state| {
         state.readings.iter().map(move |reading| {
             let given = Given {
@@ -185,6 +166,5 @@ fn wrench(group: &MeasuredPosture, cell: &Cell) -> Option<Wrench> {
 }
 
 pub(super) fn degrees(q: &[f64]) -> impl Iterator<Item = String> {
-    q.iter()
-        .map(|angle| rad_to_shortest_deg(*angle).to_string())
+    q.iter().map(|angle| rad_to_shortest_deg(*angle).to_string())
 }

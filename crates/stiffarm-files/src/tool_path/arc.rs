@@ -23,45 +23,25 @@ pub(super) struct Circle {
 impl Circle {
     /// The arc about the axis through `centre`; `None` where start and end are not on one circle. Where
     /// they are the same it is a full circle.
-    pub fn about(
-        centre: Vector3<f64>,
-        axis: UnitVector3<f64>,
-        start: Vector3<f64>,
-        end: Vector3<f64>,
-    ) -> Option<Self> {
+    pub fn about(centre: Vector3<f64>, axis: UnitVector3<f64>, start: Vector3<f64>, end: Vector3<f64>) -> Option<Self> {
         let across = |p: Vector3<f64>| (p - centre) - axis.as_ref() * axis.dot(&(p - centre));
         let (from, to) = (across(start), across(end));
         if from.norm() > FARTHEST {
             return None;
         }
-        if (from.norm() - to.norm()).abs() > ROUNDED.max(1e-4 * from.norm())
-            || from.norm() < ROUNDED
-        {
+        if (from.norm() - to.norm()).abs() > ROUNDED.max(1e-4 * from.norm()) || from.norm() < ROUNDED {
             return None;
         }
         let angle = axis.cross(&from).dot(&to).atan2(from.dot(&to));
         // What is left of a full turn by rounding is one.
         let is_closed = (to - from).norm() < 1e-9;
-        let sweep = if is_closed {
-            TAU
-        } else {
-            angle.rem_euclid(TAU)
-        };
-        Some(Circle {
-            centre: centre + axis.as_ref() * axis.dot(&(start - centre)),
-            axis,
-            start,
-            sweep,
-            end,
-        })
+        let sweep = if is_closed { TAU } else { angle.rem_euclid(TAU) };
+        Some(Circle { centre: centre + axis.as_ref() * axis.dot(&(start - centre)), axis, start, sweep, end })
     }
 
     /// The same with so many more whole turns.
     pub fn with_turns(self, turns: f64) -> Self {
-        Circle {
-            sweep: self.sweep + TAU * turns,
-            ..self
-        }
+        Circle { sweep: self.sweep + TAU * turns, ..self }
     }
 
     /// The arc from `start` through `via` to `end`; `None` where they lie on a line.
@@ -69,8 +49,8 @@ impl Circle {
         let (a, b) = (via - start, end - start);
         let normal = a.cross(&b);
         let axis = UnitVector3::try_new(normal, 1e-12)?;
-        let centre = (normal.cross(&a) * b.norm_squared() + b.cross(&normal) * a.norm_squared())
-            / (2.0 * normal.norm_squared());
+        let centre =
+            (normal.cross(&a) * b.norm_squared() + b.cross(&normal) * a.norm_squared()) / (2.0 * normal.norm_squared());
         Circle::about(start + centre, axis, start, end)
     }
 
@@ -99,13 +79,7 @@ impl Circle {
         met.sort_by(f64::total_cmp);
         let sweep = *met.get(count.checked_sub(1)?)?;
         let end = Rotation3::from_axis_angle(&axis, sweep) * spoke + centre;
-        Some(Circle {
-            centre,
-            axis,
-            start,
-            sweep,
-            end,
-        })
+        Some(Circle { centre, axis, start, sweep, end })
     }
 
     /// Directions at its start and at its end, without its rise.
@@ -137,17 +111,11 @@ impl Circle {
         let widest = 2.0 * (1.0 - TOLERANCE / spoke.norm()).clamp(-1.0, 1.0).acos();
         let count = (self.sweep / widest).ceil().max(1.0) as usize;
         // From the circle through the start to the end, which may be rounded and higher.
-        let turned = move |share: f64| {
-            Rotation3::from_axis_angle(&self.axis, share * self.sweep) * spoke + self.centre
-        };
+        let turned = move |share: f64| Rotation3::from_axis_angle(&self.axis, share * self.sweep) * spoke + self.centre;
         let off = self.end - turned(1.0);
         (1..=count).map(move |k| {
             let share = k as f64 / count as f64;
-            let point = if k == count {
-                self.end
-            } else {
-                turned(share) + off * share
-            };
+            let point = if k == count { self.end } else { turned(share) + off * share };
             (share, point)
         })
     }

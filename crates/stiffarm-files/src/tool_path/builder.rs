@@ -48,9 +48,7 @@ impl Place {
                 let rotation = rotation.unwrap_or(to.rotation);
                 Place::Pose(Isometry3::from_parts(position.into(), rotation))
             }
-            (Place::Axis(_, from), Place::Axis(_, to)) => {
-                Place::Axis(position, from.slerp(to, share))
-            }
+            (Place::Axis(_, from), Place::Axis(_, to)) => Place::Axis(position, from.slerp(to, share)),
             _ => other.at(position),
         }
     }
@@ -164,11 +162,7 @@ impl<'c> Builder<'c> {
             name: (self.points.len() + 1).to_string().into(),
             line: Some(line),
             target,
-            load: rapid.then_some(TipLoad {
-                force: Vector3::zeros(),
-                moment: Vector3::zeros(),
-                axes: ForceAxes::Base,
-            }),
+            load: rapid.then_some(TipLoad { force: Vector3::zeros(), moment: Vector3::zeros(), axes: ForceAxes::Base }),
             feature: self.feature.clone(),
             feed: feed.filter(|feed| !rapid && *feed > 0.0 && *feed <= FASTEST),
             rapid,
@@ -229,20 +223,13 @@ impl<'c> Builder<'c> {
         sentence: impl FnOnce() -> String,
     ) {
         let remark = self.remarks.entry((code, word.to_string()));
-        let remark = remark.or_insert_with(|| Remark {
-            severity,
-            line,
-            count: 0,
-            sentence: sentence(),
-        });
+        let remark = remark.or_insert_with(|| Remark { severity, line, count: 0, sentence: sentence() });
         remark.count += 1;
     }
 
     /// A word of the program that is not followed.
     pub fn not_followed(&mut self, word: &str, line: usize, severity: Severity) {
-        self.remark("not-followed", word, line, severity, || {
-            format!("{word} ({{}}) is not followed here.")
-        });
+        self.remark("not-followed", word, line, severity, || format!("{word} ({{}}) is not followed here."));
     }
 
     /// Holds a frame that the program gives against that of the cell.
@@ -257,8 +244,7 @@ impl<'c> Builder<'c> {
             length(distance),
             rad_to_deg(angle)
         );
-        self.frames
-            .push(Finding::serious("program-frame", "work", sentence));
+        self.frames.push(Finding::serious("program-frame", "work", sentence));
     }
 
     /// All that is to be known, what matters most first.

@@ -59,16 +59,8 @@ impl ToolPath {
     /// Straight moves in place of one.
     pub(super) fn lines(&self, own: &Divided, pieces: &[Piece], nominal: &[PathPoint]) -> String {
         let form = &self.form;
-        let line_end = if self.files[0].text.contains("\r\n") {
-            "\r\n"
-        } else {
-            "\n"
-        };
-        let count = if form.orientation == Orientation::Kept {
-            3
-        } else {
-            form.before.len()
-        };
+        let line_end = if self.files[0].text.contains("\r\n") { "\r\n" } else { "\n" };
+        let count = if form.orientation == Orientation::Kept { 3 } else { form.before.len() };
         let way: f64 = pieces.iter().map(|piece| piece.length).sum();
         let mut lines = Vec::with_capacity(pieces.len());
         for (k, piece) in pieces.iter().enumerate() {
@@ -82,21 +74,14 @@ impl ToolPath {
                 words = words.trim_start_matches(',').to_string();
             }
             if let Some(inverse) = own.inverse {
-                words += &format!(
-                    " F{}",
-                    fixed(inverse * way / piece.length.max(SAME_PLACE), 4)
-                );
+                words += &format!(" F{}", fixed(inverse * way / piece.length.max(SAME_PLACE), 4));
             }
             let (first, end) = match k {
                 0 => (own.first.as_str(), own.end.as_str()),
                 _ => (own.others, ""),
             };
             let last = if k + 1 == pieces.len() { &own.last } else { "" };
-            let begin = if nominal[piece.point].rapid {
-                own.begin_rapid
-            } else {
-                &own.begin
-            };
+            let begin = if nominal[piece.point].rapid { own.begin_rapid } else { &own.begin };
             lines.push(format!("{first}{begin}{words}{end}{last}"));
             if own.waits.contains(&piece.point) {
                 lines.push(format!("{}{}", own.others, own.wait));

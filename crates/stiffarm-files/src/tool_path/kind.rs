@@ -33,20 +33,10 @@ const KINDS: [Facts; 7] = [
         kind: Kind::Apt,
         name: "cl-data",
         describe: "CL data: APT, CLSF",
-        endings: &[
-            "cls",
-            "clsf",
-            "apt",
-            "aptsource",
-            "cl",
-            "cldata",
-            "ncl",
-            "as",
-        ],
+        endings: &["cls", "clsf", "apt", "aptsource", "cl", "cldata", "ncl", "as"],
         is_mark: |line| {
             let rest = line.strip_prefix("GOTO").or(line.strip_prefix("FROM"));
-            rest.is_some_and(|rest| rest.trim_start().starts_with('/'))
-                || starts(line, "TOOL PATH/")
+            rest.is_some_and(|rest| rest.trim_start().starts_with('/')) || starts(line, "TOOL PATH/")
         },
     },
     Facts {
@@ -156,36 +146,22 @@ const LOOKED_AT: usize = 1000;
 ///
 /// # Errors
 /// A language that is not read here, as Heidenhain's.
-pub fn recognised(
-    name: &str,
-    bytes: &[u8],
-    asked: Option<PathLanguage>,
-) -> Result<(Option<Kind>, Option<Finding>)> {
+pub fn recognised(name: &str, bytes: &[u8], asked: Option<PathLanguage>) -> Result<(Option<Kind>, Option<Finding>)> {
     match asked {
         Some(PathLanguage::Table) => return Ok((None, None)),
         Some(PathLanguage::Program(kind)) => return Ok((Some(kind), None)),
         None => {}
     }
-    let ending = Path::new(name)
-        .extension()
-        .and_then(|ending| ending.to_str());
+    let ending = Path::new(name).extension().and_then(|ending| ending.to_str());
     let ending = ending.unwrap_or_default().to_ascii_lowercase();
     if TABLES.contains(&ending.as_str()) {
         return Ok((None, None));
     }
     let text = String::from_utf8_lossy(&bytes[..bytes.len().min(1 << 16)]);
-    let lines = || {
-        text.lines()
-            .map(str::trim)
-            .filter(|line| !line.is_empty())
-            .take(LOOKED_AT)
-    };
+    let lines = || text.lines().map(str::trim).filter(|line| !line.is_empty()).take(LOOKED_AT);
     if let Some(first) = lines().next().filter(|line| is_heidenhain(line)) {
-        let message =
-            format!("`{first}` begins a program of a Heidenhain control, which is not read here.");
-        let error = Error::new(Code::Unsupported, message)
-            .file(name)
-            .line(1, None);
+        let message = format!("`{first}` begins a program of a Heidenhain control, which is not read here.");
+        let error = Error::new(Code::Unsupported, message).file(name).line(1, None);
         return Err(error.hint("post-process the path as G-code (DIN/ISO) or CL data"));
     }
     let by_name = Kind::of(name);
@@ -198,10 +174,8 @@ pub fn recognised(
     let found = all.into_iter().find(|facts| lines().any(facts.is_mark));
     let found = found.map(|facts| facts.kind);
     let finding = found.map(|kind| {
-        let sentence = format!(
-            "{name} is read as {}, by what stands in it: `--language` says otherwise.",
-            kind.title()
-        );
+        let sentence =
+            format!("{name} is read as {}, by what stands in it: `--language` says otherwise.", kind.title());
         Finding::caution("path-language", "path", sentence)
     });
     Ok((found, finding))
@@ -214,8 +188,7 @@ fn is_heidenhain(line: &str) -> bool {
 }
 
 fn starts(line: &str, word: &str) -> bool {
-    line.get(..word.len())
-        .is_some_and(|begin| begin.eq_ignore_ascii_case(word))
+    line.get(..word.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(word))
 }
 
 /// A block that moves: words of one letter with numbers alone, G or N first, an axis among them.

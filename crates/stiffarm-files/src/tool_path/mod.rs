@@ -52,8 +52,7 @@ const NEAR_END: f64 = 1e-3;
 const FARTHEST: f64 = 100.0;
 
 /// What is wrong with such a point.
-const FAR_AWAY: &str =
-    "This point is more than 100 m from the origin: look at the unit of the file.";
+const FAR_AWAY: &str = "This point is more than 100 m from the origin: look at the unit of the file.";
 
 /// The orientation in a program.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,10 +62,7 @@ enum Orientation {
     /// Direction from the tip to the spindle.
     Axis,
     /// A whole orientation.
-    Full {
-        convention: Convention,
-        degrees: bool,
-    },
+    Full { convention: Convention, degrees: bool },
 }
 
 /// How the numbers of points stand in a program.
@@ -152,10 +148,7 @@ pub fn read_tool_path(
                 }
                 Err(error) => return Err(error.file(name)),
             };
-            Ok(ProgramFile {
-                name: name.to_string(),
-                text,
-            })
+            Ok(ProgramFile { name: name.to_string(), text })
         })
         .collect::<Result<_>>()?;
     let mut builder = Builder::new(cell);
@@ -174,9 +167,7 @@ pub fn read_tool_path(
     if builder.points.iter().all(|point| point.rapid) {
         let message = format!("The file has no move at feed as {} has it.", kind.title());
         let error = Error::new(Code::TooFewData, message).file(name);
-        return Err(error.hint(
-            "the ending of its name says what it is: a table of the path ends in .csv or .xlsx",
-        ));
+        return Err(error.hint("the ending of its name says what it is: a table of the path ends in .csv or .xlsx"));
     }
     let in_base = matches!(kind, Kind::Robot(language) if language.poses().is_some_and(|poses| poses.in_base));
     if !in_base && cell.work.workpiece == Isometry3::identity() {

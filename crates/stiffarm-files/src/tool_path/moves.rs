@@ -35,39 +35,27 @@ pub type Posed<'a> = (Isometry3<f64>, &'a [f64]);
 /// # Errors
 /// A language in which no paths are written, a robot of another controller or not of six joints, a name
 /// that the language does not allow, a speed that is not above zero, too many points.
-pub fn write_moves(
-    language: Language,
-    cell: &Cell,
-    points: &[Posed<'_>],
-    options: &MoveOptions,
-) -> Result<String> {
+pub fn write_moves(language: Language, cell: &Cell, points: &[Posed<'_>], options: &MoveOptions) -> Result<String> {
     let fault = |code, message: String| Err(Error::new(code, message));
     let known = language.poses();
     let Some((poses, moves)) = known.and_then(|poses| Some((poses, poses.moves?))) else {
         let message = format!("Paths are not written in {} here.", language.title());
-        return Err(Error::new(Code::Unsupported, message)
-            .hint("krl, rapid, ls and urscript hold paths; so does a table"));
+        return Err(
+            Error::new(Code::Unsupported, message).hint("krl, rapid, ls and urscript hold paths; so does a table")
+        );
     };
     let robot = &cell.setup.robot;
     if robot.joint_count() != 6 {
         let joints = robot.joint_count();
-        return fault(
-            Code::Unsupported,
-            format!("Paths are written for robots of six joints; this one has {joints}."),
-        );
+        return fault(Code::Unsupported, format!("Paths are written for robots of six joints; this one has {joints}."));
     }
     language.check_robot(robot, None).map_err(|error| {
-        Error::new(error.code(), error.message())
-            .key("write")
-            .hint("write it in the language of the cell's controller")
+        Error::new(error.code(), error.message()).key("write").hint("write it in the language of the cell's controller")
     })?;
     language.check_name(&options.name)?;
     if !(options.speed_mm_s.is_finite() && options.speed_mm_s > 0.0) {
         let speed = options.speed_mm_s;
-        return Err(
-            Error::invalid(format!("The speed must be above 0 mm/s, got {speed}."))
-                .key("speed_mm_s"),
-        );
+        return Err(Error::invalid(format!("The speed must be above 0 mm/s, got {speed}.")).key("speed_mm_s"));
     }
     if points.len() > moves.most {
         let message = format!(
@@ -81,11 +69,7 @@ pub fn write_moves(
     let [tool, base] = moves.frames;
     let tool = options.tool.as_deref().unwrap_or(tool);
     let base = options.base.as_deref().unwrap_or(base);
-    let workpiece = if poses.in_base {
-        *robot.controller_base()
-    } else {
-        cell.work.workpiece
-    };
+    let workpiece = if poses.in_base { *robot.controller_base() } else { cell.work.workpiece };
     let leads = points.iter().zip(1..).map(|((pose, q), number)| Leads {
         number,
         pose: numbers(&poses, &(workpiece.inverse() * pose)),
@@ -100,24 +84,13 @@ pub fn write_moves(
         body.extend((moves.lines)(&leads));
         list.extend((moves.point)(&leads));
     }
-    let header = options
-        .header
-        .iter()
-        .cloned()
-        .chain(frames(&poses, cell, tool, base));
+    let header = options.header.iter().cloned().chain(frames(&poses, cell, tool, base));
     let header: Vec<String> = match language {
         // A remark has 32 characters.
         Language::Ls => header.flat_map(|line| wrapped(&line, 32)).collect(),
-        _ => header
-            .flat_map(|line| wrapped(&line, HEADER_WIDTH))
-            .collect(),
+        _ => header.flat_map(|line| wrapped(&line, HEADER_WIDTH)).collect(),
     };
-    let words = [
-        ("{name}", options.name.as_str()),
-        ("{tool}", tool),
-        ("{base}", base),
-        ("{what}", "path"),
-    ];
+    let words = [("{name}", options.name.as_str()), ("{tool}", tool), ("{base}", base), ("{what}", "path")];
     let lists = [("{header}", header), ("{body}", body), ("{points}", list)];
     Ok(filled(moves.template, &words, &lists, language.line_end()))
 }
@@ -151,11 +124,7 @@ fn configuration(cell: &Cell, q: &[f64]) -> String {
     let words = [
         if found.wrist == Wrist::Flip { "F" } else { "N" },
         if found.elbow == Elbow::Up { "U" } else { "D" },
-        if found.shoulder == Shoulder::Front {
-            "T"
-        } else {
-            "B"
-        },
+        if found.shoulder == Shoulder::Front { "T" } else { "B" },
     ];
     let turns = [0, 3, 5].map(|axis| ((rad_to_deg(q[axis]) + 180.0) / 360.0).floor().to_string());
     format!("{}, {}", words.join(" "), turns.join(", "))

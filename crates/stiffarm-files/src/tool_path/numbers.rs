@@ -33,12 +33,7 @@ pub(super) fn bends(way: &[[f64; 10]], at: &[f64], tolerance: f64) -> (Vec<usize
 }
 
 /// The numbers of `rotation`, of those that mean it the nearest to `old`.
-pub(super) fn near(
-    convention: Convention,
-    degrees: bool,
-    old: &[f64],
-    rotation: &UnitQuaternion<f64>,
-) -> Vec<f64> {
+pub(super) fn near(convention: Convention, degrees: bool, old: &[f64], rotation: &UnitQuaternion<f64>) -> Vec<f64> {
     let to_file = |angle: f64| if degrees { rad_to_deg(angle) } else { angle };
     let from_file = |number: f64| if degrees { deg_to_rad(number) } else { number };
     let numbers = convention.numbers(rotation);
@@ -74,43 +69,23 @@ pub(super) fn near(
             let [roll, pitch, yaw] = order([numbers[0], numbers[1], numbers[2]]);
             // Near a pitch of a quarter turn the first turn is free: that of before.
             let kept = {
-                let r = (rotation * UnitQuaternion::from_euler_angles(x, 0.0, 0.0).inverse())
-                    .to_rotation_matrix();
-                [
-                    x,
-                    (-r[(2, 0)]).atan2(r[(2, 2)]),
-                    (-r[(0, 1)]).atan2(r[(1, 1)]),
-                ]
+                let r = (rotation * UnitQuaternion::from_euler_angles(x, 0.0, 0.0).inverse()).to_rotation_matrix();
+                [x, (-r[(2, 0)]).atan2(r[(2, 2)]), (-r[(0, 1)]).atan2(r[(1, 1)])]
             };
             let is_steep = pitch.cos().abs() < 1e-5;
-            let all = if is_steep {
-                vec![kept]
-            } else {
-                vec![[roll, pitch, yaw], [roll + PI, PI - pitch, yaw + PI]]
-            };
+            let all = if is_steep { vec![kept] } else { vec![[roll, pitch, yaw], [roll + PI, PI - pitch, yaw + PI]] };
             let whole = |turns: [f64; 3]| {
                 let turns = order(turns).into_iter().zip(&old);
-                turns
-                    .map(|(turn, old)| to_file(turn + TAU * ((old - turn) / TAU).round()))
-                    .collect()
+                turns.map(|(turn, old)| to_file(turn + TAU * ((old - turn) / TAU).round())).collect()
             };
             all.into_iter().map(whole).collect()
         }
     };
-    let nearest = all
-        .into_iter()
-        .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let nearest = all.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
     nearest.unwrap_or_default()
 }
 
 /// Decimals of a number's text; `None` where it has an exponent.
 pub(super) fn decimals_of(text: &str) -> Option<usize> {
-    if text.contains(['e', 'E']) {
-        None
-    } else {
-        Some(
-            text.split_once('.')
-                .map_or(0, |(_, fraction)| fraction.len()),
-        )
-    }
+    if text.contains(['e', 'E']) { None } else { Some(text.split_once('.').map_or(0, |(_, fraction)| fraction.len())) }
 }

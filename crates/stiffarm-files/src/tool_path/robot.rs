@@ -8,8 +8,8 @@ use super::arc::Circle;
 use super::builder::{Builder, Feed, Place};
 use super::{Divided, FAR_AWAY, FARTHEST, Form, Orientation};
 use crate::program::{
-    Aim, Cursor, External, Frames, Language, Leg, Motion, Number, Pose, PoseForm, ProgramFile,
-    ProgramOptions, Reader, Taken, read_legs,
+    Aim, Cursor, External, Frames, Language, Leg, Motion, Number, Pose, PoseForm, ProgramFile, ProgramOptions, Reader,
+    Taken, read_legs,
 };
 use nalgebra::{Isometry3, Vector3};
 use std::collections::{BTreeMap, HashSet};
@@ -19,34 +19,21 @@ use stiffarm::findings::Severity;
 use stiffarm::model::pose::Convention;
 use stiffarm::units::deg_to_rad;
 
-pub(super) fn read(
-    files: &[ProgramFile],
-    language: Language,
-    builder: &mut Builder<'_>,
-) -> Result<()> {
+pub(super) fn read(files: &[ProgramFile], language: Language, builder: &mut Builder<'_>) -> Result<()> {
     let Some(poses) = language.poses() else {
         return Ok(());
     };
     let robot = &builder.cell.setup.robot;
     let base = *robot.controller_base();
     builder.form = Form {
-        orientation: Orientation::Full {
-            convention: poses.convention,
-            degrees: poses.degrees,
-        },
+        orientation: Orientation::Full { convention: poses.convention, degrees: poses.degrees },
         unit: poses.unit,
         before: poses.before,
         decimals: poses.decimals,
-        frame: if poses.in_base {
-            base
-        } else {
-            builder.cell.work.workpiece
-        },
+        frame: if poses.in_base { base } else { builder.cell.work.workpiece },
     };
     let options = ProgramOptions::default();
-    let mut reader = Reader::new(&options, robot.joint_count(), |axis| {
-        format!("axis {}", axis + 1)
-    });
+    let mut reader = Reader::new(&options, robot.joint_count(), |axis| format!("axis {}", axis + 1));
     reader.is_path = true;
     let legs = read_legs(files, language, &mut reader)?;
     let mut walk = Walk {
@@ -66,13 +53,8 @@ pub(super) fn read(
         };
         walk.leg(leg).map_err(at)?;
     }
-    let Walk {
-        external, frames, ..
-    } = walk;
-    for (name, axis) in external
-        .iter()
-        .filter(|(_, axis)| axis.stands.is_some_and(|at| at != 0.0))
-    {
+    let Walk { external, frames, .. } = walk;
+    for (name, axis) in external.iter().filter(|(_, axis)| axis.stands.is_some_and(|at| at != 0.0)) {
         let at = axis.stands.unwrap_or_default();
         builder.remark("external-axis", name, axis.line, Severity::Note, || {
             format!(
@@ -82,8 +64,7 @@ pub(super) fn read(
         });
     }
     let names = frames.iter().flat_map(|frame| frame.taken.as_ref());
-    let frames_of_moves: HashSet<String> =
-        names.map(|taken| taken.name.to_ascii_uppercase()).collect();
+    let frames_of_moves: HashSet<String> = names.map(|taken| taken.name.to_ascii_uppercase()).collect();
     for (line, name) in &reader.assigned {
         let name = name.to_ascii_uppercase();
         let code = if reader.named_points.contains(&name) {
@@ -94,17 +75,13 @@ pub(super) fn read(
             continue;
         };
         builder.remark(code, &name, *line, Severity::Serious, || {
-            format!("The program sets {name} itself ({{}}), and what it says then is not read: the robot goes elsewhere.")
+            format!(
+                "The program sets {name} itself ({{}}), and what it says then is not read: the robot goes elsewhere."
+            )
         });
     }
     for remark in std::mem::take(&mut reader.remarks) {
-        builder.remark(
-            remark.code,
-            &remark.word,
-            remark.line,
-            remark.severity,
-            || remark.sentence,
-        );
+        builder.remark(remark.code, &remark.word, remark.line, remark.severity, || remark.sentence);
     }
     hold(&frames, &poses, &base, builder)
 }
@@ -181,11 +158,7 @@ impl<'a> Walk<'a, '_, '_> {
         // At the points before it nothing is said of where they stood.
         let unsaid = (!self.builder.points.is_empty()).then_some(0.0);
         for External { name, value, .. } in external {
-            let axis = self.external.entry(name).or_insert(Axis {
-                stands: unsaid,
-                now: value,
-                line,
-            });
+            let axis = self.external.entry(name).or_insert(Axis { stands: unsaid, now: value, line });
             axis.now = value;
         }
     }
@@ -224,10 +197,7 @@ impl<'a> Walk<'a, '_, '_> {
                 known.number == number && same
             });
             if !is_known {
-                self.frames.push(Frame {
-                    number,
-                    taken: taken.cloned(),
-                });
+                self.frames.push(Frame { number, taken: taken.cloned() });
             }
         }
     }
@@ -244,10 +214,7 @@ impl<'a> Walk<'a, '_, '_> {
         let first = self.builder.points.len();
         let from = self.last.filter(|_| !rapid);
         if from.is_some_and(|from| self.builder.between(line, &from, &place)) {
-            self.builder.divided.push(Divided {
-                points: first..self.builder.points.len() + 1,
-                ..Divided::default()
-            });
+            self.builder.divided.push(Divided { points: first..self.builder.points.len() + 1, ..Divided::default() });
         }
         self.builder.point(line, &place, rapid);
         self.slots(to, self.numbers);
@@ -260,13 +227,8 @@ impl<'a> Walk<'a, '_, '_> {
         let count = self.poses.convention.columns().len() + 3;
         let numbers = to.numbers.iter().zip(values).take(count);
         for (component, (number, value)) in numbers.enumerate() {
-            let left_out = Number {
-                value: value.unwrap_or_default(),
-                at: to.end,
-                length: 0,
-            };
-            self.builder
-                .number(to.file, component, number.unwrap_or(left_out));
+            let left_out = Number { value: value.unwrap_or_default(), at: to.end, length: 0 };
+            self.builder.number(to.file, component, number.unwrap_or(left_out));
         }
     }
 
@@ -334,64 +296,37 @@ fn placed(poses: &PoseForm, numbers: &[Option<f64>; 7]) -> Result<Isometry3<f64>
             turns.iter_mut().for_each(|q| *q /= length);
         }
     }
-    Ok(Isometry3::from_parts(
-        position.into(),
-        poses.convention.rotation(&turns)?,
-    ))
+    Ok(Isometry3::from_parts(position.into(), poses.convention.rotation(&turns)?))
 }
 
 /// Holds the frames of the points against those of the cell.
-fn hold(
-    frames: &[Frame<'_>],
-    poses: &PoseForm,
-    base: &Isometry3<f64>,
-    builder: &mut Builder<'_>,
-) -> Result<()> {
+fn hold(frames: &[Frame<'_>], poses: &PoseForm, base: &Isometry3<f64>, builder: &mut Builder<'_>) -> Result<()> {
     let work = &builder.cell.work;
     let (tip, workpiece) = (work.tip(&builder.cell.setup.tool), work.workpiece);
     let kinds = [
         ("The tool frame", "the tip of the cell ([work] tip_mm)", tip),
-        (
-            "The base",
-            "the workpiece frame of the cell ([work] workpiece_mm)",
-            workpiece,
-        ),
+        ("The base", "the workpiece frame of the cell ([work] workpiece_mm)", workpiece),
     ];
     for (number, (what, own, cell)) in kinds.into_iter().enumerate() {
         let taken = frames.iter().filter(|frame| frame.number == number);
         let taken: Vec<&Taken<'_>> = taken.filter_map(|frame| frame.taken.as_deref()).collect();
         for Taken { name, line, given } in &taken {
-            let is_null = poses
-                .null_frames
-                .contains(&name.to_ascii_uppercase().as_str());
+            let is_null = poses.null_frames.contains(&name.to_ascii_uppercase().as_str());
             if given.is_empty() && !is_null {
                 builder.remark("frame-unknown", what, *line, Severity::Note, || {
                     format!("{what} {name} ({{}}) is not in the file, so it could not be held against {own}.")
                 });
                 continue;
             }
-            let mut product = if number == 1 {
-                *base
-            } else {
-                Isometry3::identity()
-            };
+            let mut product = if number == 1 { *base } else { Isometry3::identity() };
             for given in given {
-                product *=
-                    placed(poses, &given.values()).map_err(|error| error.line(given.line, None))?;
+                product *= placed(poses, &given.values()).map_err(|error| error.line(given.line, None))?;
             }
-            builder.frame(
-                &format!("{what} {name} (line {line})"),
-                own,
-                &product,
-                &cell,
-            );
+            builder.frame(&format!("{what} {name} (line {line})"), own, &product, &cell);
         }
         if let [first, .., last] = &taken[..] {
             builder.remark("program-frames", what, last.line, Severity::Serious, || {
-                format!(
-                    "{what} changes within the program ({}, {}; {{}}): the cell has one.",
-                    first.name, last.name
-                )
+                format!("{what} changes within the program ({}, {}; {{}}): the cell has one.", first.name, last.name)
             });
         }
     }

@@ -52,14 +52,10 @@ pub(super) fn placed(form: &Form, point: &PathPoint) -> Result<(Vector3<f64>, Tu
     let from_base = form.frame.inverse();
     let at = |p: &Vector3<f64>| from_base.rotation * p + from_base.translation.vector;
     match &point.target {
-        PathTarget::Pose(pose) => Ok((
-            at(&pose.translation.vector),
-            Turned::Rotation(from_base.rotation * pose.rotation),
-        )),
-        PathTarget::Axis { position, axis } => Ok((
-            at(position),
-            Turned::Axis(from_base.rotation * axis.as_ref()),
-        )),
+        PathTarget::Pose(pose) => {
+            Ok((at(&pose.translation.vector), Turned::Rotation(from_base.rotation * pose.rotation)))
+        }
+        PathTarget::Axis { position, axis } => Ok((at(position), Turned::Axis(from_base.rotation * axis.as_ref()))),
         PathTarget::Angles(_) => {
             let message = format!("Point {} is given as joint angles.", point.name);
             Err(Error::new(Code::Conflict, message))

@@ -42,16 +42,10 @@ impl WrittenPath {
         );
         let all = [
             (self.tilt_left > TILTED, "tilt-left", Severity::Note, tilt),
-            (
-                self.bend_left > TOLERANCE,
-                "bend-left",
-                Severity::Caution,
-                bend,
-            ),
+            (self.bend_left > TOLERANCE, "bend-left", Severity::Caution, bend),
         ];
         let all = all.into_iter().filter(|(matters, ..)| *matters);
-        all.map(|(_, code, severity, sentence)| Finding::new(code, severity, "path", sentence))
-            .collect()
+        all.map(|(_, code, severity, sentence)| Finding::new(code, severity, "path", sentence)).collect()
     }
 }
 
@@ -100,11 +94,7 @@ impl ToolPath {
         }
         let is_still = |(nominal, commanded)| is_same(&self.form, nominal, commanded);
         if nominal.iter().zip(commanded).all(is_still) {
-            return Ok(WrittenPath {
-                files: self.edited(&[])?,
-                tilt_left: 0.0,
-                bend_left: 0.0,
-            });
+            return Ok(WrittenPath { files: self.edited(&[])?, tilt_left: 0.0, bend_left: 0.0 });
         }
         let mut writer = Writer {
             path: self,
@@ -143,11 +133,8 @@ impl ToolPath {
             if own.points.end > i + 1 {
                 continue;
             }
-            let kept = if own.is_whole {
-                (1..way.len()).collect()
-            } else {
-                writer.bends(&way, &at, !own.text.is_empty())
-            };
+            let kept =
+                if own.is_whole { (1..way.len()).collect() } else { writer.bends(&way, &at, !own.text.is_empty()) };
             if kept.is_empty() {
                 writer.edit(slots, false);
             } else {
@@ -162,18 +149,9 @@ impl ToolPath {
             length: own.text.len() as u32,
             text: self.lines(own, pieces, nominal),
         }));
-        let Writer {
-            mut edits,
-            tilt_left,
-            bend_left,
-            ..
-        } = writer;
+        let Writer { mut edits, tilt_left, bend_left, .. } = writer;
         edits.sort_by_key(|edit| (edit.file, edit.at));
-        Ok(WrittenPath {
-            files: self.edited(&edits)?,
-            tilt_left,
-            bend_left,
-        })
+        Ok(WrittenPath { files: self.edited(&edits)?, tilt_left, bend_left })
     }
 
     /// The files with `edits`, which are in order.
@@ -188,12 +166,11 @@ impl ToolPath {
                         continue;
                     }
                     let line = file.text[..edit.at as usize].matches('\n').count() + 1;
-                    let message =
-                        "Two moves go to this point, and need different corrections there.";
+                    let message = "Two moves go to this point, and need different corrections there.";
                     let error = Error::new(Code::Conflict, message).line(line, None);
-                    return Err(error.file(file.name.as_str()).hint(
-                        "give each of them a point of its own, or write a new program (--write)",
-                    ));
+                    return Err(error
+                        .file(file.name.as_str())
+                        .hint("give each of them a point of its own, or write a new program (--write)"));
                 }
                 text += &file.text[from..edit.at as usize];
                 text += &edit.text;
@@ -202,9 +179,7 @@ impl ToolPath {
             }
             text += &file.text[from..];
             let bytes = if self.latin {
-                text.chars()
-                    .map(|c| u8::try_from(c).unwrap_or(b'?'))
-                    .collect()
+                text.chars().map(|c| u8::try_from(c).unwrap_or(b'?')).collect()
             } else {
                 text.into_bytes()
             };
@@ -237,11 +212,8 @@ impl Writer<'_> {
     ) -> Result<()> {
         let form = &self.path.form;
         let (position, is) = placed(form, commanded)?;
-        let moved = if (position - from).norm() < SAME_PLACE {
-            Vector3::zeros()
-        } else {
-            (position - from) / form.unit
-        };
+        let moved =
+            if (position - from).norm() < SAME_PLACE { Vector3::zeros() } else { (position - from) / form.unit };
         let from = from / form.unit;
         self.numbers[..3].copy_from_slice((from + moved).as_slice());
         let mut is_stated = false;
@@ -263,10 +235,7 @@ impl Writer<'_> {
                     self.numbers[3..6].copy_from_slice((-is.axis()).as_slice());
                 }
             }
-            Orientation::Full {
-                convention,
-                degrees,
-            } => {
+            Orientation::Full { convention, degrees } => {
                 let (was, is) = (was.rotation()?, is.rotation()?);
                 if was.angle_to(&is) >= SAME {
                     let count = convention.columns().len();
@@ -292,54 +261,31 @@ impl Writer<'_> {
 
     /// The text of a slot's number, and whether it says what is there.
     fn text(&self, slot: usize) -> (String, bool) {
-        let Slot {
-            at,
-            length,
-            file,
-            component,
-            modal,
-        } = self.path.slots[slot];
+        let Slot { at, length, file, component, modal } = self.path.slots[slot];
         let component = usize::from(component);
         let own = &self.path.files[usize::from(file)].text[at as usize..][..usize::from(length)];
         let fewest = self.path.form.decimals_of(component);
         let decimals = decimals_of(own).map_or(fewest, |decimals| decimals.max(fewest));
         let text = fixed(self.numbers[component], decimals);
         // What a line leaves out is what was written last.
-        let before = if modal && !self.last[component].is_nan() {
-            self.last[component]
-        } else {
-            self.path.values[slot]
-        };
+        let before =
+            if modal && !self.last[component].is_nan() { self.last[component] } else { self.path.values[slot] };
         let is_same = text == fixed(before, decimals);
-        if is_same && length > 0 {
-            (own.to_string(), true)
-        } else {
-            (text, is_same)
-        }
+        if is_same && length > 0 { (own.to_string(), true) } else { (text, is_same) }
     }
 
     /// Writes the numbers of a point into `slots`. A `rapid` move keeps what it leaves out: it retracts
     /// straight from where a correction has led.
     fn edit(&mut self, slots: std::ops::Range<usize>, rapid: bool) {
         let path = self.path;
-        let is_written = |slot: &usize| {
-            path.slots[*slot].component < 3 || path.form.orientation != Orientation::Kept
-        };
+        let is_written = |slot: &usize| path.slots[*slot].component < 3 || path.form.orientation != Orientation::Kept;
         let texts = slots.filter(is_written).map(|slot| (slot, self.text(slot)));
         let texts: Vec<(usize, (String, bool))> = texts.collect();
         let turns = |slot: usize| path.slots[slot].length == 0 && path.slots[slot].component >= 3;
         // Of an orientation that a line leaves out all numbers are written, or none.
-        let has_turned = texts
-            .iter()
-            .any(|(slot, (_, is_same))| turns(*slot) && !is_same);
+        let has_turned = texts.iter().any(|(slot, (_, is_same))| turns(*slot) && !is_same);
         for (slot, (mut text, is_same)) in texts {
-            let Slot {
-                at,
-                length,
-                file,
-                component,
-                ..
-            } = path.slots[slot];
+            let Slot { at, length, file, component, .. } = path.slots[slot];
             let component = usize::from(component);
             if length == 0 {
                 if rapid || is_same && !(turns(slot) && has_turned) {
@@ -360,10 +306,7 @@ impl Writer<'_> {
     /// Keeps the columns of what is written in columns.
     fn push(&mut self, file: u8, at: u32, length: u16, text: String) {
         let own = &self.path.files[usize::from(file)].text;
-        let blank = own[..at as usize]
-            .bytes()
-            .rev()
-            .take_while(|byte| *byte == b' ');
+        let blank = own[..at as usize].bytes().rev().take_while(|byte| *byte == b' ');
         // One space stays.
         let spare = blank.count().saturating_sub(1);
         let longer = text.len() as isize - isize::from(length as i16);
@@ -374,12 +317,7 @@ impl Writer<'_> {
         } else if length > 0 && longer < 0 && spare > 0 {
             text.insert_str(0, &" ".repeat(longer.unsigned_abs()));
         }
-        self.edits.push(Edit {
-            file,
-            at,
-            length,
-            text,
-        });
+        self.edits.push(Edit { file, at, length, text });
     }
 }
 

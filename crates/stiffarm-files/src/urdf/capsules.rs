@@ -19,10 +19,7 @@ impl UrdfRobot {
     ///
     /// # Errors
     /// What `mesh` returns, and a shape of more than 20 m.
-    pub fn link_capsules(
-        &self,
-        mut mesh: impl FnMut(&str, f64) -> Result<TriangleMesh>,
-    ) -> Result<Vec<LinkCapsule>> {
+    pub fn link_capsules(&self, mut mesh: impl FnMut(&str, f64) -> Result<TriangleMesh>) -> Result<Vec<LinkCapsule>> {
         let robot = self.robot.robot()?;
         let mut capsules = Vec::new();
         for link in 0..=robot.joint_count() {
@@ -63,10 +60,7 @@ impl UrdfRobot {
                 own.extend(capsules_around(&solid.placed(&pose)));
             }
             own.splice(0..0, capsules_of_mesh(&meshes, MOST));
-            capsules.extend(own.into_iter().map(|capsule| LinkCapsule {
-                link,
-                capsule: capsule.placed(&frame),
-            }));
+            capsules.extend(own.into_iter().map(|capsule| LinkCapsule { link, capsule: capsule.placed(&frame) }));
         }
         Ok(capsules)
     }
@@ -80,10 +74,7 @@ fn append(all: &mut TriangleMesh, more: &TriangleMesh) {
 }
 
 /// A mesh with factors, which may mirror and differ from axis to axis.
-fn scaled(
-    factors: [f64; 3],
-    mesh: impl FnOnce(f64) -> Result<TriangleMesh>,
-) -> Result<TriangleMesh> {
+fn scaled(factors: [f64; 3], mesh: impl FnOnce(f64) -> Result<TriangleMesh>) -> Result<TriangleMesh> {
     let unit = factors.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
     let factors = Vector3::from(factors.map(|s| s / unit));
     let mut mesh = mesh(unit)?;
@@ -97,9 +88,7 @@ fn check_size(shape: &CollisionShape, size: f64) -> Result<()> {
     if size <= LARGEST {
         return Ok(());
     }
-    let message = format!(
-        "A shape of the link \"{}\" is {size:.0} m across: probably its unit is mm.",
-        shape.urdf_link
-    );
+    let message =
+        format!("A shape of the link \"{}\" is {size:.0} m across: probably its unit is mm.", shape.urdf_link);
     Err(Error::invalid(message).hint("a URDF gives all lengths in m"))
 }

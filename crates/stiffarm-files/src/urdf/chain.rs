@@ -80,8 +80,7 @@ pub(super) fn chain<'a>(tree: &Tree<'a>, base: &'a str, path: &[&'a Joint]) -> R
     let moving = path.iter().filter(|joint| joint.kind != JointKind::Fixed);
     let moving = moving.count();
     if moving > MOST_JOINTS {
-        let message =
-            format!("The chain has {moving} joints; at most {MOST_JOINTS} are supported.");
+        let message = format!("The chain has {moving} joints; at most {MOST_JOINTS} are supported.");
         return Err(Error::new(Code::Unsupported, message).file(tree.source.file()));
     }
     let mut groups: Vec<Group<'a>> = Vec::new();
@@ -94,10 +93,7 @@ pub(super) fn chain<'a>(tree: &Tree<'a>, base: &'a str, path: &[&'a Joint]) -> R
             let direction = direction(tree.source, joint)?;
             let follows = follows(tree, joint)?;
             if follows.multiplier != 0.0 {
-                let axis = JointAxis {
-                    point: at.translation.vector,
-                    direction: at.rotation * *direction,
-                };
+                let axis = JointAxis { point: at.translation.vector, direction: at.rotation * *direction };
                 add(&mut groups, joint, axis, &follows, links.len());
             }
             at *= UnitQuaternion::from_axis_angle(&direction, follows.offset);
@@ -143,24 +139,14 @@ fn placed<'a>(groups: &[Group<'a>], links: Vec<(&'a str, Isometry3<f64>)>) -> Ve
             let between = groups.iter().any(|g| g.links[0] <= i && i < last(g));
             let passed = groups.iter().filter(|g| last(g) <= i);
             let axes = passed.filter(|group| !group.terms.is_empty()).count();
-            ChainLink {
-                name,
-                pose,
-                axes_before: (!between).then_some(axes),
-            }
+            ChainLink { name, pose, axes_before: (!between).then_some(axes) }
         })
         .collect()
 }
 
 /// Adds a joint to the axis before it, where it is the same and one of the two
 /// follows another joint, or as an axis of its own.
-fn add<'a>(
-    groups: &mut Vec<Group<'a>>,
-    joint: &'a Joint,
-    axis: JointAxis,
-    follows: &Follows<'a>,
-    link: usize,
-) {
+fn add<'a>(groups: &mut Vec<Group<'a>>, joint: &'a Joint, axis: JointAxis, follows: &Follows<'a>, link: usize) {
     let last = groups.last_mut();
     let one = last.filter(|group| {
         let apart = (axis.point - group.axis.point).cross(&group.axis.direction);
@@ -182,10 +168,7 @@ fn add<'a>(
     // The positive sense is that of the joint of the controller.
     if group.is_mimic_only && !follows.is_mimic {
         group.axis.direction *= sign;
-        group
-            .terms
-            .iter_mut()
-            .for_each(|(_, factor)| *factor *= sign);
+        group.terms.iter_mut().for_each(|(_, factor)| *factor *= sign);
         group.joint = joint;
         sign = 1.0;
     }
@@ -201,11 +184,7 @@ fn add<'a>(
 }
 
 /// The controller's joints and C.
-fn coupling<'a>(
-    source: &Source<'_>,
-    base: &str,
-    groups: &[Group<'a>],
-) -> Result<(Vec<&'a Joint>, DMatrix<f64>)> {
+fn coupling<'a>(source: &Source<'_>, base: &str, groups: &[Group<'a>]) -> Result<(Vec<&'a Joint>, DMatrix<f64>)> {
     if groups.is_empty() {
         let message = format!("No joint turns anything between \"{base}\" and the tip.");
         return Err(Error::new(Code::Urdf, message).file(source.file()));
@@ -238,10 +217,7 @@ fn coupling<'a>(
     }
     let group = spare.or_else(|| groups.iter().find(|g| g.has_mimic));
     let Some(group) = group else {
-        return Err(Error::new(
-            Code::Urdf,
-            "The joints of the chain cannot be sorted out.",
-        ));
+        return Err(Error::new(Code::Urdf, "The joints of the chain cannot be sorted out."));
     };
     let name = &group.joint.name;
     let message = format!(
@@ -283,12 +259,7 @@ fn direction(source: &Source<'_>, joint: &Joint) -> Result<UnitVector3<f64>> {
 
 /// What a joint follows, through joints that follow others themselves.
 fn follows<'a>(tree: &Tree<'a>, joint: &'a Joint) -> Result<Follows<'a>> {
-    let mut follows = Follows {
-        drive: joint,
-        multiplier: 1.0,
-        offset: 0.0,
-        is_mimic: false,
-    };
+    let mut follows = Follows { drive: joint, multiplier: 1.0, offset: 0.0, is_mimic: false };
     let error = |code, message| tree.source.error_at("joint", &joint.name, code, message);
     for _ in 0..=tree.robot.joints.len() {
         let Some(mimic) = &follows.drive.mimic else {

@@ -26,18 +26,12 @@ pub(super) fn limits(source: &Source<'_>, joint: &Joint) -> Result<[f64; 2]> {
             format!("The joint \"{}\" has no limits.", joint.name)
         };
         let error = error(Code::InvalidValue, message);
-        return Err(
-            error.hint("give <limit lower=\"…\" upper=\"…\" …/> in rad, or type=\"continuous\"")
-        );
+        return Err(error.hint("give <limit lower=\"…\" upper=\"…\" …/> in rad, or type=\"continuous\""));
     }
     degrees(source, joint, found)?;
     // From URDF 1.2 on there may be none to one side: a full turn stands in for it.
     let turn = |limit: f64| {
-        if limit.is_finite() {
-            meant(limit)
-        } else {
-            TAU.copysign(limit)
-        }
+        if limit.is_finite() { meant(limit) } else { TAU.copysign(limit) }
     };
     Ok(found.map(turn))
 }
@@ -114,11 +108,7 @@ pub(super) fn doubted(joint: &Joint) -> Option<Finding> {
         rad_to_deg(low),
         rad_to_deg(high)
     );
-    Some(Finding::caution(
-        "urdf-limits",
-        joint.name.as_str(),
-        sentence,
-    ))
+    Some(Finding::caution("urdf-limits", joint.name.as_str(), sentence))
 }
 
 /// Limits of a `drive` as the limits of a joint leave them whose angle is `multiplier` times

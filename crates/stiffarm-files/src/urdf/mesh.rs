@@ -35,18 +35,14 @@ impl MeshFolders {
         let extension = Path::new(path).extension().map(|e| e.to_ascii_lowercase());
         if !extension.is_some_and(|e| FORMATS.iter().any(|format| e == *format)) {
             let message = format!("The mesh {path} is not of the formats STL, OBJ and DAE.");
-            let hint =
-                "convert it, and name the new file in the URDF; or go without shapes: --no-shapes";
+            let hint = "convert it, and name the new file in the URDF; or go without shapes: --no-shapes";
             return Err(Error::new(Code::Unsupported, message).hint(hint));
         }
         let (wanted, hint) = self.wanted(path)?;
         let found = wanted.iter().find(|file| file.is_file());
         found.cloned().ok_or_else(|| {
             let looked: Vec<String> = wanted.iter().map(|w| w.display().to_string()).collect();
-            let message = format!(
-                "The mesh {path} was not found. Looked for: {}.",
-                looked.join(", ")
-            );
+            let message = format!("The mesh {path} was not found. Looked for: {}.", looked.join(", "));
             Error::new(Code::FileRead, message).hint(hint + "; or go without shapes: --no-shapes")
         })
     }
@@ -56,16 +52,12 @@ impl MeshFolders {
         let named = NAMED.iter().find_map(|scheme| path.strip_prefix(scheme));
         let in_package = named.and_then(|named| named.split_once('/'));
         if let Some((package, rest)) = in_package.or_else(|| found_by_ros(path)) {
-            let hint = format!(
-                "name the folder of {package}, or one that holds it, with --package-dir DIR"
-            );
+            let hint = format!("name the folder of {package}, or one that holds it, with --package-dir DIR");
             return Ok((self.in_packages(package, rest), hint));
         }
         if let Some(file) = path.strip_prefix("file:") {
             let file = file.strip_prefix("//").unwrap_or(file);
-            let file = file
-                .strip_prefix("localhost/")
-                .map_or(file.into(), |file| format!("/{file}"));
+            let file = file.strip_prefix("localhost/").map_or(file.into(), |file| format!("/{file}"));
             let hint = "the URDF names this file by its whole path: correct it there".to_string();
             return Ok((vec![self.urdf.join(file)], hint));
         }
@@ -125,18 +117,11 @@ impl MeshFolders {
         let urdf = std::path::absolute(self.urdf.join("."));
         let urdf = urdf.unwrap_or_else(|_| self.urdf.clone());
         let named = |folder: &&Path| is_package(folder, package);
-        let own = urdf
-            .ancestors()
-            .filter(named)
-            .map(|folder| folder.join(rest));
+        let own = urdf.ancestors().filter(named).map(|folder| folder.join(rest));
         wanted.extend(own);
         // A package beside the URDF's own.
         let beside = urdf.ancestors().map(|folder| folder.join(package));
-        wanted.extend(
-            beside
-                .filter(|f| f.is_dir())
-                .map(|folder| folder.join(rest)),
-        );
+        wanted.extend(beside.filter(|f| f.is_dir()).map(|folder| folder.join(rest)));
         if wanted.is_empty() {
             wanted.push(self.urdf.join(package).join(rest));
         }
@@ -156,15 +141,12 @@ fn found_by_ros(path: &str) -> Option<(&str, &str)> {
 
 /// Whether a folder is the package of a name: by what it says, or by its own name.
 fn is_package(folder: &Path, package: &str) -> bool {
-    folder.file_name().is_some_and(|name| name == package)
-        || said_name(folder).as_deref() == Some(package)
+    folder.file_name().is_some_and(|name| name == package) || said_name(folder).as_deref() == Some(package)
 }
 
 /// The name that a package or model gives itself.
 fn said_name(folder: &Path) -> Option<String> {
-    let text = SAYS_NAME
-        .iter()
-        .find_map(|file| std::fs::read_to_string(folder.join(file)).ok())?;
+    let text = SAYS_NAME.iter().find_map(|file| std::fs::read_to_string(folder.join(file)).ok())?;
     let document = roxmltree::Document::parse(&text).ok()?;
     let root = document.root_element();
     let name = root.children().find(|child| child.has_tag_name("name"))?;

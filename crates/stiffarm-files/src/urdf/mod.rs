@@ -106,8 +106,7 @@ pub fn read_urdf(text: &str, file_name: &str, options: &UrdfOptions) -> Result<U
     let (shapes, left_out) = shapes::shapes(&tree, &chain, &rows)?;
     let mut joint_names = Vec::with_capacity(chain.drives.len());
     for drive in &chain.drives {
-        check_name(&drive.name)
-            .map_err(|e| source.error_at("joint", &drive.name, e.code(), e.message()))?;
+        check_name(&drive.name).map_err(|e| source.error_at("joint", &drive.name, e.code(), e.message()))?;
         joint_names.push(drive.name.clone());
     }
     let name = match check_name(&robot.name) {

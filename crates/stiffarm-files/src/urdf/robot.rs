@@ -149,9 +149,7 @@ impl Robot {
 fn link(source: &Source<'_>, element: Element<'_>) -> Result<Link> {
     let name = source.required(element, "name")?.to_string();
     let collisions = source.children(element, "collision");
-    let collisions = collisions
-        .map(|e| collision(source, e))
-        .collect::<Result<_>>()?;
+    let collisions = collisions.map(|e| collision(source, e)).collect::<Result<_>>()?;
     Ok(Link { name, collisions })
 }
 
@@ -167,34 +165,18 @@ fn collision(source: &Source<'_>, element: Element<'_>) -> Result<Collision> {
 
 /// The one shape of a `geometry`.
 fn shape(source: &Source<'_>, element: Element<'_>) -> Result<CollisionGeometry> {
-    let mut shapes = SHAPES
-        .iter()
-        .flat_map(|name| source.children(element, name));
+    let mut shapes = SHAPES.iter().flat_map(|name| source.children(element, name));
     let (Some(shape), None) = (shapes.next(), shapes.next()) else {
         let message = "<geometry> must have one shape in it.";
         let error = source.error(element, Code::Urdf, message);
         return Err(error.hint(format!("one of {}", SHAPES.join(", "))));
     };
-    let length = |name| {
-        source
-            .required_numbers(shape, name, "m")
-            .map(|[value]| value)
-    };
+    let length = |name| source.required_numbers(shape, name, "m").map(|[value]| value);
     Ok(match shape.tag_name().name() {
-        "box" => CollisionGeometry::Box {
-            size: source.required_numbers(shape, "size", "m")?,
-        },
-        "cylinder" => CollisionGeometry::Cylinder {
-            radius: length("radius")?,
-            length: length("length")?,
-        },
-        "capsule" => CollisionGeometry::Capsule {
-            radius: length("radius")?,
-            length: length("length")?,
-        },
-        "sphere" => CollisionGeometry::Sphere {
-            radius: length("radius")?,
-        },
+        "box" => CollisionGeometry::Box { size: source.required_numbers(shape, "size", "m")? },
+        "cylinder" => CollisionGeometry::Cylinder { radius: length("radius")?, length: length("length")? },
+        "capsule" => CollisionGeometry::Capsule { radius: length("radius")?, length: length("length")? },
+        "sphere" => CollisionGeometry::Sphere { radius: length("radius")? },
         _ => CollisionGeometry::Mesh {
             path: source.required(shape, "filename")?.to_string(),
             scale: source.numbers(shape, "scale", "")?.unwrap_or([1.0; 3]),
@@ -264,8 +246,7 @@ fn limit(source: &Source<'_>, joint: Element<'_>) -> Result<Limit> {
     let Some(limit) = source.child(joint, "limit")? else {
         return Ok(Limit::default());
     };
-    let [lower, upper, velocity] =
-        ["lower", "upper", "velocity"].map(|name| source.number(limit, name, ""));
+    let [lower, upper, velocity] = ["lower", "upper", "velocity"].map(|name| source.number(limit, name, ""));
     let (lower, upper, velocity) = (lower?, upper?, velocity?);
     // From version 1.2 on, what is left out has no limit.
     let is_newer = is_from_1_2_on(source.root());
@@ -273,21 +254,14 @@ fn limit(source: &Source<'_>, joint: Element<'_>) -> Result<Limit> {
         let error = source.error(limit, Code::Urdf, "<limit> has no velocity.");
         return Err(error.hint("a <limit> has lower, upper, effort and velocity"));
     }
-    let [lowest, highest] = if is_newer {
-        [f64::NEG_INFINITY, f64::INFINITY]
-    } else {
-        [0.0; 2]
-    };
+    let [lowest, highest] = if is_newer { [f64::NEG_INFINITY, f64::INFINITY] } else { [0.0; 2] };
     Ok(Limit {
         is_given: lower.is_some() || upper.is_some(),
         lower: lower.unwrap_or(lowest),
         upper: upper.unwrap_or(highest),
         velocity: velocity.unwrap_or(highest),
         // It only tells a gripper from an arm.
-        effort: limit
-            .attribute("effort")
-            .and_then(|text| text.trim().parse().ok())
-            .unwrap_or(0.0),
+        effort: limit.attribute("effort").and_then(|text| text.trim().parse().ok()).unwrap_or(0.0),
     })
 }
 

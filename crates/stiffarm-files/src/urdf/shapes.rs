@@ -97,12 +97,10 @@ fn wrong(geometry: &CollisionGeometry) -> Option<&'static str> {
             return scale.contains(&0.0).then_some("has a scale of zero");
         }
         CollisionGeometry::Box { size } => size.to_vec(),
-        CollisionGeometry::Cylinder { radius, length }
-        | CollisionGeometry::Capsule { radius, length } => vec![*radius, *length],
+        CollisionGeometry::Cylinder { radius, length } | CollisionGeometry::Capsule { radius, length } => {
+            vec![*radius, *length]
+        }
         CollisionGeometry::Sphere { radius } => vec![*radius],
     };
-    sizes
-        .iter()
-        .any(|size| *size <= 0.0)
-        .then_some("has a size that is not above zero")
+    sizes.iter().any(|size| *size <= 0.0).then_some("has a size that is not above zero")
 }

@@ -30,12 +30,7 @@ impl<'a> Source<'a> {
             let at = blank + at;
             error.file(file).span(text, at..at)
         })?;
-        let source = Source {
-            file,
-            text,
-            blank,
-            document,
-        };
+        let source = Source { file, text, blank, document };
         source.check_kind(body)?;
         Ok(source)
     }
@@ -74,23 +69,12 @@ impl<'a> Source<'a> {
     }
 
     /// An error at an element.
-    pub(super) fn error(
-        &self,
-        element: Element<'_>,
-        code: Code,
-        message: impl Into<String>,
-    ) -> Error {
+    pub(super) fn error(&self, element: Element<'_>, code: Code, message: impl Into<String>) -> Error {
         self.placed(Error::new(code, message), element.range())
     }
 
     /// An error at an element `kind` of this name, for example `joint` `elbow`.
-    pub(super) fn error_at(
-        &self,
-        kind: &str,
-        name: &str,
-        code: Code,
-        message: impl Into<String>,
-    ) -> Error {
+    pub(super) fn error_at(&self, kind: &str, name: &str, code: Code, message: impl Into<String>) -> Error {
         let named = |element: &Element<'_>| element.attribute("name") == Some(name);
         match self.children(self.root(), kind).find(named) {
             Some(element) => self.error(element, code, message),
@@ -99,26 +83,16 @@ impl<'a> Source<'a> {
     }
 
     /// The elements `name` right inside another one. What is of another name space than the root is none of URDF.
-    pub(super) fn children<'s>(
-        &'s self,
-        element: Element<'s>,
-        name: &str,
-    ) -> impl Iterator<Item = Element<'s>> {
+    pub(super) fn children<'s>(&'s self, element: Element<'s>, name: &str) -> impl Iterator<Item = Element<'s>> {
         let space = self.root().tag_name().namespace();
-        element
-            .children()
-            .filter(move |n| n.has_tag_name(name) && n.tag_name().namespace() == space)
+        element.children().filter(move |n| n.has_tag_name(name) && n.tag_name().namespace() == space)
     }
 
     /// The element `name` right inside another one, where there is one.
     ///
     /// # Errors
     /// A second one.
-    pub(super) fn child<'s>(
-        &'s self,
-        element: Element<'s>,
-        name: &str,
-    ) -> Result<Option<Element<'s>>> {
+    pub(super) fn child<'s>(&'s self, element: Element<'s>, name: &str) -> Result<Option<Element<'s>>> {
         let mut found = self.children(element, name);
         let first = found.next();
         match found.next() {
@@ -204,12 +178,7 @@ impl<'a> Source<'a> {
     }
 
     /// One number of an attribute, as [`Source::numbers`].
-    pub(super) fn number(
-        &self,
-        element: Element<'_>,
-        name: &str,
-        unit: &str,
-    ) -> Result<Option<f64>> {
+    pub(super) fn number(&self, element: Element<'_>, name: &str, unit: &str) -> Result<Option<f64>> {
         Ok(self.numbers(element, name, unit)?.map(|[value]| value))
     }
 }

@@ -34,10 +34,7 @@ fn gripper<'a>(tree: &Tree<'a>, path: &[&'a Joint]) -> Option<Gripper<'a>> {
     let moving = path.iter().filter(|joint| joint.kind != JointKind::Fixed);
     let moving: Vec<&Joint> = moving.copied().collect();
     // A finger that is the robot.
-    if moving
-        .first()
-        .is_some_and(|joint| named(tree, joint).is_some())
-    {
+    if moving.first().is_some_and(|joint| named(tree, joint).is_some()) {
         return None;
     }
     moving.windows(2).enumerate().find_map(|(i, pair)| {
@@ -48,11 +45,7 @@ fn gripper<'a>(tree: &Tree<'a>, path: &[&'a Joint]) -> Option<Gripper<'a>> {
             seen.flatten()
         })?;
         let flange = flange(tree, &before.child);
-        Some(Gripper {
-            joint,
-            sign,
-            flange,
-        })
+        Some(Gripper { joint, sign, flange })
     })
 }
 
@@ -89,9 +82,7 @@ pub fn doubted_axes(joints: &[&str]) -> Vec<Finding> {
              (`stiffarm init --urdf … --tip LINK`), or take the joint out of [robot]."
         )
     };
-    found
-        .map(|name| Finding::caution(codes::URDF_GRIPPER, *name, sentence(name)))
-        .collect()
+    found.map(|name| Finding::caution(codes::URDF_GRIPPER, *name, sentence(name))).collect()
 }
 
 /// Joints that follow a joint.
@@ -111,26 +102,11 @@ fn seen(tree: &Tree<'_>, path: &[&Joint], before: &Joint, joint: &Joint) -> Opti
     let limit = &joint.limit;
     let is_limited = joint.kind == JointKind::Revolute && limit.lower < limit.upper;
     let signs = [
-        (
-            "as another joint follows it",
-            followers(tree, joint).any(|other| !in_chain(other)),
-        ),
-        (
-            "as a joint beside it shifts",
-            beside.any(|other| other.kind == JointKind::Prismatic),
-        ),
-        (
-            "as it is far weaker than the one before it",
-            limit.effort > 0.0 && limit.effort < WEAK * before.limit.effort,
-        ),
-        (
-            "as it opens and closes",
-            is_limited && limit.lower * limit.upper == 0.0,
-        ),
-        (
-            "as it hardly turns",
-            is_limited && limit.upper - limit.lower < FRAC_PI_2,
-        ),
+        ("as another joint follows it", followers(tree, joint).any(|other| !in_chain(other))),
+        ("as a joint beside it shifts", beside.any(|other| other.kind == JointKind::Prismatic)),
+        ("as it is far weaker than the one before it", limit.effort > 0.0 && limit.effort < WEAK * before.limit.effort),
+        ("as it opens and closes", is_limited && limit.lower * limit.upper == 0.0),
+        ("as it hardly turns", is_limited && limit.upper - limit.lower < FRAC_PI_2),
     ];
     let shown = signs.iter().filter(|(_, is_so)| *is_so);
     // Limits alone make no gripper.
@@ -150,12 +126,9 @@ fn flange<'a>(tree: &Tree<'a>, link: &'a str) -> &'a str {
         rigid.extend(fixed.map(|joint| joint.child.as_str()));
         at += 1;
     }
-    let custom = FLANGES
-        .iter()
-        .find_map(|end| rigid.iter().find(|name| name.ends_with(end)));
+    let custom = FLANGES.iter().find_map(|end| rigid.iter().find(|name| name.ends_with(end)));
     let stem = |name: &str| name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
-    let is_next =
-        |name: &&&str| stem(name) < name.len() && name[..stem(name)] == link[..stem(link)];
+    let is_next = |name: &&&str| stem(name) < name.len() && name[..stem(name)] == link[..stem(link)];
     let numbered = || rigid.iter().rfind(is_next);
     custom.or_else(numbered).copied().unwrap_or(link)
 }
@@ -191,10 +164,7 @@ pub(super) fn tip<'a>(tree: &Tree<'a>, name: Option<&str>, base: &'a str) -> Res
         let message = format!("No joint moves a link below \"{base}\".");
         return Err(Error::new(Code::Urdf, message).file(file));
     }
-    let message = format!(
-        "Below \"{base}\" the robot ends in {} links; one of them must be the tip.",
-        ends.len()
-    );
+    let message = format!("Below \"{base}\" the robot ends in {} links; one of them must be the tip.", ends.len());
     let error = Error::new(Code::Urdf, message).file(file);
     Err(error.hint(format!("--tip one of {}", listed(tree, base, &ends))))
 }
@@ -273,18 +243,14 @@ fn listed<'a>(tree: &Tree<'a>, base: &'a str, ends: &[&'a str]) -> String {
         let path = tree.path(base, end).unwrap_or_default();
         let arm = gripper(tree, &path).map(|found| found.flange);
         let arm = arm.or_else(|| {
-            let last = path
-                .iter()
-                .rfind(|j| j.kind != JointKind::Fixed && turns(j));
+            let last = path.iter().rfind(|j| j.kind != JointKind::Fixed && turns(j));
             last.map(|joint| flange(tree, &joint.child))
         });
         tips.entry(*end).or_insert(true);
         tips.extend(arm.map(|arm| (arm, false)));
     }
     let tips = tips.into_iter();
-    let mut tips: Vec<Tip> = tips
-        .filter_map(|(link, is_behind)| Tip::new(tree, base, link, is_behind))
-        .collect();
+    let mut tips: Vec<Tip> = tips.filter_map(|(link, is_behind)| Tip::new(tree, base, link, is_behind)).collect();
     tips.sort();
     if tips.is_empty() {
         return some_of(ends.iter().copied());

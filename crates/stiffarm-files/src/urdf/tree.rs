@@ -53,27 +53,16 @@ impl<'a> Tree<'a> {
                 }
             }
             if let Some(other) = above.insert(child, joint) {
-                let message = format!(
-                    "The link \"{child}\" hangs on two joints, \"{}\" and \"{}\".",
-                    other.name, joint.name
-                );
+                let message =
+                    format!("The link \"{child}\" hangs on two joints, \"{}\" and \"{}\".", other.name, joint.name);
                 let error = error(Code::Urdf, message);
                 return Err(error.hint("the joints of a URDF make a tree; leave one out"));
             }
             below.entry(parent).or_default().push(joint);
         }
-        let tree = Tree {
-            source,
-            robot,
-            joints,
-            above,
-            below,
-        };
+        let tree = Tree { source, robot, joints, above, below };
         let roots = tree.links().filter(|l| !tree.above.contains_key(l));
-        let hung: BTreeSet<&str> = roots
-            .flat_map(|root| tree.all_below(root))
-            .map(|(l, _)| l)
-            .collect();
+        let hung: BTreeSet<&str> = roots.flat_map(|root| tree.all_below(root)).map(|(l, _)| l).collect();
         let round = tree.links().find(|link| !hung.contains(link));
         if let Some(link) = round {
             let message = format!("The link \"{link}\" hangs on itself.");
@@ -146,10 +135,7 @@ impl<'a> Tree<'a> {
         if let Some(name) = name {
             return self.named(name, "base");
         }
-        let roots: Vec<&str> = self
-            .links()
-            .filter(|l| !self.above.contains_key(l))
-            .collect();
+        let roots: Vec<&str> = self.links().filter(|l| !self.above.contains_key(l)).collect();
         match roots.as_slice() {
             [root] => Ok(root),
             [] => Err(Error::new(Code::Urdf, "The URDF has no links.").file(self.source.file())),
@@ -189,9 +175,7 @@ impl<'a> Tree<'a> {
             let above = self.upward(tip).map(|joint| joint.parent.as_str());
             let above: Vec<&str> = above.collect();
             if above.is_empty() {
-                error.hint(format!(
-                    "\"{tip}\" is a root of the tree; give another --tip"
-                ))
+                error.hint(format!("\"{tip}\" is a root of the tree; give another --tip"))
             } else {
                 error.hint(format!("--base one of {}", some_of(above.into_iter())))
             }

@@ -23,18 +23,14 @@ pub(super) fn parsed(text: &str) -> Result<Document<'_>, (Error, usize)> {
         }
         at += piece.len();
     }
-    let options = ParsingOptions {
-        allow_dtd: false,
-        ..ParsingOptions::default()
-    };
+    let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
     Document::parse_with_options(text, options).map_err(|e| (said(&e), place(text, &e)))
 }
 
 /// Commands of xacro in the text.
 pub(super) fn commands() -> Error {
     let message = "The file has commands of xacro, which must be carried out first.";
-    Error::new(Code::Unsupported, message)
-        .hint("name the file ….xacro, or expand it yourself: xacro FILE > robot.urdf")
+    Error::new(Code::Unsupported, message).hint("name the file ….xacro, or expand it yourself: xacro FILE > robot.urdf")
 }
 
 fn no_xml(message: impl Into<String>) -> Error {

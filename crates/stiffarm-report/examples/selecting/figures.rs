@@ -21,10 +21,7 @@ pub fn deviation(cell: &Cell, plans: &[Plan], random: &Band) -> Figure {
             let y = percent(random.expected_deviation.iter().map(|d| d[at]));
             Series::new(label, Style::Outline, x(), y)
         };
-        let mut series = vec![
-            band(0, "random groups: 5 % and 95 %"),
-            band(2, "random groups: 5 % and 95 %"),
-        ];
+        let mut series = vec![band(0, "random groups: 5 % and 95 %"), band(2, "random groups: 5 % and 95 %")];
         for (name, label) in names {
             for plan in plans.iter().filter(|p| p.name == *name) {
                 let y = percent(plan.expected_deviation.iter().copied());
@@ -91,9 +88,7 @@ pub fn novel(cells: &[NovelIndex]) -> Figure {
         let last = cell.global.iter().map(|s| s.rounds).max().unwrap_or(0);
         let found = |end: bool| {
             let stages = cell.global.iter().filter(|s| (s.rounds == last) == end);
-            stages
-                .map(|s| (s.novel, s.mean_expected_deviation))
-                .collect()
+            stages.map(|s| (s.novel, s.mean_expected_deviation)).collect()
         };
         Panel {
             title: title.into(),
@@ -103,18 +98,12 @@ pub fn novel(cells: &[NovelIndex]) -> Figure {
                 many(
                     "random group",
                     Style::Hollow,
-                    cell.random
-                        .iter()
-                        .map(|p| (p.novel, p.mean_expected_deviation))
-                        .collect(),
+                    cell.random.iter().map(|p| (p.novel, p.mean_expected_deviation)).collect(),
                 ),
                 many(
                     "local minima",
                     Style::Points,
-                    cell.local
-                        .iter()
-                        .map(|p| (p.novel, p.mean_expected_deviation))
-                        .collect(),
+                    cell.local.iter().map(|p| (p.novel, p.mean_expected_deviation)).collect(),
                 ),
                 many("global search, on the way", Style::Hollow, found(false)),
                 many("global search, end", Style::Points, found(true)),
@@ -128,8 +117,9 @@ pub fn novel(cells: &[NovelIndex]) -> Figure {
     Figure {
         id: "selecting-novel".into(),
         title: "The paper's index against the error of the estimate".into(),
-        caption: "Each mark is a group of six postures. To the left the paper's index is better, below the estimate is."
-            .into(),
+        caption:
+            "Each mark is a group of six postures. To the left the paper's index is better, below the estimate is."
+                .into(),
         columns: 2,
         panels: panels.collect(),
     }
@@ -138,10 +128,8 @@ pub fn novel(cells: &[NovelIndex]) -> Figure {
 /// Expected error against the number of postures.
 pub fn count(points: &[CountPoint]) -> Figure {
     let series = |label: &str, style: Style, value: &dyn Fn(&CountPoint) -> Option<f64>| {
-        let (x, y): (Vec<f64>, Vec<f64>) = points
-            .iter()
-            .filter_map(|p| Some((p.postures as f64, 100.0 * value(p)?)))
-            .unzip();
+        let (x, y): (Vec<f64>, Vec<f64>) =
+            points.iter().filter_map(|p| Some((p.postures as f64, 100.0 * value(p)?))).unzip();
         Series::new(label, style, x, y)
     };
     Figure {
@@ -168,8 +156,5 @@ pub fn count(points: &[CountPoint]) -> Figure {
 
 /// Dumas' zones.
 pub fn zones(maps: &Zones) -> Figure {
-    Figure {
-        id: "selecting-zones".into(),
-        ..zones_figure(maps)
-    }
+    Figure { id: "selecting-zones".into(), ..zones_figure(maps) }
 }

@@ -102,10 +102,8 @@ fn numbers() -> Result<(Numbers, Vec<Figure>)> {
     let say = |what: &str| eprintln!("{:6.1} s  {what}", begin.elapsed().as_secs_f64());
     let default = builtin::cell("comau")?;
     let reference = builtin::cell("comau-reference")?;
-    let group1: Vec<Vec<f64>> = builtin::postures("comau-group1", &default.setup.robot)?
-        .into_iter()
-        .map(|posture| posture.q)
-        .collect();
+    let group1: Vec<Vec<f64>> =
+        builtin::postures("comau-group1", &default.setup.robot)?.into_iter().map(|posture| posture.q).collect();
 
     say("plans");
     let mut plans = vec![Plan::new(&default, "Group 1", &group1)?];
@@ -114,11 +112,7 @@ fn numbers() -> Result<(Numbers, Vec<Figure>)> {
     }
     for count in [6, 15, 20] {
         let group = space_filling(&default, count, 1, Control::default())?.postures;
-        plans.push(Plan::new(
-            &default,
-            &format!("space-filling {count}"),
-            &group,
-        )?);
+        plans.push(Plan::new(&default, &format!("space-filling {count}"), &group)?);
     }
     let random = Band::new(&default, 200, group1.len())?;
 
@@ -129,19 +123,11 @@ fn numbers() -> Result<(Numbers, Vec<Figure>)> {
     let expected_error_by_seed = by_seed.collect::<Result<Vec<f64>>>()?;
 
     say("certificates");
-    let of_reference = [
-        Index::ExpectedError,
-        Index::D,
-        Index::WorstJoint,
-        Index::DropOne,
-    ]
-    .into_iter()
-    .map(|index| Plan::select(&reference, index, group1.len(), 1, ROUNDS))
-    .collect::<Result<Vec<Plan>>>()?;
-    let certified = vec![
-        questions::certified(&default, &plans)?,
-        questions::certified(&reference, &of_reference)?,
-    ];
+    let of_reference = [Index::ExpectedError, Index::D, Index::WorstJoint, Index::DropOne]
+        .into_iter()
+        .map(|index| Plan::select(&reference, index, group1.len(), 1, ROUNDS))
+        .collect::<Result<Vec<Plan>>>()?;
+    let certified = vec![questions::certified(&default, &plans)?, questions::certified(&reference, &of_reference)?];
 
     say("number of postures");
     let whole = &certified[0].certificates[0];
@@ -172,19 +158,9 @@ fn numbers() -> Result<(Numbers, Vec<Figure>)> {
     };
 
     say("the novel index, default cell");
-    let mut novel = vec![NovelIndex::new(
-        &default,
-        &group1,
-        &ROUNDS_DEFAULT,
-        &default,
-    )?];
+    let mut novel = vec![NovelIndex::new(&default, &group1, &ROUNDS_DEFAULT, &default)?];
     say("the novel index, reference cell");
-    novel.push(NovelIndex::new(
-        &reference,
-        &group1,
-        &ROUNDS_REFERENCE,
-        &default,
-    )?);
+    novel.push(NovelIndex::new(&reference, &group1, &ROUNDS_REFERENCE, &default)?);
     say("done");
 
     let figures = vec![
@@ -228,10 +204,7 @@ fn round(value: &mut Value) {
         Value::Array(items) => items.iter_mut().for_each(round),
         Value::Object(entries) => entries.values_mut().for_each(round),
         Value::Number(number) if number.is_f64() => {
-            let short = number
-                .as_f64()
-                .and_then(|v| format!("{v:.5e}").parse().ok())
-                .and_then(Number::from_f64);
+            let short = number.as_f64().and_then(|v| format!("{v:.5e}").parse().ok()).and_then(Number::from_f64);
             if let Some(short) = short {
                 *number = short;
             }

@@ -69,13 +69,7 @@ impl NovelIndex {
     /// Looks at the global searches after each of `rounds`.
     pub fn new(cell: &Cell, group1: &[Vec<f64>], rounds: &[u64], default: &Cell) -> Result<Self> {
         let local_from = |start: &[Vec<f64>]| {
-            let found = select_from(
-                cell,
-                Index::Novel,
-                start,
-                Options::default(),
-                Control::default(),
-            )?;
+            let found = select_from(cell, Index::Novel, start, Options::default(), Control::default())?;
             Plan::new(cell, "novel, local", &found.group)
         };
         let count = group1.len();
@@ -138,10 +132,7 @@ impl NovelIndex {
 }
 
 fn point(plan: &Plan) -> Point {
-    Point {
-        novel: plan.index(Index::Novel),
-        mean_expected_deviation: plan.mean_expected_deviation,
-    }
+    Point { novel: plan.index(Index::Novel), mean_expected_deviation: plan.mean_expected_deviation }
 }
 
 /// Spearman's rank correlation of index and mean expected deviation.

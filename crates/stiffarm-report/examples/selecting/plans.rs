@@ -68,45 +68,25 @@ impl Plan {
             }
             points.push(point);
         }
-        let spread = points
-            .iter()
-            .flat_map(|a| points.iter().map(move |b| (a - b).norm()));
+        let spread = points.iter().flat_map(|a| points.iter().map(move |b| (a - b).norm()));
         let degrees = |a: &f64| (a.to_degrees() * 1e4).round() / 1e4;
         Ok(Plan {
             name: name.into(),
             postures: group.len(),
             rounds: None,
             indices: evaluation.indices,
-            expected_deviation: evaluation
-                .expected_deviation
-                .iter()
-                .map(|d| d.unwrap_or(f64::NAN))
-                .collect(),
+            expected_deviation: evaluation.expected_deviation.iter().map(|d| d.unwrap_or(f64::NAN)).collect(),
             mean_expected_deviation: evaluation.mean_expected_deviation().unwrap_or(f64::NAN),
-            beyond_first_order: evaluation
-                .relative_standard_error
-                .iter()
-                .any(|e| e.is_none_or(|e| e > FIRST_ORDER)),
+            beyond_first_order: evaluation.relative_standard_error.iter().any(|e| e.is_none_or(|e| e > FIRST_ORDER)),
             singular_values: evaluation.singular_values,
-            signal_m: norms
-                .iter()
-                .zip(prior)
-                .map(|(norm, k)| norm / (k * rows))
-                .collect(),
-            own_share: norms
-                .iter()
-                .enumerate()
-                .map(|(j, norm)| 1.0 / (norm * inverse[(j, j)].sqrt()))
-                .collect(),
+            signal_m: norms.iter().zip(prior).map(|(norm, k)| norm / (k * rows)).collect(),
+            own_share: norms.iter().enumerate().map(|(j, norm)| 1.0 / (norm * inverse[(j, j)].sqrt())).collect(),
             torque_nm: torque.iter().map(|t| t.sqrt()).collect(),
             rope_length_m: rope,
             loading_points_m: points.iter().map(|p| (*p).into()).collect(),
             loading_point_spread_m: spread.fold(0.0, f64::max),
             k_jn: evaluation.k_jn,
-            postures_deg: group
-                .iter()
-                .map(|q| q.iter().map(degrees).collect())
-                .collect(),
+            postures_deg: group.iter().map(|q| q.iter().map(degrees).collect()).collect(),
             group: group.to_vec(),
         })
     }
@@ -159,9 +139,7 @@ impl Band {
             postures,
             mean_expected_deviation: of(&|p| p.mean_expected_deviation),
             expected_error: of(&|p| p.index(Index::ExpectedError)),
-            expected_deviation: (0..joints)
-                .map(|j| of(&|p| p.expected_deviation[j]))
-                .collect(),
+            expected_deviation: (0..joints).map(|j| of(&|p| p.expected_deviation[j])).collect(),
             novel: of(&|p| p.index(Index::Novel)),
         })
     }

@@ -7,9 +7,7 @@ use stiffarm::Control;
 use stiffarm::Result;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
-use stiffarm::plan::certificate::{
-    Certificate, CertificateOptions, JointEfficiency, certify, joint_efficiencies,
-};
+use stiffarm::plan::certificate::{Certificate, CertificateOptions, JointEfficiency, certify, joint_efficiencies};
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::{DesignedLoad, GlobalOptions, drop_postures, select, space_filling};
 use stiffarm::plan::zones::Zone;
@@ -40,10 +38,8 @@ pub fn count(cell: &Cell, bound: f64) -> Result<Vec<CountPoint>> {
         let expected_error = plan.index(Index::ExpectedError);
         let bound = bound / (postures as f64).sqrt();
         let wide = postures > 2;
-        let even = wide
-            .then(|| space_filling(cell, postures, 1, Control::default()))
-            .transpose()?
-            .map(|found| found.postures);
+        let even =
+            wide.then(|| space_filling(cell, postures, 1, Control::default())).transpose()?.map(|found| found.postures);
         let even = even.map(|group| Plan::new(cell, "space-filling", &group));
         let random = wide.then(|| Band::new(cell, 200, postures)).transpose()?;
         points.push(CountPoint {
@@ -80,19 +76,9 @@ pub fn certified(cell: &Cell, plans: &[Plan]) -> Result<Certified> {
     let options = CertificateOptions::default();
     let named = |name: &str| plans.iter().find(|p| p.name == name);
     let mut certificates = Vec::new();
-    for (name, index) in [
-        ("expected-error", Index::ExpectedError),
-        ("d", Index::D),
-        ("task", Index::Task),
-    ] {
+    for (name, index) in [("expected-error", Index::ExpectedError), ("d", Index::D), ("task", Index::Task)] {
         if let Some(plan) = named(name) {
-            certificates.push(certify(
-                cell,
-                index,
-                &plan.group,
-                &options,
-                Control::default(),
-            )?);
+            certificates.push(certify(cell, index, &plan.group, &options, Control::default())?);
         }
     }
     let best = named("expected-error").expect("there is a plan for the expected error");
@@ -173,19 +159,13 @@ pub fn load(cell: &Cell) -> Result<Vec<LoadCase>> {
         let mut changed = cell.clone();
         if let Some(design) = &found.load {
             changed.setup.tool.loading_point = design.loading_point_m.into();
-            if let (Load::Rope { anchor, .. }, Some(at)) =
-                (&mut changed.setup.load, design.anchor_m)
-            {
+            if let (Load::Rope { anchor, .. }, Some(at)) = (&mut changed.setup.load, design.anchor_m) {
                 *anchor = at.into();
             }
         }
         let mut plan = Plan::new(&changed, moved, &found.group)?;
         plan.rounds = found.rounds;
-        cases.push(LoadCase {
-            moved: moved.into(),
-            load: changed.setup.into(),
-            plan,
-        });
+        cases.push(LoadCase { moved: moved.into(), load: changed.setup.into(), plan });
     }
     Ok(cases)
 }

@@ -24,39 +24,20 @@ pub(super) struct Camera {
 impl Camera {
     /// From the side: x to the right, z up.
     pub(super) fn side() -> Self {
-        Camera {
-            right: Vector3::x(),
-            up: Vector3::z(),
-            toward: -Vector3::y(),
-            eye: None,
-        }
+        Camera { right: Vector3::x(), up: Vector3::z(), toward: -Vector3::y(), eye: None }
     }
 
     /// From above: x to the right, y up.
     pub(super) fn above() -> Self {
-        Camera {
-            right: Vector3::x(),
-            up: Vector3::y(),
-            toward: Vector3::z(),
-            eye: None,
-        }
+        Camera { right: Vector3::x(), up: Vector3::y(), toward: Vector3::z(), eye: None }
     }
 
     /// In perspective, at something of this size around `centre`.
     pub(super) fn perspective(centre: Vector3<f64>, size: f64) -> Self {
         let (turn, tilt) = (TURN.to_radians(), TILT.to_radians());
-        let toward = Vector3::new(
-            turn.sin() * tilt.cos(),
-            -turn.cos() * tilt.cos(),
-            tilt.sin(),
-        );
+        let toward = Vector3::new(turn.sin() * tilt.cos(), -turn.cos() * tilt.cos(), tilt.sin());
         let right = Vector3::new(turn.cos(), turn.sin(), 0.0);
-        Camera {
-            right,
-            up: toward.cross(&right),
-            toward,
-            eye: Some((centre, AWAY * size.max(1e-3))),
-        }
+        Camera { right, up: toward.cross(&right), toward, eye: Some((centre, AWAY * size.max(1e-3))) }
     }
 
     /// True where lengths keep their proportions.
@@ -87,8 +68,7 @@ impl Camera {
             Some((centre, distance)) => {
                 let off = p - centre;
                 let before = distance - self.toward.dot(&off);
-                (before >= NEAREST * distance * 0.999)
-                    .then(|| self.flat(&off).map(|v| v * distance / before))
+                (before >= NEAREST * distance * 0.999).then(|| self.flat(&off).map(|v| v * distance / before))
             }
         }
     }
@@ -111,11 +91,7 @@ impl Camera {
     }
 
     /// Centre, radius and axes of the circle that is a sphere's outline.
-    pub(super) fn rim(
-        &self,
-        centre: &Vector3<f64>,
-        radius: f64,
-    ) -> (Vector3<f64>, f64, [Vector3<f64>; 2]) {
+    pub(super) fn rim(&self, centre: &Vector3<f64>, radius: f64) -> (Vector3<f64>, f64, [Vector3<f64>; 2]) {
         let Some((middle, distance)) = &self.eye else {
             return (*centre, radius, [self.right, self.up]);
         };
@@ -125,11 +101,7 @@ impl Camera {
         let share = radius / away;
         let across = self.up.cross(&unit);
         let right = across.try_normalize(1e-9).unwrap_or(self.right);
-        (
-            centre + unit * (radius * share),
-            radius * (1.0 - share * share).max(0.0).sqrt(),
-            [right, unit.cross(&right)],
-        )
+        (centre + unit * (radius * share), radius * (1.0 - share * share).max(0.0).sqrt(), [right, unit.cross(&right)])
     }
 }
 

@@ -110,9 +110,7 @@ pub(crate) fn sentences(subject: &str, margins: &[LimitMargin]) -> Vec<String> {
         count => count,
     };
     let told = violated[..shown].iter();
-    let mut sentences: Vec<String> = told
-        .map(|margin| format!("{subject} {}.", margin.violation()))
-        .collect();
+    let mut sentences: Vec<String> = told.map(|margin| format!("{subject} {}.", margin.violation())).collect();
     if shown < violated.len() {
         let rest = violated.len() - shown;
         sentences.push(format!("It violates {rest} other limits, too."));
@@ -122,25 +120,13 @@ pub(crate) fn sentences(subject: &str, margins: &[LimitMargin]) -> Vec<String> {
 
 /// How much room the limits leave, in each unit: `34 mm at the floor (flange)`; `None` without limits.
 pub(crate) fn least_room(margins: &[LimitMargin]) -> Option<String> {
-    let units = [
-        MarginUnit::Length,
-        MarginUnit::Angle,
-        MarginUnit::Share,
-        MarginUnit::Displacement,
-    ];
+    let units = [MarginUnit::Length, MarginUnit::Angle, MarginUnit::Share, MarginUnit::Displacement];
     let rooms: Vec<String> = units
         .iter()
         .filter_map(|unit| {
             let of_unit = margins.iter().filter(|m| m.kind.unit() == *unit);
-            let least = of_unit
-                .filter(|m| m.margin.is_finite())
-                .min_by(|a, b| a.margin.total_cmp(&b.margin))?;
-            Some(format!(
-                "{} at {} ({})",
-                least.words(),
-                least.kind.describe(),
-                least.point
-            ))
+            let least = of_unit.filter(|m| m.margin.is_finite()).min_by(|a, b| a.margin.total_cmp(&b.margin))?;
+            Some(format!("{} at {} ({})", least.words(), least.kind.describe(), least.point))
         })
         .collect();
     (!rooms.is_empty()).then(|| rooms.join(", "))

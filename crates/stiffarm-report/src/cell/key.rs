@@ -7,12 +7,7 @@ use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
 
 /// The entries, of what is drawn only; `others` are postures drawn as lines, the same ones together.
-pub(super) fn key(
-    cell: &Cell,
-    looked: &[Looked<'_>],
-    others: &[Vec<usize>],
-    things: &Things,
-) -> Vec<KeyEntry> {
+pub(super) fn key(cell: &Cell, looked: &[Looked<'_>], others: &[Vec<usize>], things: &Things) -> Vec<KeyEntry> {
     let has = |sample: Sample, tone: Tone, red: bool| {
         things.things.iter().any(|thing| {
             let same = match thing.what {
@@ -26,9 +21,7 @@ pub(super) fn key(
         })
     };
     let forces = cell.setup.load.each();
-    let forces: Vec<&Load> = forces
-        .filter(|load| !matches!(load, Load::Rope { .. }))
-        .collect();
+    let forces: Vec<&Load> = forces.filter(|load| !matches!(load, Load::Rope { .. })).collect();
     let force = match forces[..] {
         [Load::Weight { .. }] => "weight",
         _ => "force",
@@ -49,12 +42,7 @@ pub(super) fn key(
         ("obstacle", Sample::Area, Tone::Fixed),
         ("floor, wall", Sample::Area, Tone::Ground),
     ];
-    let entry = |label: &str, sample, tone, caution| KeyEntry {
-        label: label.to_string(),
-        sample,
-        tone,
-        caution,
-    };
+    let entry = |label: &str, sample, tone, caution| KeyEntry { label: label.to_string(), sample, tone, caution };
     let mut entries = Vec::new();
     for (label, sample, tone) in rows {
         for red in [false, true] {
@@ -75,33 +63,19 @@ pub(super) fn key(
     if things.things.iter().any(|thing| thing.caution) {
         entries.push(entry("violates a limit", Sample::Area, Tone::Body, true));
     }
-    let (told, rest): (Vec<&Vec<usize>>, Vec<&Vec<usize>>) =
-        others.iter().partition(|same| same[0] < DISTINCT_ITEMS);
+    let (told, rest): (Vec<&Vec<usize>>, Vec<&Vec<usize>>) = others.iter().partition(|same| same[0] < DISTINCT_ITEMS);
     for same in told {
-        let names: Vec<&str> = same
-            .iter()
-            .map(|n| looked[*n].posture.name.as_str())
-            .collect();
+        let names: Vec<&str> = same.iter().map(|n| looked[*n].posture.name.as_str()).collect();
         let label = match names.len() {
             1 => format!("posture {}", names[0]),
             _ => format!("postures {}", names.join(", ")),
         };
-        entries.push(entry(
-            &label,
-            Sample::LineAndPoint,
-            Tone::Item(same[0]),
-            false,
-        ));
+        entries.push(entry(&label, Sample::LineAndPoint, Tone::Item(same[0]), false));
     }
     if !rest.is_empty() {
         let count: usize = rest.iter().map(|same| same.len()).sum();
         let label = format!("{count} more");
-        entries.push(entry(
-            &label,
-            Sample::Line,
-            Tone::Item(DISTINCT_ITEMS),
-            false,
-        ));
+        entries.push(entry(&label, Sample::Line, Tone::Item(DISTINCT_ITEMS), false));
     }
     entries
 }

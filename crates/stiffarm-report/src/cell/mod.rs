@@ -77,10 +77,7 @@ impl Looked<'_> {
 /// Terms that cannot be computed in the middle of the bounds.
 pub fn usual_posture(cell: &Cell) -> Result<Posture> {
     let meets = |posture: &Posture| look(cell, posture).is_ok_and(|one| !one.is_outside());
-    let named = |name: &str, q: Vec<f64>| Posture {
-        name: name.to_string(),
-        q,
-    };
+    let named = |name: &str, q: Vec<f64>| Posture { name: name.to_string(), q };
     let bounds = &cell.bounds;
     let middle = named(MIDDLE, bounds.iter().map(|[a, b]| 0.5 * (a + b)).collect());
     if !look(cell, &middle)?.is_outside() {
@@ -109,23 +106,15 @@ pub fn usual_posture(cell: &Cell) -> Result<Posture> {
 /// # Errors
 /// A posture whose angles do not fit the robot, or whose loading point lies on the rope's anchor.
 pub fn cell_drawing(cell: &Cell, postures: &[Posture], full: Full) -> Result<Drawing> {
-    let looked = postures
-        .iter()
-        .map(|posture| look(cell, posture))
-        .collect::<Result<Vec<_>>>()?;
+    let looked = postures.iter().map(|posture| look(cell, posture)).collect::<Result<Vec<_>>>()?;
     let shown = match full {
         Full::None => None,
         Full::Number(number) => (number < looked.len()).then_some(number),
-        Full::Tightest => {
-            (0..looked.len()).min_by(|a, b| looked[*a].least().total_cmp(&looked[*b].least()))
-        }
+        Full::Tightest => (0..looked.len()).min_by(|a, b| looked[*a].least().total_cmp(&looked[*b].least())),
     };
     let all: Vec<PostureTerms> = looked.iter().map(|l| l.terms.clone()).collect();
     let stage = Stage::of(cell, &all, shown);
-    let cautions = shown.map_or_else(
-        || Cautions::of(cell, &[]),
-        |number| Cautions::of(cell, &looked[number].margins),
-    );
+    let cautions = shown.map_or_else(|| Cautions::of(cell, &[]), |number| Cautions::of(cell, &looked[number].margins));
     let mut things = Things::default();
     let from = shown.map_or(stage.centre(), |number| *all[number].loading_point());
     things.add_surroundings(cell, &stage, &cautions, from);
@@ -139,20 +128,8 @@ pub fn cell_drawing(cell: &Cell, postures: &[Posture], full: Full) -> Result<Dra
     }
     let perspective = Camera::perspective(stage.centre(), stage.size());
     let views = vec![
-        view::view(
-            "from the side",
-            Some(["x", "z"]),
-            &Camera::side(),
-            &stage,
-            &things,
-        ),
-        view::view(
-            "from above",
-            Some(["x", "y"]),
-            &Camera::above(),
-            &stage,
-            &things,
-        ),
+        view::view("from the side", Some(["x", "z"]), &Camera::side(), &stage, &things),
+        view::view("from above", Some(["x", "y"]), &Camera::above(), &stage, &things),
         view::view("in perspective", None, &perspective, &stage, &things),
     ];
     let notes = notes(&looked, shown, &others, full);
@@ -160,10 +137,7 @@ pub fn cell_drawing(cell: &Cell, postures: &[Posture], full: Full) -> Result<Dra
     Ok(Drawing {
         id: "cell".into(),
         title: cell.name.clone(),
-        caption: format!(
-            "The cell from the side, from above and in perspective. {}",
-            told.join(" ")
-        ),
+        caption: format!("The cell from the side, from above and in perspective. {}", told.join(" ")),
         notes,
         views,
         key: key::key(cell, &looked, &others, &things),
@@ -181,9 +155,7 @@ fn others(postures: &[Posture], shown: Option<usize>) -> Vec<Vec<usize>> {
     let groups = (0..postures.len()).map(|number| (number, group(number)));
     let first = groups.filter(|(number, same)| same.first() == Some(number));
     let groups = first.map(|(_, same)| same);
-    groups
-        .filter(|same| shown.is_none_or(|shown| !same.contains(&shown)))
-        .collect()
+    groups.filter(|same| shown.is_none_or(|shown| !same.contains(&shown))).collect()
 }
 
 fn look<'a>(cell: &Cell, posture: &'a Posture) -> Result<Looked<'a>> {
@@ -193,20 +165,11 @@ fn look<'a>(cell: &Cell, posture: &'a Posture) -> Result<Looked<'a>> {
     let setups = cell.setup.cases();
     let terms = PostureTerms::new(&setups[0], &posture.q, wrench)?;
     let margins = cell.posture_margins()?.named(&posture.q)?;
-    Ok(Looked {
-        posture,
-        terms,
-        margins,
-    })
+    Ok(Looked { posture, terms, margins })
 }
 
 /// What stands below the picture: which posture it shows, and what its limits say.
-fn notes(
-    looked: &[Looked<'_>],
-    shown: Option<usize>,
-    others: &[Vec<usize>],
-    full: Full,
-) -> Vec<Note> {
+fn notes(looked: &[Looked<'_>], shown: Option<usize>, others: &[Vec<usize>], full: Full) -> Vec<Note> {
     let mut notes = Vec::new();
     let count = looked.len();
     let Some(one) = shown.and_then(|number| looked.get(number)) else {
@@ -235,23 +198,14 @@ fn notes(
             format!("In full: posture {name} of {count}{why}. The others as lines.")
         }
         (name, _) => {
-            let others = if others.is_empty() {
-                ""
-            } else {
-                " The others as lines."
-            };
-            format!(
-                "In full: posture {name} of {count}{why}; the same as {}.{others}",
-                same.join(", ")
-            )
+            let others = if others.is_empty() { "" } else { " The others as lines." };
+            format!("In full: posture {name} of {count}{why}; the same as {}.{others}", same.join(", "))
         }
     }));
     let violated = sentences(&one.subject(), &one.margins);
     match (violated.is_empty(), least_room(&one.margins)) {
         (false, _) => notes.extend(violated.into_iter().map(Note::caution)),
-        (true, Some(room)) => notes.push(Note::plain(format!(
-            "It meets its limits. Least room: {room}."
-        ))),
+        (true, Some(room)) => notes.push(Note::plain(format!("It meets its limits. Least room: {room}."))),
         (true, None) => notes.push(Note::plain("The cell has no limits to be met.")),
     }
     let mut outside: Vec<&str> = Vec::new();
@@ -261,10 +215,7 @@ fn notes(
         }
     }
     if !outside.is_empty() {
-        notes.push(Note::caution(format!(
-            "Ringed in red, a limit violated too: {}.",
-            outside.join(", ")
-        )));
+        notes.push(Note::caution(format!("Ringed in red, a limit violated too: {}.", outside.join(", "))));
     }
     notes
 }
@@ -279,16 +230,12 @@ fn notes_of_all(looked: &[Looked<'_>]) -> Vec<Note> {
     }
     if outside.len() > MOST_TOLD {
         let rest = outside.len() - MOST_TOLD;
-        notes.push(Note::caution(format!(
-            "{rest} more postures violate a limit."
-        )));
+        notes.push(Note::caution(format!("{rest} more postures violate a limit.")));
     }
     let tightest = looked.iter().min_by(|a, b| a.least().total_cmp(&b.least()));
     let room = tightest.and_then(|one| Some((one.subject(), least_room(&one.margins)?)));
     if let (true, Some((subject, room))) = (outside.is_empty(), room) {
-        notes.push(Note::plain(format!(
-            "All meet their limits. {subject} has the least room: {room}."
-        )));
+        notes.push(Note::plain(format!("All meet their limits. {subject} has the least room: {room}.")));
     }
     notes
 }

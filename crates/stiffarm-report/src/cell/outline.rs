@@ -30,8 +30,7 @@ pub(super) fn corner_points(solid: &Solid) -> Vec<Vector3<f64>> {
             let sides = [-1.0, 1.0];
             ends.iter()
                 .flat_map(|end| {
-                    let along =
-                        (0..3).flat_map(move |i| sides.map(|side| end + Vector3::ith(i, side * r)));
+                    let along = (0..3).flat_map(move |i| sides.map(|side| end + Vector3::ith(i, side * r)));
                     along.collect::<Vec<_>>()
                 })
                 .collect()
@@ -43,11 +42,7 @@ pub(super) fn corner_points(solid: &Solid) -> Vec<Vector3<f64>> {
                 (pose * Point3::from(corner)).coords
             })
             .collect(),
-        Solid::Cylinder {
-            pose,
-            half_length,
-            radius,
-        } => {
+        Solid::Cylinder { pose, half_length, radius } => {
             let axes = [Vector3::x(), Vector3::y()].map(|axis| pose.rotation * axis);
             let along = pose.rotation * Vector3::z() * *half_length;
             let middle = pose.translation.vector;
@@ -60,11 +55,7 @@ pub(super) fn corner_points(solid: &Solid) -> Vec<Vector3<f64>> {
 }
 
 /// Points of a circle in the plane of two axes.
-pub(super) fn circle(
-    centre: Vector3<f64>,
-    radius: f64,
-    axes: [Vector3<f64>; 2],
-) -> Vec<Vector3<f64>> {
+pub(super) fn circle(centre: Vector3<f64>, radius: f64, axes: [Vector3<f64>; 2]) -> Vec<Vector3<f64>> {
     (0..ROUND)
         .map(|i| {
             let (sin, cos) = (std::f64::consts::TAU * i as f64 / ROUND as f64).sin_cos();
@@ -131,20 +122,12 @@ mod tests {
 
     fn cameras() -> [Camera; 3] {
         let centre = Vector3::new(0.5, 0.1, 0.4);
-        [
-            Camera::side(),
-            Camera::above(),
-            Camera::perspective(centre, 2.0),
-        ]
+        [Camera::side(), Camera::above(), Camera::perspective(centre, 2.0)]
     }
 
     #[test]
     fn a_capsules_outline_is_a_radius_around_its_ends() {
-        let capsule = Capsule::new(
-            Vector3::new(0.2, -0.3, 0.1),
-            Vector3::new(1.1, 0.4, 0.9),
-            0.2,
-        );
+        let capsule = Capsule::new(Vector3::new(0.2, -0.3, 0.1), Vector3::new(1.1, 0.4, 0.9), 0.2);
         let capsule = capsule.unwrap();
         for camera in cameras() {
             let corners = outline(&Solid::Capsule(capsule), &camera).unwrap();
@@ -172,18 +155,8 @@ mod tests {
 
     #[test]
     fn a_hull_leaves_out_what_lies_inside() {
-        let square = vec![
-            [0.0, 0.0],
-            [1.0, 0.0],
-            [0.5, 0.5],
-            [1.0, 1.0],
-            [0.0, 1.0],
-            [0.0, 0.5],
-        ];
-        assert_eq!(
-            hull(square),
-            [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
-        );
+        let square = vec![[0.0, 0.0], [1.0, 0.0], [0.5, 0.5], [1.0, 1.0], [0.0, 1.0], [0.0, 0.5]];
+        assert_eq!(hull(square), [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
         assert_eq!(hull(vec![[1.0, 1.0]; 3]).len(), 1);
     }
 }

@@ -49,17 +49,10 @@ impl Stage {
         points.extend(cell.setup.load.anchors());
         let frames = all.first().map(PostureTerms::frames);
         let first = frames.and_then(|f| Some((*f.origins().first()?, *f.axes().first()?)));
-        let axis = first.map_or((Vector3::zeros(), Vector3::z_axis()), |(point, axis)| {
-            (point, Unit::new_normalize(axis))
-        });
+        let axis =
+            first.map_or((Vector3::zeros(), Vector3::z_axis()), |(point, axis)| (point, Unit::new_normalize(axis)));
         let (low, high) = bounds(&points);
-        let mut stage = Stage {
-            points,
-            low,
-            high,
-            axis,
-            arm_size: (high - low).max(),
-        };
+        let mut stage = Stage { points, low, high, axis, arm_size: (high - low).max() };
         if let Some(terms) = full {
             for setup in cell.setup.cases() {
                 let tip = stage.force_tip(&setup, terms.frames());
@@ -171,11 +164,7 @@ impl Stage {
     pub(super) fn middle(&self, solid: &Solid) -> Option<Vector3<f64>> {
         if let Solid::HalfSpace { point, normal } = solid {
             // Beside the arm, half-way into what is seen of it.
-            let corner = Vector3::new(
-                self.low.x * 0.85 + self.high.x * 0.15,
-                self.low.y,
-                self.low.z,
-            );
+            let corner = Vector3::new(self.low.x * 0.85 + self.high.x * 0.15, self.low.y, self.low.z);
             let down = (corner - point).dot(normal) + 0.4 * THICK * self.size();
             let at = corner - normal.into_inner() * down;
             let near = (0..3).all(|i| self.low[i] - 0.1 <= at[i] && at[i] <= self.high[i] + 0.1);
@@ -183,9 +172,7 @@ impl Stage {
         }
         let (low, high) = bounds(&corner_points(solid));
         let (low, high) = (low.sup(&self.low), high.inf(&self.high));
-        (0..3)
-            .all(|i| low[i] <= high[i])
-            .then(|| (low + high) * 0.5)
+        (0..3).all(|i| low[i] <= high[i]).then(|| (low + high) * 0.5)
     }
 }
 
@@ -204,10 +191,7 @@ fn within(p: &Vector3<f64>, (low, high): &(Vector3<f64>, Vector3<f64>)) -> bool 
 
 /// Corners of the box around points.
 fn bounds(points: &[Vector3<f64>]) -> (Vector3<f64>, Vector3<f64>) {
-    let none = (
-        Vector3::repeat(f64::INFINITY),
-        Vector3::repeat(f64::NEG_INFINITY),
-    );
+    let none = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     let finite = points.iter().filter(|p| p.iter().all(|v| v.is_finite()));
     finite.fold(none, |(low, high), p| (low.inf(p), high.sup(p)))
 }

@@ -81,40 +81,21 @@ pub(super) struct Things {
 
 impl Things {
     fn add(&mut self, layer: Layer, tone: Tone, what: What, caution: bool) {
-        self.things.push(Thing {
-            what,
-            tone,
-            caution,
-            layer,
-        });
+        self.things.push(Thing { what, tone, caution, layer });
     }
 
     fn name(&mut self, at: Vector3<f64>, text: &str, caution: bool, shown: Shown) {
-        self.names.push(Name {
-            at,
-            text: text.to_string(),
-            caution,
-            shown,
-        });
+        self.names.push(Name { at, text: text.to_string(), caution, shown });
     }
 
     /// What stands in the cell, its limits and the base frame.
     /// What is outside of a view is looked at from `from`.
-    pub(super) fn add_surroundings(
-        &mut self,
-        cell: &Cell,
-        stage: &Stage,
-        cautions: &Cautions,
-        from: Vector3<f64>,
-    ) {
+    pub(super) fn add_surroundings(&mut self, cell: &Cell, stage: &Stage, cautions: &Cautions, from: Vector3<f64>) {
         for (number, part) in cell.scene.parts().iter().enumerate() {
             if stands(part) {
                 let red = cautions.parts.get(number).is_some_and(|red| *red);
                 self.add_part(part, &Isometry3::identity(), red);
-                let mut seen = part
-                    .solids
-                    .iter()
-                    .filter_map(|s| Some((stage.middle(s)?, s)));
+                let mut seen = part.solids.iter().filter_map(|s| Some((stage.middle(s)?, s)));
                 if let Some((at, solid)) = seen.next() {
                     let shown = match solid {
                         Solid::HalfSpace { normal, .. } => Shown::Plane(*normal),
@@ -150,10 +131,7 @@ impl Things {
         };
         let limits = &cell.limits;
         if let Some([low, high]) = &limits.tool_box {
-            let pose = Isometry3::from_parts(
-                Translation3::from((low + high) * 0.5),
-                UnitQuaternion::identity(),
-            );
+            let pose = Isometry3::from_parts(Translation3::from((low + high) * 0.5), UnitQuaternion::identity());
             if let Ok(block) = Solid::block(pose, high - low) {
                 bound(self, What::Solid(block), LimitKind::ToolBox);
             }
@@ -180,11 +158,7 @@ impl Things {
             return;
         };
         let length = CONE * stage.size();
-        let across = axis.cross(&if axis.x.abs() < 0.9 {
-            Vector3::x()
-        } else {
-            Vector3::y()
-        });
+        let across = axis.cross(&if axis.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() });
         let Some(u) = Unit::try_new(across, 1e-9) else {
             return;
         };
@@ -210,13 +184,7 @@ impl Things {
     }
 
     /// The arm, its tool, its load and its beams at the posture that is shown in full.
-    pub(super) fn add_shown(
-        &mut self,
-        cell: &Cell,
-        stage: &Stage,
-        terms: &PostureTerms,
-        cautions: &Cautions,
-    ) {
+    pub(super) fn add_shown(&mut self, cell: &Cell, stage: &Stage, terms: &PostureTerms, cautions: &Cautions) {
         let frames = terms.frames();
         for (number, part) in cell.scene.parts().iter().enumerate() {
             if !stands(part) {
@@ -252,12 +220,7 @@ impl Things {
             let line = What::Line(vec![flange, *point]);
             self.add(Layer::Lines, Tone::Attached, line, false);
         }
-        self.add(
-            Layer::Points,
-            Tone::Attached,
-            What::Point(flange),
-            cautions.flange,
-        );
+        self.add(Layer::Points, Tone::Attached, What::Point(flange), cautions.flange);
         if cautions.flange {
             self.name(flange, "flange", true, Shown::Inside);
         }

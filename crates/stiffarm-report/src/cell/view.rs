@@ -18,24 +18,10 @@ const SHORT: f64 = 0.02;
 const MM: f64 = 1e3;
 
 /// A view of the things.
-pub(super) fn view(
-    title: &str,
-    axes: Option<[&str; 2]>,
-    camera: &Camera,
-    stage: &Stage,
-    things: &Things,
-) -> View {
+pub(super) fn view(title: &str, axes: Option<[&str; 2]>, camera: &Camera, stage: &Stage, things: &Things) -> View {
     let extent = extent(camera, stage);
-    let draws = Draws {
-        camera,
-        stage,
-        extent,
-    };
-    let mut order: Vec<(&Thing, f64)> = things
-        .things
-        .iter()
-        .map(|thing| (thing, draws.nearness(thing)))
-        .collect();
+    let draws = Draws { camera, stage, extent };
+    let mut order: Vec<(&Thing, f64)> = things.things.iter().map(|thing| (thing, draws.nearness(thing))).collect();
     order.sort_by(|(a, near), (b, nearer)| {
         a.layer.cmp(&b.layer).then(match a.layer {
             Layer::Bodies => near.total_cmp(nearer),
@@ -46,10 +32,7 @@ pub(super) fn view(
         title: title.into(),
         axes: axes.map(|names| names.map(|name| Axis::linear(name, "mm"))),
         extent: extent.map(|ends| ends.map(|v| v * MM)),
-        marks: order
-            .iter()
-            .flat_map(|(thing, _)| draws.marks(thing))
-            .collect(),
+        marks: order.iter().flat_map(|(thing, _)| draws.marks(thing)).collect(),
         labels: things.names.iter().filter_map(|n| draws.label(n)).collect(),
     }
 }
@@ -93,39 +76,23 @@ impl Draws<'_> {
             Some(Shape::Line(piece.map(|p| p.map(|v| v * MM)).to_vec()))
         };
         let shapes: Vec<Shape> = match &thing.what {
-            What::Solid(Solid::HalfSpace { point, normal }) => self
-                .half_space(point, normal)
-                .map(area)
-                .into_iter()
-                .collect(),
-            What::Solid(solid) if thing.tone == Tone::Bound && !self.camera.is_flat() => {
-                self.frame_of(solid)
+            What::Solid(Solid::HalfSpace { point, normal }) => {
+                self.half_space(point, normal).map(area).into_iter().collect()
             }
+            What::Solid(solid) if thing.tone == Tone::Bound && !self.camera.is_flat() => self.frame_of(solid),
             What::Solid(solid) => outline(solid, self.camera).map(area).into_iter().collect(),
             What::Hull(points) => hull_of(points, self.camera).map(area).into_iter().collect(),
             What::Line(points) => {
                 if self.camera.is_flat() {
-                    vec![Shape::Line(
-                        points
-                            .iter()
-                            .map(|p| self.camera.flat(p).map(|v| v * MM))
-                            .collect(),
-                    )]
+                    vec![Shape::Line(points.iter().map(|p| self.camera.flat(p).map(|v| v * MM)).collect())]
                 } else {
-                    points
-                        .windows(2)
-                        .filter_map(|p| line(&p[0], &p[1]))
-                        .collect()
+                    points.windows(2).filter_map(|p| line(&p[0], &p[1])).collect()
                 }
             }
             What::Arrow([from, to]) => {
                 let ends = self.camera.segment(from, to);
-                let long = |[a, b]: &[[f64; 2]; 2]| {
-                    (b[0] - a[0]).hypot(b[1] - a[1]) > SHORT * self.stage.size()
-                };
-                let ends = ends
-                    .filter(long)
-                    .map(|ends| ends.map(|p| p.map(|v| v * MM)));
+                let long = |[a, b]: &[[f64; 2]; 2]| (b[0] - a[0]).hypot(b[1] - a[1]) > SHORT * self.stage.size();
+                let ends = ends.filter(long).map(|ends| ends.map(|p| p.map(|v| v * MM)));
                 ends.map(Shape::Arrow).into_iter().collect()
             }
             What::Point(at) => {
@@ -135,9 +102,7 @@ impl Draws<'_> {
             What::Level(height) => self.level(*height).into_iter().collect(),
         };
         let marks = shapes.into_iter();
-        marks
-            .map(|s| Mark::new(s, thing.tone).with_caution(thing.caution))
-            .collect()
+        marks.map(|s| Mark::new(s, thing.tone).with_caution(thing.caution)).collect()
     }
 
     /// Edges of a limit in perspective.
@@ -164,10 +129,8 @@ impl Draws<'_> {
             _ => Vec::new(),
         };
         let seen = rounds.iter().filter_map(|points| {
-            let points: Option<Vec<[f64; 2]>> = points
-                .iter()
-                .map(|p| self.camera.point(p).map(|p| p.map(|v| v * MM)))
-                .collect();
+            let points: Option<Vec<[f64; 2]>> =
+                points.iter().map(|p| self.camera.point(p).map(|p| p.map(|v| v * MM))).collect();
             points.map(Shape::Line)
         });
         seen.collect()
@@ -181,20 +144,12 @@ impl Draws<'_> {
         }
         let [[left, right], _] = self.extent;
         let reach = right - left;
-        Some(Shape::Line(
-            [left - reach, right + reach]
-                .map(|x| [x * MM, height * MM])
-                .to_vec(),
-        ))
+        Some(Shape::Line([left - reach, right + reach].map(|x| [x * MM, height * MM]).to_vec()))
     }
 
     /// What lies behind a plane: half of the view where it is seen edge-on, else the piece of the
     /// plane within the box around the scene. `None` where it is seen face-on.
-    fn half_space(
-        &self,
-        point: &Vector3<f64>,
-        normal: &Unit<Vector3<f64>>,
-    ) -> Option<Vec<[f64; 2]>> {
+    fn half_space(&self, point: &Vector3<f64>, normal: &Unit<Vector3<f64>>) -> Option<Vec<[f64; 2]>> {
         let across = self.camera.flat(normal);
         let length = across[0].hypot(across[1]);
         if !self.camera.is_flat() || (1e-6..1.0 - 1e-6).contains(&length) {
@@ -264,12 +219,7 @@ impl Draws<'_> {
                 None => (self.edge(&from, &name.at)?, format!("→ {}", name.text), ""),
             },
         };
-        Some(Label {
-            at: at.map(|v| v * MM),
-            text,
-            caution: name.caution,
-            cluster: cluster.to_string(),
-        })
+        Some(Label { at: at.map(|v| v * MM), text, caution: name.caution, cluster: cluster.to_string() })
     }
 
     /// Where a line from a place inside leaves the view.

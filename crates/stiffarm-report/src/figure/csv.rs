@@ -32,8 +32,7 @@ use std::fmt::Write;
 /// assert_eq!(csv.lines().nth(1), Some("1,,Group 1,bars,joint,deviation [%],,1,0.1,,"));
 /// ```
 pub fn figure_csv(figure: &Figure) -> String {
-    let mut out =
-        String::from("panel,panel title,series,style,x axis,y axis,value axis,x,y,error,value");
+    let mut out = String::from("panel,panel title,series,style,x axis,y axis,value axis,x,y,error,value");
     let mut all = figure.panels.iter().flat_map(|panel| &panel.series);
     let has_ends = all.any(|series| !series.interval.is_empty());
     out += if has_ends { ",from,to\n" } else { "\n" };
@@ -97,16 +96,8 @@ pub fn number(value: Option<f64>) -> String {
 pub fn text(cell: &str) -> String {
     let is_number = cell.trim().parse::<f64>().is_ok_and(f64::is_finite);
     let formula = cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && !is_number;
-    let cell = if formula {
-        format!("'{cell}")
-    } else {
-        cell.to_owned()
-    };
-    if cell.contains([',', ';', '"', '\n', '\r', '\t']) {
-        format!("\"{}\"", cell.replace('"', "\"\""))
-    } else {
-        cell
-    }
+    let cell = if formula { format!("'{cell}") } else { cell.to_owned() };
+    if cell.contains([',', ';', '"', '\n', '\r', '\t']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell }
 }
 
 fn style(style: Style) -> &'static str {

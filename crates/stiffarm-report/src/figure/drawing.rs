@@ -158,29 +158,19 @@ impl Drawing {
 impl Note {
     /// A plain line.
     pub fn plain(text: impl Into<String>) -> Self {
-        Note {
-            text: text.into(),
-            caution: false,
-        }
+        Note { text: text.into(), caution: false }
     }
 
     /// A line in the colour of cautions.
     pub fn caution(text: impl Into<String>) -> Self {
-        Note {
-            text: text.into(),
-            caution: true,
-        }
+        Note { text: text.into(), caution: true }
     }
 }
 
 impl Mark {
     /// A mark without caution.
     pub fn new(shape: Shape, tone: Tone) -> Self {
-        Mark {
-            shape,
-            tone,
-            caution: false,
-        }
+        Mark { shape, tone, caution: false }
     }
 
     /// The same mark, in the colour of cautions if `yes`.

@@ -51,20 +51,12 @@ const SMALLEST: f64 = 11.0;
 impl Layout {
     /// A picture for a paper: no title, the usual typeface.
     pub fn paper(width_mm: f64, font_pt: f64) -> Self {
-        Self {
-            size: Size::Paper { width_mm, font_pt },
-            font_family: String::new(),
-            title: false,
-        }
+        Self { size: Size::Paper { width_mm, font_pt }, font_family: String::new(), title: false }
     }
 
     /// A picture for a small screen, with its title.
     pub fn screen(width_px: f64, font_px: f64) -> Self {
-        Self {
-            size: Size::Screen { width_px, font_px },
-            font_family: String::new(),
-            title: true,
-        }
+        Self { size: Size::Screen { width_px, font_px }, font_family: String::new(), title: true }
     }
 
     /// The same with a font family.
@@ -89,11 +81,7 @@ impl Layout {
             Size::Screen { width_px, font_px } => (width_px, font_px),
         };
         let drawn = width * SMALLEST / font;
-        if drawn.is_finite() {
-            drawn.clamp(WIDTHS[0], WIDTHS[1])
-        } else {
-            WIDTHS[0]
-        }
+        if drawn.is_finite() { drawn.clamp(WIDTHS[0], WIDTHS[1]) } else { WIDTHS[0] }
     }
 
     /// Greatest height of a drawing at the renderer's own scale; none on a screen, which is scrolled.
@@ -134,11 +122,7 @@ impl Layout {
 
 /// A usable length, whatever was stated.
 fn sound(length: f64) -> f64 {
-    if length.is_finite() {
-        length.clamp(1.0, 1e4)
-    } else {
-        1.0
-    }
+    if length.is_finite() { length.clamp(1.0, 1e4) } else { 1.0 }
 }
 
 /// At most four decimals.
@@ -158,10 +142,7 @@ mod tests {
         assert!((points_per_unit * SMALLEST - 8.0).abs() < 1e-12);
         assert_eq!(Layout::screen(360.0, 11.0).drawn_width(), 360.0);
         assert_eq!(layout.attributes([100.0, 50.0]), ["88mm", "44mm"]);
-        assert_eq!(
-            Layout::screen(360.0, 11.0).attributes([380.0, 100.0]),
-            ["380", "100"]
-        );
+        assert_eq!(Layout::screen(360.0, 11.0).attributes([380.0, 100.0]), ["380", "100"]);
     }
 
     #[test]

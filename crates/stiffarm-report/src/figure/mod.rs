@@ -55,32 +55,15 @@ pub struct Panel {
 
 impl Figure {
     /// A figure of one panel.
-    pub fn one(
-        id: impl Into<String>,
-        title: impl Into<String>,
-        caption: impl Into<String>,
-        panel: Panel,
-    ) -> Self {
-        Figure {
-            id: id.into(),
-            title: title.into(),
-            caption: caption.into(),
-            columns: 1,
-            panels: vec![panel],
-        }
+    pub fn one(id: impl Into<String>, title: impl Into<String>, caption: impl Into<String>, panel: Panel) -> Self {
+        Figure { id: id.into(), title: title.into(), caption: caption.into(), columns: 1, panels: vec![panel] }
     }
 }
 
 impl Panel {
     /// A panel that is as tall and wide as there is room.
     pub fn new(title: impl Into<String>, x: Axis, y: Axis, series: Vec<Series>) -> Self {
-        Panel {
-            title: title.into(),
-            x,
-            y,
-            series,
-            equal_aspect: false,
-        }
+        Panel { title: title.into(), x, y, series, equal_aspect: false }
     }
 }
 
@@ -203,30 +186,17 @@ pub enum Style {
 impl Axis {
     /// A linear axis that fits its data.
     pub fn linear(label: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self {
-            label: label.into(),
-            unit: unit.into(),
-            ..Self::default()
-        }
+        Self { label: label.into(), unit: unit.into(), ..Self::default() }
     }
 
     /// A logarithmic axis that fits its data.
     pub fn log(label: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self {
-            scale: Scale::Log,
-            ..Self::linear(label, unit)
-        }
+        Self { scale: Scale::Log, ..Self::linear(label, unit) }
     }
 
     /// An axis with one place per name.
-    pub fn categorical<S: Into<String>>(
-        label: impl Into<String>,
-        categories: impl IntoIterator<Item = S>,
-    ) -> Self {
-        Self {
-            categories: categories.into_iter().map(Into::into).collect(),
-            ..Self::linear(label, "")
-        }
+    pub fn categorical<S: Into<String>>(label: impl Into<String>, categories: impl IntoIterator<Item = S>) -> Self {
+        Self { categories: categories.into_iter().map(Into::into).collect(), ..Self::linear(label, "") }
     }
 
     /// The same axis with a fixed extent.
@@ -254,15 +224,7 @@ impl Axis {
 impl Series {
     /// A series without error bars.
     pub fn new(label: impl Into<String>, style: Style, x: Vec<f64>, y: Vec<f64>) -> Self {
-        Self {
-            label: label.into(),
-            style,
-            x,
-            y,
-            error: Vec::new(),
-            interval: Vec::new(),
-            colour: None,
-        }
+        Self { label: label.into(), style, x, y, error: Vec::new(), interval: Vec::new(), colour: None }
     }
 
     /// The same series with symmetric error bars.
@@ -279,11 +241,7 @@ impl Series {
 
     /// The same series with values shown as colour.
     pub fn with_colour(mut self, axis: Axis, values: Vec<f64>) -> Self {
-        self.colour = Some(Colour {
-            axis,
-            values,
-            small_is_bright: false,
-        });
+        self.colour = Some(Colour { axis, values, small_is_bright: false });
         self
     }
 
@@ -331,12 +289,7 @@ mod tests {
                 title: String::new(),
                 x: Axis::linear("x", "m").with_range(0.0, 1.0),
                 y: Axis::log("y", ""),
-                series: vec![Series::new(
-                    "s",
-                    Style::Line,
-                    vec![0.0, 1.0],
-                    vec![f64::NAN, 2.5],
-                )],
+                series: vec![Series::new("s", Style::Line, vec![0.0, 1.0], vec![f64::NAN, 2.5])],
                 equal_aspect: false,
             }],
         };

@@ -30,11 +30,7 @@ pub fn errors_figure(systematic: &SystematicErrors) -> Figure {
                 0.95 => ", about 1.96 times as wide",
                 _ => "",
             },
-            if assumed {
-                " * Size assumed; [uncertainty] of the cell declares it."
-            } else {
-                ""
-            }
+            if assumed { " * Size assumed; [uncertainty] of the cell declares it." } else { "" }
         ),
         Panel::new(
             "",

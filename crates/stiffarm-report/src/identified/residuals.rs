@@ -33,17 +33,10 @@ pub fn residual_figure(found: &Identification) -> Figure {
         }
     }
     let named = |number: usize| {
-        if several && !points.is_empty() {
-            format!("point {}", points[number])
-        } else {
-            "residual".to_string()
-        }
+        if several && !points.is_empty() { format!("point {}", points[number]) } else { "residual".to_string() }
     };
-    let mut all: Vec<Series> = shown
-        .into_iter()
-        .enumerate()
-        .map(|(number, (x, y))| Series::new(named(number), Style::Points, x, y))
-        .collect();
+    let mut all: Vec<Series> =
+        shown.into_iter().enumerate().map(|(number, (x, y))| Series::new(named(number), Style::Points, x, y)).collect();
     let last = postures.len() as f64 - 0.5;
     let band = 1e3 * BAND * found.expected_std_m;
     if band > 0.0 {
@@ -55,12 +48,7 @@ pub fn residual_figure(found: &Identification) -> Figure {
         }
     }
     let rms = found.points.iter().map(|p| 1e3 * p.residual_rms_m);
-    let mut by_point = vec![Series::new(
-        "residual RMS",
-        Style::Bars,
-        places(points.len()),
-        rms.collect(),
-    )];
+    let mut by_point = vec![Series::new("residual RMS", Style::Bars, places(points.len()), rms.collect())];
     if found.expected_std_m > 0.0 {
         by_point.push(Series::new(
             "noise",
@@ -75,12 +63,7 @@ pub fn residual_figure(found: &Identification) -> Figure {
         "What the fit leaves of each displacement component, posture by posture, with the band that holds 95 of \
          100 where noise is all there is. A posture outside, or points of one posture that lie together away from \
          zero, show an error of that posture or of the model.",
-        Panel::new(
-            "",
-            Axis::categorical("posture", postures),
-            Axis::linear("residual component", "mm"),
-            all,
-        ),
+        Panel::new("", Axis::categorical("posture", postures), Axis::linear("residual component", "mm"), all),
     );
     // One point has nothing to be compared with.
     if points.len() > 1 {
@@ -103,14 +86,7 @@ pub fn clamped_residual_figure(found: &ClampedIdentification) -> Figure {
     let mut series: Vec<Series> = Vec::new();
     for state in states {
         let own = found.postures.iter().filter(|p| p.state == state);
-        let (x, y) = own
-            .map(|p| {
-                (
-                    place(&postures, &p.posture) as f64,
-                    mdeg(p.residual_rms_rad),
-                )
-            })
-            .unzip();
+        let (x, y) = own.map(|p| (place(&postures, &p.posture) as f64, mdeg(p.residual_rms_rad))).unzip();
         series.push(Series::new(state, Style::Points, x, y));
     }
     if let Some(expected) = found.expected_std_rad {

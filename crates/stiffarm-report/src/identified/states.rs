@@ -21,9 +21,7 @@ pub fn load_states_figure(states: &LoadStates) -> Figure {
         let pairs = own.loads.iter().zip(&own.displacements_m);
         let largest = pairs.clone().max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
         let slope = largest.map_or(0.0, |(load, moved)| moved / load);
-        let (x, y) = pairs
-            .map(|(load, moved)| (100.0 * load, 1e3 * (moved - slope * load)))
-            .unzip();
+        let (x, y) = pairs.map(|(load, moved)| (100.0 * load, 1e3 * (moved - slope * load))).unzip();
         let label = format!("posture {}", own.posture);
         Series::new(label, Style::Line, x, y)
     });
@@ -36,10 +34,7 @@ pub fn load_states_figure(states: &LoadStates) -> Figure {
              an offset near zero load lost motion. One component scatters by {:.3} mm.{}",
             1e3 * states.scatter_m,
             if states.postures.len() > MOST {
-                format!(
-                    " The {MOST} widest loops of {} postures.",
-                    states.postures.len()
-                )
+                format!(" The {MOST} widest loops of {} postures.", states.postures.len())
             } else {
                 String::new()
             }
@@ -55,20 +50,12 @@ pub fn load_states_figure(states: &LoadStates) -> Figure {
 
 /// How far the most moved unknown moves without each posture.
 pub fn influence_figure(influence: &LeaveOneOut) -> Figure {
-    let names: Vec<&str> = influence
-        .postures
-        .iter()
-        .map(|p| p.posture.as_str())
-        .collect();
+    let names: Vec<&str> = influence.postures.iter().map(|p| p.posture.as_str()).collect();
     let count = names.len();
-    let largest = influence
-        .postures
-        .iter()
-        .enumerate()
-        .filter_map(|(i, posture)| {
-            let shifts = posture.shifts.iter().flatten().map(|shift| shift.abs());
-            Some((i as f64, shifts.reduce(f64::max)?))
-        });
+    let largest = influence.postures.iter().enumerate().filter_map(|(i, posture)| {
+        let shifts = posture.shifts.iter().flatten().map(|shift| shift.abs());
+        Some((i as f64, shifts.reduce(f64::max)?))
+    });
     let (x, largest) = largest.unzip();
     let ends = vec![-0.5, count as f64 - 0.5];
     Figure::one(

@@ -44,14 +44,10 @@ pub fn stiffness_figure(
     let value = |row: &StiffnessRow| row.stiffness.filter(|k| *k > 0.0);
     let mut series = vec![drawn("identified", Style::Points, &value)];
     // A compliance at or below zero leaves the lower end alone.
-    let bound = drawn(
-        "lower bound alone",
-        Style::Hollow,
-        &|row| match value(row) {
-            Some(_) => None,
-            None => row.interval[0],
-        },
-    );
+    let bound = drawn("lower bound alone", Style::Hollow, &|row| match value(row) {
+        Some(_) => None,
+        None => row.interval[0],
+    });
     series.extend((!bound.y.is_empty()).then_some(bound));
     if prior.len() == rows.len() {
         let values = prior.iter().map(|k| 1e-6 * k).collect();
@@ -82,14 +78,9 @@ pub fn stiffness_figure(
         // Without systematic errors the total is the readings'.
         .filter(|series| has_both || series.label != "total");
     let parts: Vec<Series> = parts.collect();
-    let panel = |title: &str, y: Axis, series: Vec<Series>| {
-        Panel::new(title, Axis::categorical("", joints.clone()), y, series)
-    };
-    let mut panels = vec![panel(
-        "stiffness",
-        Axis::log("joint stiffness", "10⁶ N·m/rad"),
-        series,
-    )];
+    let panel =
+        |title: &str, y: Axis, series: Vec<Series>| Panel::new(title, Axis::categorical("", joints.clone()), y, series);
+    let mut panels = vec![panel("stiffness", Axis::log("joint stiffness", "10⁶ N·m/rad"), series)];
     let no_longer = format!("{:.0} %", 100.0 * NO_LONGER);
     let widths = match (parts.is_empty(), has_both) {
         (true, _) => format!("; no joint is known to better than {no_longer}"),
@@ -99,11 +90,7 @@ pub fn stiffness_figure(
         (false, false) => "; and its ± by the readings alone".to_string(),
     };
     if !parts.is_empty() {
-        let title = if has_both {
-            "total ± and its parts"
-        } else {
-            "± by the readings"
-        };
+        let title = if has_both { "total ± and its parts" } else { "± by the readings" };
         let half = Axis::linear("half width", "% of k").from_zero();
         panels.push(panel(title, half, parts));
     }

@@ -67,25 +67,16 @@ impl Outcome {
 pub fn render_page(page: &Page) -> String {
     let alone = page.parts.len() == 1;
     let parts = page.parts.iter().enumerate();
-    let parts: Vec<PartTemplate<'_>> = parts
-        .map(|(number, part)| PartTemplate::new(part, number, alone))
-        .collect();
+    let parts: Vec<PartTemplate<'_>> = parts.map(|(number, part)| PartTemplate::new(part, number, alone)).collect();
     let has_scene = page.parts.iter().any(|part| {
         let mut blocks = part.sections.iter().flat_map(|section| &section.blocks);
         blocks.any(|block| matches!(block, Block::Scene(..)))
     });
-    let (viewer_style, viewer) = if has_scene {
-        (VIEWER_STYLE, VIEWER_SCRIPT)
-    } else {
-        ("", "")
-    };
+    let (viewer_style, viewer) = if has_scene { (VIEWER_STYLE, VIEWER_SCRIPT) } else { ("", "") };
     let template = PageTemplate {
         page,
         style: format!("{STYLE}\n{viewer_style}"),
-        before: page
-            .comparison
-            .as_ref()
-            .map_or_else(String::new, comparison),
+        before: page.comparison.as_ref().map_or_else(String::new, comparison),
         parts,
         script: format!("{SCRIPT}\n{viewer}"),
     };
@@ -111,19 +102,13 @@ impl<'a> PartTemplate<'a> {
             verdict: if alone {
                 verdict("verdict", part.outcome.status(), &part.verdict)
             } else {
-                verdict(
-                    &format!("r{number}-verdict"),
-                    part.outcome.status(),
-                    &part.verdict,
-                )
+                verdict(&format!("r{number}-verdict"), part.outcome.status(), &part.verdict)
             },
             serious: findings(&of(Severity::Serious)),
             cautions: cautions(&of(Severity::Caution), part.key.as_ref()),
             key: part.key.as_ref().map_or_else(String::new, table),
             sections: sections(&part.sections, &prefix, level),
-            contents: ids
-                .map(|section| (format!("{prefix}-{}", section.id), section.title.as_str()))
-                .collect(),
+            contents: ids.map(|section| (format!("{prefix}-{}", section.id), section.title.as_str())).collect(),
             provenance: &part.provenance,
         }
     }
@@ -136,13 +121,8 @@ fn comparison(comparison: &Comparison) -> String {
         Outcome::Caution => "Look at the cautions",
         Outcome::Serious => "Not all of them are usable",
     };
-    let status = Status {
-        words,
-        ..comparison.outcome.status()
-    };
-    verdict("verdict", status, &comparison.verdict)
-        + "\n"
-        + &sections(&comparison.sections, "all", 2)
+    let status = Status { words, ..comparison.outcome.status() };
+    verdict("verdict", status, &comparison.verdict) + "\n" + &sections(&comparison.sections, "all", 2)
 }
 
 /// A result at a glance, for a notebook: what came out, what is wrong with it, the table to read first.
@@ -214,10 +194,7 @@ fn block(block: &Block, id: &str) -> String {
             format!("<ul>{}</ul>", points.collect::<String>())
         }
         Block::Lines(lines) => {
-            let lines: Vec<String> = lines
-                .iter()
-                .map(|line| text(line).replace('−', "-"))
-                .collect();
+            let lines: Vec<String> = lines.iter().map(|line| text(line).replace('−', "-")).collect();
             format!("<pre>{}</pre>", lines.join("\n"))
         }
         Block::Table(data) => table(data),
@@ -236,11 +213,9 @@ fn block(block: &Block, id: &str) -> String {
             scene_html(scene, &format!("scene-{id}"), &scene.cell, &still)
         }
         Block::Findings(list) => findings(list),
-        Block::Details(summary, inside) => format!(
-            "<details class=\"more\"><summary>{}</summary>\n{}</details>",
-            escape(summary),
-            blocks(inside, id)
-        ),
+        Block::Details(summary, inside) => {
+            format!("<details class=\"more\"><summary>{}</summary>\n{}</details>", escape(summary), blocks(inside, id))
+        }
     }
 }
 
@@ -261,12 +236,7 @@ fn picture(figure: &Figure) -> String {
 
 /// The numbers of a chart: what a picture says to those who cannot see it.
 fn data(figure: &Figure) -> String {
-    let count: usize = figure
-        .panels
-        .iter()
-        .flat_map(|p| &p.series)
-        .map(|s| s.x.len())
-        .sum();
+    let count: usize = figure.panels.iter().flat_map(|p| &p.series).map(|s| s.x.len()).sum();
     let title = escape(&figure.title);
     if count == 0 {
         return String::new();
@@ -277,11 +247,8 @@ fn data(figure: &Figure) -> String {
     );
     let mut left = MOST_ROWS;
     for panel in &figure.panels {
-        let heading = if panel.title.is_empty() {
-            panel.y.heading()
-        } else {
-            format!("{}: {}", panel.title, panel.y.heading())
-        };
+        let heading =
+            if panel.title.is_empty() { panel.y.heading() } else { format!("{}: {}", panel.title, panel.y.heading()) };
         for series in &panel.series {
             for i in 0..series.x.len().min(series.y.len()).min(left) {
                 out += &format!(
@@ -345,10 +312,9 @@ fn folded(list: &[Finding]) -> String {
     let (first, rest) = list.split_at(list.len().min(SEEN_AT_ONCE));
     let rest = match rest.len() {
         0 => String::new(),
-        count => format!(
-            "<details class=\"more\"><summary>{count} more to look at</summary>{}</details>",
-            findings(rest)
-        ),
+        count => {
+            format!("<details class=\"more\"><summary>{count} more to look at</summary>{}</details>", findings(rest))
+        }
     };
     findings(first) + &rest
 }

@@ -19,8 +19,7 @@ pub fn pictures(page: &Page) -> (Vec<Figure>, Vec<Drawing>) {
             let stem = stem.strip_suffix(".json").unwrap_or(stem);
             let ids = figures[first_figure..].iter_mut().map(|f| &mut f.id);
             let others = drawings[first_drawing..].iter_mut().map(|d| &mut d.id);
-            ids.chain(others)
-                .for_each(|id| *id = format!("{stem}-{id}"));
+            ids.chain(others).for_each(|id| *id = format!("{stem}-{id}"));
         }
     }
     (figures, drawings)

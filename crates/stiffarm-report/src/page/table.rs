@@ -21,8 +21,7 @@ pub(super) fn table(data: &DataTable) -> String {
         _ => "",
     };
     let headings = data.headings.iter().enumerate();
-    let headings =
-        headings.map(|(c, h)| format!("<th scope=\"col\"{}>{}</th>", class(c), escape(h)));
+    let headings = headings.map(|(c, h)| format!("<th scope=\"col\"{}>{}</th>", class(c), escape(h)));
     let headings: String = headings.collect();
     let rows = data.rows.iter().map(|row| {
         let cells = row.iter().enumerate().map(|(c, cell)| {
@@ -34,11 +33,7 @@ pub(super) fn table(data: &DataTable) -> String {
         });
         format!("<tr>{}</tr>\n", cells.collect::<String>())
     });
-    let few = if data.rows.len() <= FEW_ROWS {
-        " few"
-    } else {
-        ""
-    };
+    let few = if data.rows.len() <= FEW_ROWS { " few" } else { "" };
     let wide = if is_wide(data) { " wide" } else { "" };
     format!(
         "<p class=\"caption{wide}\">{0}</p><div class=\"table{few}{wide}\" tabindex=\"0\" role=\"group\" aria-label=\"{0}\">\
@@ -56,21 +51,12 @@ pub(super) fn is_wide(data: &DataTable) -> bool {
         let cells = cells.map(|cell| cell.plain().chars().count());
         let most = if of_numbers[c] { usize::MAX } else { WORDS };
         let words = data.headings[c].split(' ').map(|word| word.chars().count());
-        cells
-            .map(|cell| cell.min(most))
-            .chain(words)
-            .max()
-            .unwrap_or(0)
-            + BETWEEN
+        cells.map(|cell| cell.min(most)).chain(words).max().unwrap_or(0) + BETWEEN
     });
     columns.sum::<usize>() > HALF
 }
 
 /// Class of a row's name that is short enough to stay on one line.
 fn short(name: &Text) -> &'static str {
-    if name.plain().chars().count() <= 24 {
-        " class=\"short\""
-    } else {
-        ""
-    }
+    if name.plain().chars().count() <= 24 { " class=\"short\"" } else { "" }
 }

@@ -29,11 +29,7 @@ fn together(words: &str) -> String {
 
 /// What one types; short words of it are not broken at their hyphens.
 fn code(words: &str) -> String {
-    let class = if words.chars().count() <= UNBROKEN {
-        " class=\"short\""
-    } else {
-        ""
-    };
+    let class = if words.chars().count() <= UNBROKEN { " class=\"short\"" } else { "" };
     format!("<code{class}>{}</code>", escape(words))
 }
 
@@ -45,11 +41,7 @@ fn number_html(number: &Number) -> String {
     }
     // JSON's own writing of the value, `null` where there is none.
     let value = serde_json::to_string(&number.value).unwrap_or_default();
-    let factor = if number.factor == 1.0 {
-        String::new()
-    } else {
-        format!(" data-factor=\"{}\"", number.factor)
-    };
+    let factor = if number.factor == 1.0 { String::new() } else { format!(" data-factor=\"{}\"", number.factor) };
     format!("<span class=\"n\" data-value=\"{value}\"{factor}>{shown}</span>")
 }
 

@@ -81,8 +81,7 @@ impl PaperOptions {
         let family = &self.font_family;
         if !family.chars().all(is_known) || family.chars().count() > FAMILY_LENGTH {
             let message = format!("{} is no font family.", visible(family));
-            return Err(Error::invalid(message)
-                .hint("give the name of one family, for example Times New Roman"));
+            return Err(Error::invalid(message).hint("give the name of one family, for example Times New Roman"));
         }
         if self.formats.is_empty() {
             Err(Error::invalid("There is no format to write.").hint("choose svg, csv or both"))
@@ -93,19 +92,13 @@ impl PaperOptions {
 
     /// Formats without those that are there twice, in their own order.
     fn of_picture(&self, has_data: bool) -> impl Iterator<Item = Format> {
-        let wanted = move |format: &Format| {
-            self.formats.contains(format) && (has_data || *format != Format::Csv)
-        };
+        let wanted = move |format: &Format| self.formats.contains(format) && (has_data || *format != Format::Csv);
         Format::ALL.into_iter().filter(wanted)
     }
 }
 
 /// The names that [`paper_files`] gives its files, in its order.
-pub fn paper_names(
-    figures: &[Figure],
-    drawings: &[Drawing],
-    options: &PaperOptions,
-) -> Vec<String> {
+pub fn paper_names(figures: &[Figure], drawings: &[Drawing], options: &PaperOptions) -> Vec<String> {
     let ids = figures.iter().map(|figure| &figure.id);
     let ids = ids.chain(drawings.iter().map(|drawing| &drawing.id));
     let stems = stems(ids.map(String::as_str));
@@ -144,11 +137,7 @@ pub fn paper_names(
 /// assert!(files[0].1.contains(r#"width="88mm""#));
 /// # Ok::<(), stiffarm::Error>(())
 /// ```
-pub fn paper_files(
-    figures: &[Figure],
-    drawings: &[Drawing],
-    options: &PaperOptions,
-) -> Result<Vec<(String, String)>> {
+pub fn paper_files(figures: &[Figure], drawings: &[Drawing], options: &PaperOptions) -> Result<Vec<(String, String)>> {
     options.check()?;
     let layout = Layout::paper(options.width_mm, options.font_pt)
         .with_font(options.font_family.as_str())
@@ -172,8 +161,6 @@ fn within(what: &str, value: f64, [least, most]: [f64; 2], unit: &str) -> Result
     if (least..=most).contains(&value) {
         Ok(())
     } else {
-        Err(Error::invalid(format!(
-            "The {what} of pictures must be {least} to {most} {unit}, got {value}."
-        )))
+        Err(Error::invalid(format!("The {what} of pictures must be {least} to {most} {unit}, got {value}.")))
     }
 }

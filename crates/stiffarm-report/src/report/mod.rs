@@ -26,28 +26,19 @@ pub fn report(given: &[WithCell<'_>]) -> Result<Page> {
         [one] => one.heading.clone(),
         parts => format!("{} results of stiffarm", parts.len()),
     };
-    let cells: Vec<String> = given
-        .iter()
-        .filter_map(|one| one.cell.map(cell_line))
-        .collect();
+    let cells: Vec<String> = given.iter().filter_map(|one| one.cell.map(cell_line)).collect();
     let subtitle = match cells.split_first() {
         Some((first, rest)) if rest.iter().all(|other| other == first) => first.clone(),
         _ => cells.join("; "),
     };
-    Ok(Page {
-        title,
-        subtitle,
-        comparison: compare::compare(given, &parts),
-        parts,
-    })
+    Ok(Page { title, subtitle, comparison: compare::compare(given, &parts), parts })
 }
 
 /// The part of a page for what a result says.
 fn part(given: &WithCell<'_>) -> Result<Part> {
     let told = tell(given)?;
     let is_note = |finding: &Finding| finding.severity == Severity::Note;
-    let (notes, warnings): (Vec<Finding>, Vec<Finding>) =
-        told.findings.into_iter().partition(is_note);
+    let (notes, warnings): (Vec<Finding>, Vec<Finding>) = told.findings.into_iter().partition(is_note);
     let mut sections = told.sections;
     if !notes.is_empty() {
         let block = Block::Findings(notes);
@@ -91,11 +82,7 @@ fn flatten(path: &str, value: &Value, out: &mut Vec<(String, String)>) {
     match value {
         Value::Object(map) => {
             for (key, value) in map {
-                let path = if path.is_empty() {
-                    key.clone()
-                } else {
-                    format!("{path}.{key}")
-                };
+                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
                 flatten(&path, value, out);
             }
         }

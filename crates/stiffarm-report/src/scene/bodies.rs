@@ -49,28 +49,14 @@ fn body(part: &Part, joints: usize) -> Body {
 
 fn solid(solid: &Solid) -> SceneSolid {
     match solid {
-        Solid::Capsule(Capsule { a, b, radius }) => SceneSolid::Capsule {
-            a: place(a),
-            b: place(b),
-            radius: length(*radius),
-        },
-        Solid::Block { pose: at, half } => SceneSolid::Block {
-            pose: pose(at),
-            half: place(half),
-        },
-        Solid::Cylinder {
-            pose: at,
-            half_length,
-            radius,
-        } => SceneSolid::Cylinder {
-            pose: pose(at),
-            half_length: length(*half_length),
-            radius: length(*radius),
-        },
-        Solid::HalfSpace { point, normal } => SceneSolid::Plane {
-            point: place(point),
-            normal: vector(normal),
-        },
+        Solid::Capsule(Capsule { a, b, radius }) => {
+            SceneSolid::Capsule { a: place(a), b: place(b), radius: length(*radius) }
+        }
+        Solid::Block { pose: at, half } => SceneSolid::Block { pose: pose(at), half: place(half) },
+        Solid::Cylinder { pose: at, half_length, radius } => {
+            SceneSolid::Cylinder { pose: pose(at), half_length: length(*half_length), radius: length(*radius) }
+        }
+        Solid::HalfSpace { point, normal } => SceneSolid::Plane { point: place(point), normal: vector(normal) },
     }
 }
 
@@ -99,11 +85,7 @@ fn tubes(robot: &Robot) -> Vec<Part> {
         if link > 0 {
             // The first drum stands on the base, not half below it.
             let at_base = link == 1 && end(0).translation.vector.norm() <= radius(0);
-            let middle = if at_base {
-                along * to.z.signum()
-            } else {
-                Vector3::zeros()
-            };
+            let middle = if at_base { along * to.z.signum() } else { Vector3::zeros() };
             solids.extend(Solid::cylinder(middle - along, middle + along, radius(link)).ok());
             Part::new(format!("link {link}"), Carrier::Link(link), solids)
         } else {

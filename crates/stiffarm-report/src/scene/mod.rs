@@ -13,8 +13,8 @@ mod postures;
 mod with;
 
 pub use data::{
-    ArmShapes, Body, BodyKind, Closest, Group, KeepOut, LoadKind, NamedPlace, Pose, Scene,
-    SceneLimits, SceneLoad, ScenePosture, SceneSolid,
+    ArmShapes, Body, BodyKind, Closest, Group, KeepOut, LoadKind, NamedPlace, Pose, Scene, SceneLimits, SceneLoad,
+    ScenePosture, SceneSolid,
 };
 pub use extras::{Arrow, ArrowSet, Ellipsoid, ScenePath};
 pub use html::{VIEWER_SCRIPT, VIEWER_STYLE, scene_html};
@@ -45,11 +45,7 @@ pub struct SceneGroup<'a> {
 impl<'a> SceneGroup<'a> {
     /// A group under the cell's own load.
     pub fn new(name: &'a str, postures: &'a [Posture]) -> Self {
-        SceneGroup {
-            name,
-            postures,
-            wrenches: &[],
-        }
+        SceneGroup { name, postures, wrenches: &[] }
     }
 }
 
@@ -64,10 +60,7 @@ pub struct SceneOptions<'a> {
 
 impl Default for SceneOptions<'_> {
     fn default() -> Self {
-        SceneOptions {
-            stiffness: None,
-            model: Model::Equilibrium,
-        }
+        SceneOptions { stiffness: None, model: Model::Equilibrium }
     }
 }
 
@@ -90,11 +83,7 @@ pub fn scene(cell: &Cell, groups: &[SceneGroup<'_>], options: &SceneOptions<'_>)
             postures.push(one);
             all.push(terms);
         }
-        shown.push(Group {
-            name: group.name.to_string(),
-            colour: series_colour(group.name),
-            postures,
-        });
+        shown.push(Group { name: group.name.to_string(), colour: series_colour(group.name), postures });
     }
     let stage = Stage::of(cell, &all, (!all.is_empty()).then_some(0));
     let corners = stage.corners();
@@ -114,11 +103,7 @@ pub fn scene(cell: &Cell, groups: &[SceneGroup<'_>], options: &SceneOptions<'_>)
             .map(|point| named(&point.name, &point.position))
             .collect(),
         loads: loads(&cell.setup),
-        stations: stations
-            .into_iter()
-            .flatten()
-            .map(|station| named(&station.name, &station.position))
-            .collect(),
+        stations: stations.into_iter().flatten().map(|station| named(&station.name, &station.position)).collect(),
         limits: limits(cell, &stage),
         extent: [place(&corners[0]), place(&corners[7])],
         first_turn: first_look::first_look(cell, &all).map(share),
@@ -133,19 +118,14 @@ pub fn scene(cell: &Cell, groups: &[SceneGroup<'_>], options: &SceneOptions<'_>)
 }
 
 fn named(name: &str, at: &stiffarm::nalgebra::Vector3<f64>) -> NamedPlace {
-    NamedPlace {
-        name: name.to_string(),
-        at: place(at),
-    }
+    NamedPlace { name: name.to_string(), at: place(at) }
 }
 
 fn loads(setup: &Setup) -> Vec<LoadKind> {
     let cases = setup.load.cases();
     let setups = setup.cases();
     let loads = setups.iter().enumerate().map(|(number, setup)| LoadKind {
-        name: cases
-            .get(number)
-            .map_or(String::new(), |case| case.name.clone()),
+        name: cases.get(number).map_or(String::new(), |case| case.name.clone()),
         kind: match setup.load {
             Load::Rope { .. } => setup.load.line(),
             Load::Weight { .. } => "weight",

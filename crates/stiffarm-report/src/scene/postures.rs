@@ -8,9 +8,7 @@ use stiffarm::model::cell::{Cell, PostureMargins};
 use stiffarm::model::load::{Load, Wrench};
 use stiffarm::model::observation::{PostureTerms, Setup};
 use stiffarm::model::posture::Posture;
-use stiffarm::model::stiffness::{
-    Model, displacement_between, equilibrium, joint_compliance, linear_displacement,
-};
+use stiffarm::model::stiffness::{Model, displacement_between, equilibrium, joint_compliance, linear_displacement};
 use stiffarm::nalgebra::{DVector, Vector3};
 use stiffarm::units::rad_to_deg;
 
@@ -26,31 +24,15 @@ pub(super) struct Looks<'a> {
 }
 
 impl<'a> Looks<'a> {
-    pub(super) fn new(
-        cell: &'a Cell,
-        stiffness: Option<&'a [f64]>,
-        model: Model,
-        before: usize,
-    ) -> Result<Self> {
+    pub(super) fn new(cell: &'a Cell, stiffness: Option<&'a [f64]>, model: Model, before: usize) -> Result<Self> {
         if let Some(stiffness) = stiffness {
             joint_compliance(&cell.setup.robot, stiffness)?;
         }
-        Ok(Looks {
-            cell,
-            setups: cell.setup.cases(),
-            margins: cell.posture_margins()?,
-            stiffness,
-            model,
-            before,
-        })
+        Ok(Looks { cell, setups: cell.setup.cases(), margins: cell.posture_margins()?, stiffness, model, before })
     }
 
     /// A posture as data and its terms, under `wrench` where the load is measured and that is known.
-    pub(super) fn look(
-        &mut self,
-        posture: &Posture,
-        wrench: Option<&Wrench>,
-    ) -> Result<(ScenePosture, PostureTerms)> {
+    pub(super) fn look(&mut self, posture: &Posture, wrench: Option<&Wrench>) -> Result<(ScenePosture, PostureTerms)> {
         let is_measured = self.cell.setup.load == Load::Measured;
         let none = Wrench::force(Vector3::zeros());
         let any = wrench.or(is_measured.then_some(&none));
@@ -70,11 +52,7 @@ impl<'a> Looks<'a> {
             angles_deg: posture.q.iter().map(|q| digits(rad_to_deg(*q))).collect(),
             links: terms.frames().links().iter().map(pose).collect(),
             loads,
-            seen: scene
-                .seen_by_each(&terms)
-                .into_iter()
-                .map(|s| s.points)
-                .collect(),
+            seen: scene.seen_by_each(&terms).into_iter().map(|s| s.points).collect(),
             closest: scene.closest(&terms).map(|pair| Closest {
                 names: pair.names,
                 distance: length(pair.distance),
@@ -90,9 +68,7 @@ impl<'a> Looks<'a> {
     fn load(&self, setup: &Setup, posture: &Posture, wrench: Option<&Wrench>) -> Result<SceneLoad> {
         let terms = PostureTerms::new(setup, &posture.q, wrench)?;
         // The stiffness is a good one: what fails now is the equilibrium of this posture.
-        let bent = self
-            .stiffness
-            .and_then(|k| self.bent(setup, posture, &terms, k, wrench).ok());
+        let bent = self.stiffness.and_then(|k| self.bent(setup, posture, &terms, k, wrench).ok());
         let (turns, deflection) = bent.unzip();
         Ok(SceneLoad {
             force: vector(&terms.wrench().force),
@@ -113,9 +89,7 @@ impl<'a> Looks<'a> {
     ) -> Result<(DVector<f64>, Vec<[f64; 3]>)> {
         let points = setup.tool.measuring_points.iter().map(|p| p.position);
         let in_flange = [setup.tool.loading_point].into_iter().chain(points);
-        let shift = |moved: stiffarm::nalgebra::Vector6<f64>| {
-            vector(&Vector3::new(moved[0], moved[1], moved[2]))
-        };
+        let shift = |moved: stiffarm::nalgebra::Vector6<f64>| vector(&Vector3::new(moved[0], moved[1], moved[2]));
         match self.model {
             Model::Equilibrium => {
                 let after = equilibrium(setup, &posture.q, stiffness, wrench)?;

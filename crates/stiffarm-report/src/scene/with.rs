@@ -45,10 +45,7 @@ impl Scene {
             vector: arrow.vector.map(digits),
             ..arrow
         });
-        self.arrows = Some(ArrowSet {
-            label: label.into(),
-            arrows: arrows.collect(),
-        });
+        self.arrows = Some(ArrowSet { label: label.into(), arrows: arrows.collect() });
         self
     }
 

@@ -14,9 +14,10 @@ pub fn correlation_figure(joints: &[String], groups: &[&GroupEvaluation]) -> Opt
     (!panels.is_empty()).then(|| Figure {
         id: "correlation".into(),
         title: "Correlation of the joints' errors".into(),
-        caption: "Size of the correlation of the errors of two joints' stiffness. Near 1 the readings tell the two joints \
+        caption:
+            "Size of the correlation of the errors of two joints' stiffness. Near 1 the readings tell the two joints \
                   apart badly: one may come out too stiff and the other too soft."
-            .into(),
+                .into(),
         columns: panels.len().min(3),
         panels,
     })

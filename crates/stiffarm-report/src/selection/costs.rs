@@ -22,9 +22,7 @@ pub fn price_figure(prices: &[LimitPrice]) -> Figure {
 /// How much worse the index becomes without each posture, the least first.
 pub fn worth_figure(values: &[PostureValue], names: &[String]) -> Figure {
     let name = |value: &PostureValue| names.get(value.posture).cloned().unwrap_or_default();
-    let y = values
-        .iter()
-        .map(|v| v.loss.map_or(f64::NAN, |l| 100.0 * l));
+    let y = values.iter().map(|v| v.loss.map_or(f64::NAN, |l| 100.0 * l));
     bars(
         "worth",
         "What each posture is worth",
@@ -47,8 +45,7 @@ pub fn sensitivity_figure(found: &Sensitivity) -> Option<Figure> {
         let loss = |joint: &String| {
             let mut cases = found.priors.iter();
             let case = cases.find(|c| c.joint == *joint && c.factor == *factor);
-            case.and_then(|case| case.loss)
-                .map_or(f64::NAN, |l| 100.0 * l)
+            case.and_then(|case| case.loss).map_or(f64::NAN, |l| 100.0 * l)
         };
         (label.as_str(), joints.iter().map(loss).collect())
     });
@@ -78,11 +75,6 @@ fn bars(
         id,
         title,
         caption,
-        Panel::new(
-            "",
-            Axis::categorical(label, names),
-            Axis::linear(y, "%").from_zero(),
-            series.collect(),
-        ),
+        Panel::new("", Axis::categorical(label, names), Axis::linear(y, "%").from_zero(), series.collect()),
     )
 }

@@ -42,23 +42,13 @@ pub fn expected_deviation_figure(
     };
     if !bounds.is_empty() {
         let y = bounds.iter().copied().map(percent).collect();
-        series.push(Series::new(
-            "no plan of as many postures goes below",
-            Style::Hollow,
-            places(bounds.len()),
-            y,
-        ));
+        series.push(Series::new("no plan of as many postures goes below", Style::Hollow, places(bounds.len()), y));
         caption += " Stars: what a plan for this joint alone could reach.";
     }
     Figure::one(
         "expected-deviation",
         "Expected deviation of the joint stiffness",
         caption,
-        Panel::new(
-            "",
-            Axis::categorical("", joints.to_vec()),
-            Axis::log("expected deviation", "%"),
-            series,
-        ),
+        Panel::new("", Axis::categorical("", joints.to_vec()), Axis::log("expected deviation", "%"), series),
     )
 }

@@ -16,11 +16,7 @@ pub fn dexterity_figure(groups: &[(&GroupEvaluation, &[String])]) -> Option<Figu
     // Names say nothing where groups name their postures differently.
     let own = |names: &[String]| names.iter().zip(longest.1).all(|(a, b)| a == b);
     let same = longest.1.len() == count && groups.iter().all(|(_, names)| own(names));
-    let names: Vec<String> = if same {
-        longest.1.to_vec()
-    } else {
-        (1..=count).map(|i| i.to_string()).collect()
-    };
+    let names: Vec<String> = if same { longest.1.to_vec() } else { (1..=count).map(|i| i.to_string()).collect() };
     let each = groups.iter().map(|(group, _)| {
         let y: Vec<f64> = group.k_jn.iter().map(|k| k.unwrap_or(f64::NAN)).collect();
         Series::new(&group.name, Style::Bars, places(y.len()), y)
@@ -36,20 +32,10 @@ pub fn dexterity_figure(groups: &[(&GroupEvaluation, &[String])]) -> Option<Figu
         "The paper's novel index and its parts",
         "k(J_N) of each posture, the largest of which is the classical index; and that times cond(Ψ), the novel \
          index. The lower, the better; a posture with a large k(J_N) is close to a singularity.",
-        Panel::new(
-            "each posture",
-            Axis::categorical("posture", names),
-            Axis::log("k(J_N)", ""),
-            each.collect(),
-        ),
+        Panel::new("each posture", Axis::categorical("posture", names), Axis::log("k(J_N)", ""), each.collect()),
     );
     figure.columns = 2;
-    let group = Panel::new(
-        "the group",
-        parts_of,
-        Axis::log("index", ""),
-        parts.collect(),
-    );
+    let group = Panel::new("the group", parts_of, Axis::log("index", ""), parts.collect());
     figure.panels.push(group);
     Some(figure)
 }

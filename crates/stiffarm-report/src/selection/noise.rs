@@ -4,11 +4,7 @@ use crate::figure::{Axis, Figure, Panel, Series, Style};
 use stiffarm::estimate::simulate::GroupSimulation;
 
 /// Simulated deviation against the noise variance with its closed form, a panel per joint.
-pub fn deviation_by_noise_figure(
-    joints: &[String],
-    groups: &[GroupSimulation],
-    runs: usize,
-) -> Figure {
+pub fn deviation_by_noise_figure(joints: &[String], groups: &[GroupSimulation], runs: usize) -> Figure {
     let panel = |(j, joint): (usize, &String)| {
         Panel::new(
             joint.clone(),
@@ -52,18 +48,10 @@ fn series(group: &GroupSimulation, j: usize) -> Vec<Series> {
         pick(false, &|l| percent(group.levels[l].mean_deviation[j])),
     );
     let errors = pick(false, &|l| percent(group.levels[l].standard_error[j]));
-    let expected = group
-        .levels
-        .iter()
-        .map(|l| percent(l.expected_deviation[j]));
+    let expected = group.levels.iter().map(|l| percent(l.expected_deviation[j]));
     let mut out = vec![
         mean.with_error(errors),
-        Series::new(
-            format!("{}, theory", group.name),
-            Style::Dashed,
-            factors().collect(),
-            expected.collect(),
-        ),
+        Series::new(format!("{}, theory", group.name), Style::Dashed, factors().collect(), expected.collect()),
     ];
     if group.levels.iter().any(|l| l.beyond_first_order[j]) {
         out.push(Series::new(

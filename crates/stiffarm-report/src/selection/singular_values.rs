@@ -10,11 +10,7 @@ pub fn singular_values_figure(groups: &[&GroupEvaluation], noise_std_m: Option<f
     let scaled = groups.iter().all(|g| !g.scaled_singular_values.is_empty());
     let values = |group: &GroupEvaluation| -> Vec<f64> {
         if scaled {
-            group
-                .scaled_singular_values
-                .iter()
-                .map(|v| 1e3 * v)
-                .collect()
+            group.scaled_singular_values.iter().map(|v| 1e3 * v).collect()
         } else {
             group.singular_values.clone()
         }

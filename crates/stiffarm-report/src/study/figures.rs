@@ -8,18 +8,8 @@ use stiffarm::study::{Study, StudyGroup};
 /// All figures of a study, in the order of the page.
 pub fn figures(study: &Study) -> Vec<Figure> {
     let mut out = vec![expected_deviation(study)];
-    out.extend(
-        study
-            .groups
-            .iter()
-            .enumerate()
-            .map(|(g, group)| postures(study, g, group)),
-    );
-    out.push(deviation_by_noise_figure(
-        &study.joints,
-        &study.simulation.groups,
-        study.simulation.runs,
-    ));
+    out.extend(study.groups.iter().enumerate().map(|(g, group)| postures(study, g, group)));
+    out.push(deviation_by_noise_figure(&study.joints, &study.simulation.groups, study.simulation.runs));
     out.extend(other_starts(study));
     out.extend(q1_range(study));
     out.extend(validation(study));
@@ -28,10 +18,8 @@ pub fn figures(study: &Study) -> Vec<Figure> {
 
 /// Bars per joint and group: what each group can be expected to give.
 fn expected_deviation(study: &Study) -> Figure {
-    let groups = study.groups.iter().map(|group| Deviations {
-        name: &group.name,
-        each: &group.evaluation.expected_deviation,
-    });
+    let groups =
+        study.groups.iter().map(|group| Deviations { name: &group.name, each: &group.evaluation.expected_deviation });
     let groups: Vec<Deviations<'_>> = groups.collect();
     expected_deviation_figure(&study.joints, &groups, &[], Some(study.noise_std_m))
 }
@@ -65,21 +53,12 @@ fn postures(study: &Study, number: usize, group: &StudyGroup) -> Figure {
                 study.anchors_m.iter().map(|anchor| anchor[b]).collect(),
             ));
         }
-        Panel {
-            title: title.into(),
-            x: Axis::linear(x, "m"),
-            y: Axis::linear(y, "m"),
-            series,
-            equal_aspect: true,
-        }
+        Panel { title: title.into(), x: Axis::linear(x, "m"), y: Axis::linear(y, "m"), series, equal_aspect: true }
     };
     Figure {
         id: format!("postures-{}", slug(&group.name)),
         title: format!("Postures: {}", group.name),
-        caption: format!(
-            "Arms from base to measuring point 1, group {} of the study, side and top view.",
-            number + 1
-        ),
+        caption: format!("Arms from base to measuring point 1, group {} of the study, side and top view.", number + 1),
         columns: 2,
         panels: vec![view("side", 0, 2, "x", "z"), view("top", 0, 1, "x", "y")],
     }
@@ -90,18 +69,9 @@ fn other_starts(study: &Study) -> Option<Figure> {
     if study.starts.kinds.is_empty() {
         return None;
     }
-    let rows = study
-        .starts
-        .kinds
-        .first()
-        .map_or(&[][..], |kind| &kind.rows);
-    let names: Vec<String> = rows
-        .iter()
-        .map(|row| {
-            row.index
-                .map_or("start".into(), |i| i.as_str().replace('_', " "))
-        })
-        .collect();
+    let rows = study.starts.kinds.first().map_or(&[][..], |kind| &kind.rows);
+    let names: Vec<String> =
+        rows.iter().map(|row| row.index.map_or("start".into(), |i| i.as_str().replace('_', " "))).collect();
     let series = study
         .starts
         .kinds
@@ -114,12 +84,7 @@ fn other_starts(study: &Study) -> Option<Figure> {
                     y.push(100.0 * value);
                 }
             }
-            Series::new(
-                format!("{} starts ({})", kind.kind, kind.count),
-                Style::Box,
-                x,
-                y,
-            )
+            Series::new(format!("{} starts ({})", kind.kind, kind.count), Style::Box, x, y)
         })
         .collect();
     Some(Figure::one(
@@ -127,12 +92,7 @@ fn other_starts(study: &Study) -> Option<Figure> {
         "What other initial groups lead to",
         "Mean over the joints of the expected deviation after selection under each index; box: quartiles, \
          whiskers: 5 to 95 %.",
-        Panel::new(
-            "",
-            Axis::categorical("", names),
-            Axis::log("mean expected deviation", "%"),
-            series,
-        ),
+        Panel::new("", Axis::categorical("", names), Axis::log("mean expected deviation", "%"), series),
     ))
 }
 
@@ -140,34 +100,16 @@ fn other_starts(study: &Study) -> Option<Figure> {
 fn q1_range(study: &Study) -> Option<Figure> {
     let range = study.classical_q1.as_ref().filter(|r| r.matters())?;
     let count = range.draws as f64;
-    let x: Vec<f64> = range
-        .mean_expected_deviation
-        .iter()
-        .map(|d| 100.0 * d)
-        .collect();
+    let x: Vec<f64> = range.mean_expected_deviation.iter().map(|d| 100.0 * d).collect();
     let y: Vec<f64> = (1..=x.len()).map(|i| 100.0 * i as f64 / count).collect();
     let marker = |label: &str, value: Option<f64>| {
         let v = 100.0 * value.unwrap_or(f64::NAN);
         Series::new(label, Style::Dashed, vec![v, v], vec![0.0, 100.0])
     };
-    let deviation = |name: &str| {
-        study
-            .groups
-            .iter()
-            .find(|g| g.name == name)
-            .and_then(|g| g.evaluation.mean_expected_deviation())
-    };
-    let mut series = vec![Series::new(
-        "Group 2 (classical), q1 drawn anew",
-        Style::Dashed,
-        x,
-        y,
-    )];
-    for group in study
-        .groups
-        .iter()
-        .filter(|g| !g.name.starts_with("Group 2"))
-    {
+    let deviation =
+        |name: &str| study.groups.iter().find(|g| g.name == name).and_then(|g| g.evaluation.mean_expected_deviation());
+    let mut series = vec![Series::new("Group 2 (classical), q1 drawn anew", Style::Dashed, x, y)];
+    for group in study.groups.iter().filter(|g| !g.name.starts_with("Group 2")) {
         series.push(marker(&group.name, deviation(&group.name)));
     }
     Some(Figure::one(
@@ -189,33 +131,17 @@ fn q1_range(study: &Study) -> Option<Figure> {
 
 /// Eq. (22) at the validation postures (Fig. 10).
 fn validation(study: &Study) -> Option<Figure> {
-    let labels: Vec<String> = study
-        .groups
-        .iter()
-        .find_map(|g| g.validation.as_ref())?
-        .points
-        .iter()
-        .map(|p| p.label.clone())
-        .collect();
+    let labels: Vec<String> =
+        study.groups.iter().find_map(|g| g.validation.as_ref())?.points.iter().map(|p| p.label.clone()).collect();
     let mut series: Vec<Series> = study
         .groups
         .iter()
         .filter_map(|g| {
-            let y = g
-                .validation
-                .as_ref()?
-                .points
-                .iter()
-                .map(|p| 1e3 * p.deviation_m)
-                .collect();
+            let y = g.validation.as_ref()?.points.iter().map(|p| 1e3 * p.deviation_m).collect();
             Some(Series::new(&g.name, Style::Line, places(labels.len()), y))
         })
         .collect();
-    let noise = study
-        .groups
-        .iter()
-        .find_map(|g| g.validation.as_ref())?
-        .noise_expectation_m;
+    let noise = study.groups.iter().find_map(|g| g.validation.as_ref())?.noise_expectation_m;
     series.push(Series::new(
         "tracker noise alone (mean)",
         Style::Outline,
@@ -226,12 +152,7 @@ fn validation(study: &Study) -> Option<Figure> {
         "validation",
         "Deviation at the validation postures, Eq. (22)",
         "Simulated measurement with tracker noise as the only error; m-n is measuring point n of posture m.",
-        Panel::new(
-            "",
-            Axis::categorical("measuring point", labels),
-            Axis::log("deviation δb", "mm"),
-            series,
-        ),
+        Panel::new("", Axis::categorical("measuring point", labels), Axis::log("deviation δb", "mm"), series),
     ))
 }
 
@@ -249,23 +170,14 @@ pub fn slug(name: &str) -> String {
 }
 
 /// The deviation of each group at the illustration level, with its name.
-pub(super) fn illustration(
-    study: &Study,
-) -> Vec<(&str, &stiffarm::estimate::simulate::LevelResult)> {
+pub(super) fn illustration(study: &Study) -> Vec<(&str, &stiffarm::estimate::simulate::LevelResult)> {
     let level = illustration_level(study);
-    study
-        .simulation
-        .groups
-        .iter()
-        .map(|g| (g.name.as_str(), &g.levels[level]))
-        .collect()
+    study.simulation.groups.iter().map(|g| (g.name.as_str(), &g.levels[level])).collect()
 }
 
 /// Index of the noise level nearest to variance factor 1, the one of Table 4.
 fn illustration_level(study: &Study) -> usize {
     let factors = &study.options.simulation.variance_factors;
     let distance = |l: &usize| (factors[*l] - 1.0).abs();
-    (0..factors.len())
-        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-        .unwrap_or(0)
+    (0..factors.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
 }

@@ -19,10 +19,7 @@ pub fn measured_figure(study: &MeasuredStudy) -> Figure {
             .iter()
             .map(|way| {
                 let of = |count: &usize| study.get(*count, *way, model).map(millimetres);
-                let shown: Vec<[f64; 2]> = counts
-                    .iter()
-                    .map(|c| of(c).unwrap_or([f64::NAN; 2]))
-                    .collect();
+                let shown: Vec<[f64; 2]> = counts.iter().map(|c| of(c).unwrap_or([f64::NAN; 2])).collect();
                 let x = (0..counts.len()).map(|i| i as f64).collect();
                 let label = way.as_str().replace('_', " ");
                 Series::new(label, Style::Bars, x, shown.iter().map(|v| v[0]).collect())
@@ -32,12 +29,7 @@ pub fn measured_figure(study: &MeasuredStudy) -> Figure {
         if let Some(whole) = study.get(study.pool_count, Choice::Pool, model) {
             let ends = vec![-0.5, counts.len() as f64 - 0.5];
             let label = format!("all {} of the pool", study.pool_count);
-            series.push(Series::new(
-                label,
-                Style::Dashed,
-                ends,
-                vec![1e3 * whole.mean_m; 2],
-            ));
+            series.push(Series::new(label, Style::Dashed, ends, vec![1e3 * whole.mean_m; 2]));
         }
         let names: Vec<String> = counts.iter().map(usize::to_string).collect();
         Panel::new(

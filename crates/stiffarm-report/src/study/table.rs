@@ -65,12 +65,7 @@ pub struct Table {
 
 impl Table {
     pub(super) fn new(id: &str, caption: impl Into<String>, headings: Vec<String>) -> Self {
-        Table {
-            id: id.into(),
-            caption: caption.into(),
-            headings,
-            rows: Vec::new(),
-        }
+        Table { id: id.into(), caption: caption.into(), headings, rows: Vec::new() }
     }
 
     /// The table as CSV, LF line ends, cells quoted where needed. Text that a spreadsheet program would take for a
@@ -78,11 +73,7 @@ impl Table {
     pub fn csv(&self) -> String {
         let headings = self.headings.iter().map(|heading| csv::text(heading));
         let mut lines = vec![headings.collect::<Vec<_>>()];
-        lines.extend(
-            self.rows
-                .iter()
-                .map(|row| row.iter().map(Cell::exact).collect()),
-        );
+        lines.extend(self.rows.iter().map(|row| row.iter().map(Cell::exact).collect()));
         lines.iter().map(|cells| cells.join(",") + "\n").collect()
     }
 }
@@ -113,9 +104,7 @@ mod tests {
     #[test]
     fn formulas_in_names_stay_text_and_numbers_numbers() {
         let mut table = Table::new("t", "", vec!["=group".into(), "value [%]".into()]);
-        table
-            .rows
-            .push(vec!["=cmd|' /C calc'!A0".into(), (-0.5).into()]);
+        table.rows.push(vec!["=cmd|' /C calc'!A0".into(), (-0.5).into()]);
         table.rows.push(vec!["@SUM(A1,A2)".into(), None.into()]);
         table.rows.push(vec!["-3".into(), 1e-12.into()]);
         let lines = "'=group,value [%]\n'=cmd|' /C calc'!A0,-0.5\n\"'@SUM(A1,A2)\",\n-3,1e-12\n";

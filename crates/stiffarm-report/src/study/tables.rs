@@ -26,12 +26,7 @@ pub fn tables(study: &Study) -> Vec<Table> {
         }
         table
     }));
-    out.extend([
-        illustration_case(study),
-        simulation(study),
-        starts(study),
-        stiffness(study),
-    ]);
+    out.extend([illustration_case(study), simulation(study), starts(study), stiffness(study)]);
     out.extend(validation(study));
     out.extend(study.elastic.as_ref().map(elastic));
     out
@@ -88,17 +83,11 @@ fn row(name: impl Into<Cell>, cells: impl IntoIterator<Item = Cell>) -> Vec<Cell
 }
 
 fn with_groups(first: &str, study: &Study) -> Vec<String> {
-    std::iter::once(first.to_string())
-        .chain(study.groups.iter().map(|g| g.name.clone()))
-        .collect()
+    std::iter::once(first.to_string()).chain(study.groups.iter().map(|g| g.name.clone())).collect()
 }
 
 fn indices(study: &Study) -> Table {
-    let mut table = Table::new(
-        "indices",
-        "Every index of each group.",
-        with_groups("index", study),
-    );
+    let mut table = Table::new("indices", "Every index of each group.", with_groups("index", study));
     for index in Index::ALL {
         let (fraction, length) = (index.is_relative_error(), index.is_length());
         let unit = match (length, fraction) {
@@ -120,23 +109,17 @@ fn indices(study: &Study) -> Table {
         table.rows.push(row(name, values));
     }
     let mut add = |name: &str, cell: &dyn Fn(&Selection) -> Cell| {
-        let cells = study
-            .groups
-            .iter()
-            .map(|g| g.selection.as_ref().map_or("–".into(), cell));
+        let cells = study.groups.iter().map(|g| g.selection.as_ref().map_or("–".into(), cell));
         table.rows.push(row(name, cells));
     };
     add("search ended", &|s| s.termination.describe().into());
     add("iterations", &|s| s.iterations.to_string().into());
     add("first-order optimality [1/rad]", &|s| s.stationarity.into());
-    add(
-        "smallest margin to a limit [mm]",
-        &|s| match s.smallest_margin_m {
-            // Below a hundredth of a micrometre is on the limit.
-            Some(m) if m.abs() < 1e-8 => "0 (on a limit)".into(),
-            other => other.map(|m| 1e3 * m).into(),
-        },
-    );
+    add("smallest margin to a limit [mm]", &|s| match s.smallest_margin_m {
+        // Below a hundredth of a micrometre is on the limit.
+        Some(m) if m.abs() < 1e-8 => "0 (on a limit)".into(),
+        other => other.map(|m| 1e3 * m).into(),
+    });
     table
 }
 
@@ -147,16 +130,10 @@ fn expected(study: &Study) -> Table {
         with_groups("joint", study),
     );
     for (j, joint) in study.joints.iter().enumerate() {
-        let cells = study
-            .groups
-            .iter()
-            .map(|g| Cell::percent(g.evaluation.expected_deviation[j]));
+        let cells = study.groups.iter().map(|g| Cell::percent(g.evaluation.expected_deviation[j]));
         table.rows.push(row(joint.as_str(), cells));
     }
-    let means = study
-        .groups
-        .iter()
-        .map(|g| Cell::percent(g.evaluation.mean_expected_deviation()));
+    let means = study.groups.iter().map(|g| Cell::percent(g.evaluation.mean_expected_deviation()));
     table.rows.push(row("mean", means));
     table
 }
@@ -170,19 +147,11 @@ fn illustration_case(study: &Study) -> Table {
     if published.is_some() {
         headings.extend((1..=3).map(|g| format!("paper, Group {g}")));
     }
-    let mut table = Table::new(
-        "illustration-case",
-        "Deviation rates of one run at variance factor 1, in % (Table 4).",
-        headings,
-    );
+    let mut table =
+        Table::new("illustration-case", "Deviation rates of one run at variance factor 1, in % (Table 4).", headings);
     for (j, joint) in study.joints.iter().enumerate() {
-        let ours = cases
-            .iter()
-            .map(|(_, level)| Cell::percent(Some(level.first_run_deviation[j])));
-        let theirs = published
-            .iter()
-            .flat_map(|p| p.deviation_percent[j])
-            .map(Cell::from);
+        let ours = cases.iter().map(|(_, level)| Cell::percent(Some(level.first_run_deviation[j])));
+        let theirs = published.iter().flat_map(|p| p.deviation_percent[j]).map(Cell::from);
         table.rows.push(row(joint.as_str(), ours.chain(theirs)));
     }
     table
@@ -201,10 +170,7 @@ fn simulation(study: &Study) -> Table {
     ];
     let mut table = Table::new(
         "simulation",
-        format!(
-            "Deviation |k̂ − k|/k over {} runs (Fig. 8).",
-            study.simulation.runs
-        ),
+        format!("Deviation |k̂ − k|/k over {} runs (Fig. 8).", study.simulation.runs),
         headings.map(String::from).to_vec(),
     );
     for group in &study.simulation.groups {
@@ -234,12 +200,7 @@ fn index_name(index: Option<Index>) -> String {
 
 /// Every initial group with what each index makes of it.
 fn starts(study: &Study) -> Table {
-    let headings = [
-        "initial groups",
-        "number",
-        "index",
-        "mean expected deviation [%]",
-    ];
+    let headings = ["initial groups", "number", "index", "mean expected deviation [%]"];
     let mut table = Table::new(
         "other-starts",
         "Mean expected deviation after selection from each other initial group.",
@@ -262,12 +223,7 @@ fn starts(study: &Study) -> Table {
 
 /// The same counted and as medians, for the page.
 pub(crate) fn starts_summary(study: &Study) -> Table {
-    let headings = [
-        "initial groups",
-        "index",
-        "improved on the start",
-        "median mean expected deviation [%]",
-    ];
+    let headings = ["initial groups", "index", "improved on the start", "median mean expected deviation [%]"];
     let mut table = Table::new(
         "other-starts-summary",
         "How often each index improves on its start, and the median outcome.",
@@ -278,12 +234,7 @@ pub(crate) fn starts_summary(study: &Study) -> Table {
             table.rows.push(vec![
                 kind.kind.as_str().into(),
                 index_name(start.index).into(),
-                start
-                    .index
-                    .map_or("–".into(), |_| {
-                        format!("{} of {}", start.improved, kind.count)
-                    })
-                    .into(),
+                start.index.map_or("–".into(), |_| format!("{} of {}", start.improved, kind.count)).into(),
                 Cell::percent(start.median),
             ]);
         }
@@ -293,14 +244,7 @@ pub(crate) fn starts_summary(study: &Study) -> Table {
 
 /// Identified stiffness, one row per group and joint.
 fn stiffness(study: &Study) -> Table {
-    let headings = [
-        "group",
-        "joint",
-        "truth [N·m/rad]",
-        "k [N·m/rad]",
-        "low [N·m/rad]",
-        "high [N·m/rad]",
-    ];
+    let headings = ["group", "joint", "truth [N·m/rad]", "k [N·m/rad]", "low [N·m/rad]", "high [N·m/rad]"];
     let mut table = Table::new(
         "stiffness",
         "Joint stiffness identified from one simulated measurement, with the 95 % interval by the scatter of the readings.",
@@ -308,10 +252,7 @@ fn stiffness(study: &Study) -> Table {
     );
     for group in &study.groups {
         for (j, joint) in study.joints.iter().enumerate() {
-            let estimate = group
-                .identification
-                .as_ref()
-                .map(|i| &i.estimates.joints[j]);
+            let estimate = group.identification.as_ref().map(|i| &i.estimates.joints[j]);
             let [low, high] = estimate.map_or([None, None], |e| e.interval);
             table.rows.push(vec![
                 group.name.as_str().into(),
@@ -343,18 +284,11 @@ pub(crate) fn stiffness_side_by_side(study: &Study) -> Table {
     );
     for (j, joint) in study.joints.iter().enumerate() {
         let ours = study.groups.iter().map(|group| {
-            let estimate = group
-                .identification
-                .as_ref()
-                .map(|i| &i.estimates.joints[j]);
+            let estimate = group.identification.as_ref().map(|i| &i.estimates.joints[j]);
             match estimate.and_then(|e| Some((e.stiffness?, e.interval))) {
-                Some((k, [low @ Some(_), high @ Some(_)])) => format!(
-                    "{} ({}–{})",
-                    significant(Some(k)),
-                    significant(low),
-                    significant(high)
-                )
-                .into(),
+                Some((k, [low @ Some(_), high @ Some(_)])) => {
+                    format!("{} ({}–{})", significant(Some(k)), significant(low), significant(high)).into()
+                }
                 Some((k, [low @ Some(_), None])) => {
                     format!("{} (above {})", significant(Some(k)), significant(low)).into()
                 }
@@ -362,13 +296,8 @@ pub(crate) fn stiffness_side_by_side(study: &Study) -> Table {
                 None => Cell::Number(None),
             }
         });
-        let theirs = published
-            .iter()
-            .flat_map(|p| p.stiffness[j])
-            .map(Cell::from);
-        let values = std::iter::once(study.stiffness[j].into())
-            .chain(ours)
-            .chain(theirs);
+        let theirs = published.iter().flat_map(|p| p.stiffness[j]).map(Cell::from);
+        let values = std::iter::once(study.stiffness[j].into()).chain(ours).chain(theirs);
         table.rows.push(row(joint.as_str(), values));
     }
     table
@@ -376,29 +305,18 @@ pub(crate) fn stiffness_side_by_side(study: &Study) -> Table {
 
 fn validation(study: &Study) -> Option<Table> {
     let first = study.groups.iter().find_map(|g| g.validation.as_ref())?;
-    let published =
-        published_for(&study.robot).filter(|p| p.deflection_mm.len() == first.points.len());
+    let published = published_for(&study.robot).filter(|p| p.deflection_mm.len() == first.points.len());
     let mut headings = with_groups("measuring point", study);
     if published.is_some() {
         headings.extend((1..=3).map(|g| format!("paper, Group {g}")));
     }
-    let mut table = Table::new(
-        "validation",
-        "Relative translational deflection δb of Eq. (22), mm (Table 7).",
-        headings,
-    );
+    let mut table =
+        Table::new("validation", "Relative translational deflection δb of Eq. (22), mm (Table 7).", headings);
     for (i, point) in first.points.iter().enumerate() {
-        let ours = study
-            .groups
-            .iter()
-            .map(|g| Cell::Number(g.validation.as_ref().map(|v| 1e3 * v.points[i].deviation_m)));
-        let theirs = published
-            .iter()
-            .flat_map(|p| p.deflection_mm[i])
-            .map(Cell::from);
-        table
-            .rows
-            .push(row(point.label.as_str(), ours.chain(theirs)));
+        let ours =
+            study.groups.iter().map(|g| Cell::Number(g.validation.as_ref().map(|v| 1e3 * v.points[i].deviation_m)));
+        let theirs = published.iter().flat_map(|p| p.deflection_mm[i]).map(Cell::from);
+        table.rows.push(row(point.label.as_str(), ours.chain(theirs)));
     }
     Some(table)
 }

@@ -30,11 +30,7 @@ pub(super) fn cell_section(context: &Given<'_>, found: &Identified) -> Result<Op
         angles: &posture.angles,
         wrench: posture.wrench,
         size: posture.displacement_rms_m,
-        at: posture
-            .residuals
-            .iter()
-            .map(|r| (r.point.as_str(), r.residual_m))
-            .collect(),
+        at: posture.residuals.iter().map(|r| (r.point.as_str(), r.residual_m)).collect(),
     });
     let stiffness = own.estimates.stiffness();
     residual_section(
@@ -64,27 +60,12 @@ pub(in crate::tell) fn residual_section(
         let own = all.iter().filter(|one| one.posture == *name);
         shown.extend(own.max_by(|a, b| a.size.total_cmp(&b.size)));
     }
-    let postures: Vec<Posture> = shown
-        .iter()
-        .map(|one| Posture {
-            name: one.posture.to_string(),
-            q: one.angles.to_vec(),
-        })
-        .collect();
-    let wrenches: Option<Vec<Wrench>> = shown
-        .iter()
-        .map(|one| one.wrench.map(Wrench::from_components))
-        .collect();
+    let postures: Vec<Posture> =
+        shown.iter().map(|one| Posture { name: one.posture.to_string(), q: one.angles.to_vec() }).collect();
+    let wrenches: Option<Vec<Wrench>> = shown.iter().map(|one| one.wrench.map(Wrench::from_components)).collect();
     let wrenches = wrenches.unwrap_or_default();
-    let groups = [SceneGroup {
-        name: group,
-        postures: &postures,
-        wrenches: &wrenches,
-    }];
-    let options = SceneOptions {
-        stiffness,
-        ..SceneOptions::default()
-    };
+    let groups = [SceneGroup { name: group, postures: &postures, wrenches: &wrenches }];
+    let options = SceneOptions { stiffness, ..SceneOptions::default() };
     let arrows = context.cell.map_or_else(Vec::new, |cell| {
         let tool = &cell.setup.tool.measuring_points;
         let mut arrows = Vec::new();
@@ -108,27 +89,15 @@ pub(in crate::tell) fn residual_section(
         arrows
     });
     let scene = context.scene(&groups, &options)?;
-    let scene = scene.map(|scene| {
-        if arrows.is_empty() {
-            scene
-        } else {
-            scene.with_arrows(label, arrows)
-        }
-    });
-    let states = if all.len() > names.len() {
-        " Of several load states the one that moves most is shown."
-    } else {
-        ""
-    };
+    let scene = scene.map(|scene| if arrows.is_empty() { scene } else { scene.with_arrows(label, arrows) });
+    let states = if all.len() > names.len() { " Of several load states the one that moves most is shown." } else { "" };
     let text = format!(
         "The measured postures in their order. Arrows at the measuring points are {explained}, drawn much larger than they are: \
          arrows that point alike at all points of a posture are a shift that its points share, arrows without order are noise.\
          {states}"
     );
-    context
-        .scene_section(scene, &postures, &text)
-        .map(|mut section| {
-            section.title = format!("{label} on the cell in 3D");
-            Some(section)
-        })
+    context.scene_section(scene, &postures, &text).map(|mut section| {
+        section.title = format!("{label} on the cell in 3D");
+        Some(section)
+    })
 }

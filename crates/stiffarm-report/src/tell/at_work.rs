@@ -66,10 +66,7 @@ pub(super) struct AtWork<'a> {
 
 /// The wrench of a force and a moment.
 pub(super) fn wrench(force_n: [f64; 3], moment_nm: [f64; 3]) -> Wrench {
-    Wrench {
-        force: force_n.into(),
-        moment: moment_nm.into(),
-    }
+    Wrench { force: force_n.into(), moment: moment_nm.into() }
 }
 
 impl AtWork<'_> {
@@ -96,10 +93,7 @@ impl AtWork<'_> {
                 shown.iter().map(Vec::len).sum::<usize>(),
             ),
         };
-        let blocks = vec![
-            Block::Text(explained.into()),
-            Block::Scene(Box::new(scene), Some(drawing)),
-        ];
+        let blocks = vec![Block::Text(explained.into()), Block::Scene(Box::new(scene), Some(drawing))];
         Ok(Section::new("cell", "The cell in 3D", blocks))
     }
 
@@ -119,9 +113,7 @@ impl AtWork<'_> {
         }
         if self.at_tip {
             let frames = Frames::new(&cell.setup.robot, &first.q);
-            let tip = frames
-                .flange()
-                .inverse_transform_point(&Point3::from(Vector3::from(first.tip_m)));
+            let tip = frames.flange().inverse_transform_point(&Point3::from(Vector3::from(first.tip_m)));
             cell.setup.tool.loading_point = tip.coords;
             cell.setup.load = Load::Measured;
             cell.scene = cell.scene.at_work();
@@ -157,19 +149,11 @@ impl AtWork<'_> {
         let postures: Vec<Vec<Posture>> = each(shown, posture);
         let wrenches: Vec<Vec<Wrench>> = each(shown, |p| p.wrench);
         let groups = self.groups.iter().zip(postures.iter().zip(&wrenches));
-        let groups: Vec<SceneGroup<'_>> = groups
-            .map(|((name, _), (postures, wrenches))| SceneGroup {
-                name,
-                postures,
-                wrenches,
-            })
-            .collect();
+        let groups: Vec<SceneGroup<'_>> =
+            groups.map(|((name, _), (postures, wrenches))| SceneGroup { name, postures, wrenches }).collect();
         // All of them or none.
         let stiffness: Option<Vec<f64>> = self.stiffness.iter().copied().collect();
-        let options = SceneOptions {
-            stiffness: stiffness.as_deref().filter(|all| !all.is_empty()),
-            model: self.model,
-        };
+        let options = SceneOptions { stiffness: stiffness.as_deref().filter(|all| !all.is_empty()), model: self.model };
         let mut scene = scene(cell, &groups, &options)?;
         if self.at_tip {
             scene = scene.at_work(&each(shown, |p| p.shift_m));
@@ -186,17 +170,12 @@ impl AtWork<'_> {
 }
 
 fn each<T>(shown: &[Vec<&WorkPoint>], of: impl Fn(&WorkPoint) -> T) -> Vec<Vec<T>> {
-    let groups = shown
-        .iter()
-        .map(|points| points.iter().map(|point| of(point)).collect());
+    let groups = shown.iter().map(|points| points.iter().map(|point| of(point)).collect());
     groups.collect()
 }
 
 fn posture(point: &WorkPoint) -> Posture {
-    Posture {
-        name: visible(&point.name).into_owned(),
-        q: point.q.clone(),
-    }
+    Posture { name: visible(&point.name).into_owned(), q: point.q.clone() }
 }
 
 /// The path with its deflection in colour, a long one by fewer points.
@@ -204,27 +183,17 @@ fn path(name: &str, points: &[WorkPoint]) -> ScenePath {
     let sizes: Vec<f64> = points.iter().map(|p| 1e3 * norm(p.shift_m)).collect();
     let some: Vec<Option<f64>> = sizes.iter().copied().map(Some).collect();
     let kept = thinned(&some);
-    let ends = sizes
-        .iter()
-        .fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], size| {
-            [size.min(low), size.max(high)]
-        });
+    let ends = sizes.iter().fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], size| [size.min(low), size.max(high)]);
     ScenePath {
         name: name.to_string(),
         points: kept.iter().map(|i| points[*i].tip_m).collect(),
         deflection: kept.iter().map(|i| points[*i].shift_m).collect(),
-        correction: kept
-            .iter()
-            .filter_map(|i| points[*i].correction_m)
-            .collect(),
+        correction: kept.iter().filter_map(|i| points[*i].correction_m).collect(),
         size: kept.iter().map(|i| sizes[*i]).collect(),
         label: "Deflection".into(),
         unit: "mm".into(),
         range: ends,
-        names: kept
-            .iter()
-            .map(|i| visible(&points[*i].name).into_owned())
-            .collect(),
+        names: kept.iter().map(|i| visible(&points[*i].name).into_owned()).collect(),
     }
 }
 
@@ -298,9 +267,7 @@ pub(super) fn band_table(caption: String, band: &TipBand) -> DataTable {
     ];
     let axis = |row: usize, axis: usize| Some(Number::new(rows[row].1[axis]));
     DataTable::of(caption, "from", rows.map(|(name, ..)| name))
-        .numbers("size", Quantity::LENGTH, |row| {
-            Some(Number::new(band.size_m[row]))
-        })
+        .numbers("size", Quantity::LENGTH, |row| Some(Number::new(band.size_m[row])))
         .numbers("x", Quantity::LENGTH, |row| axis(row, 0))
         .numbers("y", Quantity::LENGTH, |row| axis(row, 1))
         .numbers("z", Quantity::LENGTH, |row| axis(row, 2))

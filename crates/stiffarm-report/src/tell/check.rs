@@ -3,9 +3,7 @@
 use super::described::beside_arm;
 use super::postures::coarse;
 use crate::cell::usual_posture;
-use crate::tell::{
-    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, counted,
-};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, counted};
 use stiffarm::Result;
 use stiffarm::findings::{Finding, Severity, codes, list, minutes, visible};
 use stiffarm::model::cell::{Cell, LimitKind, LimitedPoints, Measure, MeasuringTime, Noise, Side};
@@ -22,27 +20,15 @@ impl<O> Telling<O> for CellCheck {
             .words(" postures spread over its bounds; ")
             .number(Number::count(check.postures_within_limits))
             .words(" of them meet its limits.");
-        let of = |severity: Severity| {
-            check
-                .findings
-                .iter()
-                .filter(move |f| f.severity == severity)
-        };
+        let of = |severity: Severity| check.findings.iter().filter(move |f| f.severity == severity);
         let cautions = of(Severity::Caution).count();
-        let left_out = check
-            .findings
-            .iter()
-            .filter(|f| f.code == codes::JOINT_LEFT_OUT);
+        let left_out = check.findings.iter().filter(|f| f.code == codes::JOINT_LEFT_OUT);
         let left_out: Vec<_> = left_out.map(|f| visible(&f.subject)).collect();
         let came = if check.is_serious() {
             Text::default().strong("The cell cannot be used as it is.")
         } else if cautions > 0 {
             let things = counted(cautions, "thing");
-            let but = if left_out.is_empty() {
-                String::new()
-            } else {
-                format!(", but not for {}", list(&left_out))
-            };
+            let but = if left_out.is_empty() { String::new() } else { format!(", but not for {}", list(&left_out)) };
             Text::new(format!("The cell can be used{but}; {things} to look at."))
         } else if check.findings.iter().all(|f| f.code == codes::ONE_LOAD) {
             Text::default().strong("Nothing to complain about.")
@@ -51,33 +37,21 @@ impl<O> Telling<O> for CellCheck {
         };
         let one_load = check.findings.iter().find(|f| f.code == codes::ONE_LOAD);
         let came = match one_load {
-            Some(found) if !check.is_serious() => {
-                came.words(format!(" {}", visible(&found.sentence)))
-            }
+            Some(found) if !check.is_serious() => came.words(format!(" {}", visible(&found.sentence))),
             _ => came,
         };
         let next = if check.is_serious() {
             Text::new("Correct the cell file, and check it again.")
         } else {
-            Text::new("Choose the postures to measure with ")
-                .code("stiffarm select")
-                .words(".")
+            Text::new("Choose the postures to measure with ").code("stiffarm select").words(".")
         };
         let mut sections = Vec::new();
         if let Some(cell) = given.cell {
-            sections.push(
-                Section::new("set-up", "Set-up", vec![Block::Table(setup(cell))]).in_summary(),
-            );
+            sections.push(Section::new("set-up", "Set-up", vec![Block::Table(setup(cell))]).in_summary());
             if given.pictures {
-                let group = if cell.validation.is_empty() {
-                    vec![usual_posture(cell)?]
-                } else {
-                    cell.validation.clone()
-                };
-                let group = PostureGroup {
-                    name: "the cell".to_string(),
-                    postures: group,
-                };
+                let group =
+                    if cell.validation.is_empty() { vec![usual_posture(cell)?] } else { cell.validation.clone() };
+                let group = PostureGroup { name: "the cell".to_string(), postures: group };
                 sections.push(given.cell_section(&[group], "The cell as its file describes it.")?);
             }
         }
@@ -90,16 +64,9 @@ impl<O> Telling<O> for CellCheck {
         }
         let key = joints(given, check);
         let heading = "The cell before measuring".to_string();
-        let mut told = given.told(
-            check.findings.clone(),
-            heading,
-            [done, came, next],
-            Some(key),
-            sections,
-        );
+        let mut told = given.told(check.findings.clone(), heading, [done, came, next], Some(key), sections);
         // They stand in a section of their own.
-        told.findings
-            .retain(|found| found.severity != Severity::Note);
+        told.findings.retain(|found| found.severity != Severity::Note);
         Ok(told)
     }
 }
@@ -113,48 +80,37 @@ fn joints(given: &Given<'_>, check: &CellCheck) -> DataTable {
     };
     let names = check.joints.iter();
     let names = names.map(|joint| visible(&joint.name).into_owned());
-    DataTable::of(
-        "The joints, and the most that the load does to each",
-        "joint",
-        names,
-    )
-    .words("", |j| {
-        if check.joints[j].determined {
-            Text::default()
-        } else {
-            Text::default().strong("not determined")
-        }
-    })
-    .words("bounds [°]", |j| {
-        let bounds = given.cell.and_then(|cell| cell.bounds.get(j));
-        bounds.map_or_else(Text::default, |bounds| range(*bounds))
-    })
-    .words("machine limits [°]", |j| {
-        let joint = robot.and_then(|joints| joints.get(j));
-        joint.map_or_else(Text::default, |joint| range(joint.limits))
-    })
-    .numbers("prior k", Quantity::STIFFNESS, |j| {
-        let prior = given.cell?.prior.as_ref()?;
-        Some(Number::computed(*prior.get(j)?))
-    })
-    .numbers("torque", Quantity::TORQUE, |j| {
-        Some(Number::new(check.joints[j].largest_torque_nm))
-    })
-    .numbers(
-        "share of a displacement",
-        Quantity::new("mm", 1e3, Form::Significant(3)),
-        |j| Some(Number::new(check.joints[j].largest_displacement_m)),
-    )
+    DataTable::of("The joints, and the most that the load does to each", "joint", names)
+        .words(
+            "",
+            |j| {
+                if check.joints[j].determined { Text::default() } else { Text::default().strong("not determined") }
+            },
+        )
+        .words("bounds [°]", |j| {
+            let bounds = given.cell.and_then(|cell| cell.bounds.get(j));
+            bounds.map_or_else(Text::default, |bounds| range(*bounds))
+        })
+        .words("machine limits [°]", |j| {
+            let joint = robot.and_then(|joints| joints.get(j));
+            joint.map_or_else(Text::default, |joint| range(joint.limits))
+        })
+        .numbers("prior k", Quantity::STIFFNESS, |j| {
+            let prior = given.cell?.prior.as_ref()?;
+            Some(Number::computed(*prior.get(j)?))
+        })
+        .numbers("torque", Quantity::TORQUE, |j| Some(Number::new(check.joints[j].largest_torque_nm)))
+        .numbers("share of a displacement", Quantity::new("mm", 1e3, Form::Significant(3)), |j| {
+            Some(Number::new(check.joints[j].largest_displacement_m))
+        })
 }
 
 /// The set-up, a row for each part.
 fn setup(cell: &Cell) -> DataTable {
     let tool = &cell.setup.tool;
     let flange = |position: &[f64]| format!("({}) mm, flange axes", point(position));
-    let mut rows: Vec<(&str, String)> = vec![
-        ("robot", cell.setup.robot.name().to_string()),
-        ("loading point", flange(tool.loading_point.as_slice())),
-    ];
+    let mut rows: Vec<(&str, String)> =
+        vec![("robot", cell.setup.robot.name().to_string()), ("loading point", flange(tool.loading_point.as_slice()))];
     rows.extend(tool.measuring_points.iter().map(|measuring| {
         let at = flange(measuring.position.as_slice());
         ("measuring point", format!("{}: {at}", measuring.name))
@@ -168,13 +124,8 @@ fn setup(cell: &Cell) -> DataTable {
     rows.extend(sensor.map(|sensor| ("force sensor", sensor.to_string())));
     for case in cell.setup.load.cases() {
         let at = case.loading_point.as_ref();
-        let at = at.map_or(String::new(), |at| {
-            format!(", at {}", flange(at.as_slice()))
-        });
-        rows.push((
-            "load case",
-            format!("{}: {}{at}", case.name, load(&case.load)),
-        ));
+        let at = at.map_or(String::new(), |at| format!(", at {}", flange(at.as_slice())));
+        rows.push(("load case", format!("{}: {}{at}", case.name, load(&case.load))));
     }
     if !cell.setup.load.has_cases() {
         rows.push(("load", load(&cell.setup.load)));
@@ -198,9 +149,8 @@ fn setup(cell: &Cell) -> DataTable {
         ("task", format!("{}: {wrench}; tip {tip}", task.name))
     }));
     let names = rows.iter().map(|(name, _)| *name);
-    DataTable::of("What the cell file describes", "part", names).words("what it is", |row| {
-        visible(&rows[row].1).into_owned().into()
-    })
+    DataTable::of("What the cell file describes", "part", names)
+        .words("what it is", |row| visible(&rows[row].1).into_owned().into())
 }
 
 /// `x, y, z` in millimetres.
@@ -220,10 +170,7 @@ fn measuring(cell: &Cell) -> String {
         true => " (assumed: [time])",
         false => "",
     };
-    format!(
-        "{} a posture{anchors}{assumed}",
-        minutes(time.of_posture(load))
-    )
+    format!("{} a posture{anchors}{assumed}", minutes(time.of_posture(load)))
 }
 
 fn noise(noise: &Noise) -> String {
@@ -243,11 +190,7 @@ fn noise(noise: &Noise) -> String {
 fn load(load: &Load) -> String {
     match load {
         Load::Rope { anchor, magnitude } => {
-            let way = if *magnitude < 0.0 {
-                "away from"
-            } else {
-                "towards"
-            };
+            let way = if *magnitude < 0.0 { "away from" } else { "towards" };
             format!(
                 "{}, {} N {way} the anchor ({}) mm, base axes",
                 load.line(),
@@ -308,24 +251,13 @@ fn limits(cell: &Cell) -> String {
         });
     }
     if let Some([short, long]) = limits.rope_length {
-        parts.push(format!(
-            "{line} {} to {}",
-            coarse(short).digits(),
-            length(long)
-        ));
+        parts.push(format!("{line} {} to {}", coarse(short).digits(), length(long)));
     }
     if let Some(moved) = cell.scene.displacement() {
         let number = |m: f64| Number::computed(1e3 * m).significant(3).digits();
         let least = moved.smallest.map(|least| format!("{} to ", number(least)));
         let most = moved.largest.map_or_else(|| "any".to_string(), number);
-        parts.push(format!(
-            "displacement {}{most} mm",
-            least.unwrap_or_else(|| "up to ".to_string())
-        ));
+        parts.push(format!("displacement {}{most} mm", least.unwrap_or_else(|| "up to ".to_string())));
     }
-    if parts.is_empty() {
-        "none".to_string()
-    } else {
-        parts.join("; ")
-    }
+    if parts.is_empty() { "none".to_string() } else { parts.join("; ") }
 }

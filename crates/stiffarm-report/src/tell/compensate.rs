@@ -2,8 +2,7 @@
 
 use super::at_work::{AtWork, WorkPoint, band_table, dominant, principal_table, wrench};
 use super::points::{
-    KEY_ROWS, all_points, along_axes, extreme_places, features_section, heading, how_found,
-    largest_first,
+    KEY_ROWS, all_points, along_axes, extreme_places, features_section, heading, how_found, largest_first,
 };
 use crate::path::{along, compensation_figure};
 use crate::path_components::{PathShift, path_components_figure};
@@ -21,11 +20,7 @@ impl<O> Telling<O> for Compensated {
         let done = Text::new(format!(
             "The path of {count} points was changed so that the loaded tool follows the path that is wanted."
         ));
-        let verdict = [
-            done.then(how_found(&self.postures)),
-            came(result),
-            next(result),
-        ];
+        let verdict = [done.then(how_found(&self.postures)), came(result), next(result)];
         let order = largest_first(result.points.iter().map(|p| p.correction_size_m));
         let key = corrections(
             result,
@@ -40,19 +35,9 @@ impl<O> Telling<O> for Compensated {
         sections.extend(features_section(&self.features));
         sections.extend(band_section(result));
         sections.extend(stiffness_section(result));
-        sections.push(all_points(
-            context,
-            "The corrections",
-            count,
-            |caption, rows| corrections(result, caption, rows),
-        ));
-        Ok(context.told(
-            self.every_finding(),
-            "Compensated path",
-            verdict,
-            Some(key),
-            sections,
-        ))
+        sections
+            .push(all_points(context, "The corrections", count, |caption, rows| corrections(result, caption, rows)));
+        Ok(context.told(self.every_finding(), "Compensated path", verdict, Some(key), sections))
     }
 }
 
@@ -63,33 +48,23 @@ fn came(result: &Compensation) -> Text {
         .words(" (RMS), at most ")
         .number(mm(result.uncompensated_max_m));
     let Some(beyond) = result.beyond_uncertainty else {
-        return text
-            .words("; nothing says how much of that the correction takes away on the real arm.");
+        return text.words("; nothing says how much of that the correction takes away on the real arm.");
     };
-    let text = text
-        .words("; with it ")
-        .number(Number::new(result.error_rms_m).mm().decimals(3));
+    let text = text.words("; with it ").number(Number::new(result.error_rms_m).mm().decimals(3));
     let text = match result.expected_factor {
         Some(factor) if factor < 1.0 => text
             .words(" (RMS) are to be expected, ")
             .number(Number::computed(1.0 / factor).significant(2))
             .words(" times more"),
-        Some(factor) => text
-            .words(" (RMS) are to be expected, ")
-            .number(Number::new(factor).significant(2))
-            .words(" times less"),
+        Some(factor) => {
+            text.words(" (RMS) are to be expected, ").number(Number::new(factor).significant(2)).words(" times less")
+        }
         None => text.words(" (RMS) are to be expected"),
     };
     let count = result.loaded();
-    let points = if count == result.points.len() {
-        "points"
-    } else {
-        "points under load"
-    };
+    let points = if count == result.points.len() { "points" } else { "points under load" };
     if beyond == count {
-        text.words(format!(
-            ". The correction is larger than its own uncertainty at all {count} {points}."
-        ))
+        text.words(format!(". The correction is larger than its own uncertainty at all {count} {points}."))
     } else {
         text.words(". The correction is larger than its own uncertainty at ")
             .number(Number::count(beyond))
@@ -112,11 +87,11 @@ fn next(result: &Compensation) -> Text {
         None => Text::new("Identify the joint stiffness first: ")
             .code("stiffarm identify cell.toml readings.csv --output k.json")
             .words(" says how sure it is, and so whether this correction helps."),
-        Some(beyond) if 2 * beyond < result.loaded() => Text::new(
-            "Do not command this path yet: the stiffness is not known well enough. Measure more postures; ",
-        )
-        .code("stiffarm select")
-        .words(" chooses those that help most."),
+        Some(beyond) if 2 * beyond < result.loaded() => {
+            Text::new("Do not command this path yet: the stiffness is not known well enough. Measure more postures; ")
+                .code("stiffarm select")
+                .words(" chooses those that help most.")
+        }
         Some(_) => Text::new("Command the path that ")
             .code("--output commanded.csv")
             .words(" writes, on a test piece first, and measure it."),
@@ -129,33 +104,23 @@ fn corrections(result: &Compensation, caption: &str, rows: &[usize]) -> DataTabl
     let names = rows.iter().map(|i| visible(&result.points[*i].point));
     let names = names.map(|name| name.into_owned());
     let table = DataTable::of(caption, heading(rows.len(), result.points.len()), names)
-        .numbers("deflection without", Quantity::LENGTH, |row| {
-            Some(Number::new(point(row).uncompensated_m))
-        })
-        .numbers("correction", Quantity::LENGTH, |row| {
-            Some(Number::new(point(row).correction_size_m))
-        });
-    along_axes(table, part).numbers("± total", Quantity::LENGTH, |row| {
-        Some(Number::new(point(row).band?.size_m[3]))
-    })
+        .numbers("deflection without", Quantity::LENGTH, |row| Some(Number::new(point(row).uncompensated_m)))
+        .numbers("correction", Quantity::LENGTH, |row| Some(Number::new(point(row).correction_size_m)));
+    along_axes(table, part).numbers("± total", Quantity::LENGTH, |row| Some(Number::new(point(row).band?.size_m[3])))
 }
 
 fn cell_section(context: &Given<'_>, result: &Compensation) -> Result<Section> {
     let extremes = result.extremes.iter().flat_map(|e| [e.best, e.worst]);
     let extremes: Vec<_> = extremes.collect();
-    let points = result
-        .points
-        .iter()
-        .enumerate()
-        .map(|(i, point)| WorkPoint {
-            name: point.point.to_string(),
-            q: point.nominal.clone(),
-            tip_m: point.tip_m,
-            wrench: wrench(point.force_n, point.moment_nm),
-            shift_m: point.uncompensated_shift_m,
-            correction_m: Some(point.correction_m),
-            principal: extremes.iter().find(|e| e.at == i).map(|e| e.principal),
-        });
+    let points = result.points.iter().enumerate().map(|(i, point)| WorkPoint {
+        name: point.point.to_string(),
+        q: point.nominal.clone(),
+        tip_m: point.tip_m,
+        wrench: wrench(point.force_n, point.moment_nm),
+        shift_m: point.uncompensated_shift_m,
+        correction_m: Some(point.correction_m),
+        principal: extremes.iter().find(|e| e.at == i).map(|e| e.principal),
+    });
     let work = AtWork {
         groups: vec![("path", points.collect())],
         stiffness: &result.stiffness_nm_per_rad,
@@ -213,18 +178,12 @@ fn band_section(result: &Compensation) -> Option<Section> {
         dominant(band.size_m)
     ));
     let blocks = vec![Block::Text(text), Block::Table(table)];
-    Some(Section::new(
-        "how-sure",
-        "What is left, and how sure that is",
-        blocks,
-    ))
+    Some(Section::new("how-sure", "What is left, and how sure that is", blocks))
 }
 
 fn stiffness_section(result: &Compensation) -> Option<Section> {
     let extremes = result.extremes?;
-    let places = extreme_places(&extremes, |at| {
-        Some(result.points.get(at)?.point.to_string())
-    });
+    let places = extreme_places(&extremes, |at| Some(result.points.get(at)?.point.to_string()));
     let table = Block::Table(principal_table(&places));
     let title = "Which way the tip gives way";
     Some(Section::new("stiffness", title, vec![table]))

@@ -20,11 +20,7 @@ const STOPPED: [&str; 2] = ["interrupted", "stopped"];
 
 /// Cell and robot in words.
 pub(crate) fn cell_line(cell: &Cell) -> String {
-    format!(
-        "{} · robot {}",
-        visible(&cell.name),
-        visible(cell.setup.robot.name())
-    )
+    format!("{} · robot {}", visible(&cell.name), visible(cell.setup.robot.name()))
 }
 
 impl Given<'_> {
@@ -42,9 +38,9 @@ impl Given<'_> {
         let [done, came, next] = verdict;
         // Whatever else could be done next would rest on it.
         let next = if findings.iter().filter(serious).any(doubtful) {
-            Text::default().strong("Do not use these numbers").words(
-                ": correct the readings behind the stiffness, identify again, and then this again.",
-            )
+            Text::default()
+                .strong("Do not use these numbers")
+                .words(": correct the readings behind the stiffness, identify again, and then this again.")
         } else {
             next
         };
@@ -52,42 +48,25 @@ impl Given<'_> {
         let came = match serious.filter(|_| AT_WORK.contains(&self.command)) {
             Some(serious) => {
                 let text = Text::default().strong(serious.sentence.clone());
-                if NOWHERE.contains(&serious.code.as_str()) {
-                    text
-                } else {
-                    text.words(" As it is: ").then(came)
-                }
+                if NOWHERE.contains(&serious.code.as_str()) { text } else { text.words(" As it is: ").then(came) }
             }
             None => came,
         };
         findings.sort_by_key(|finding| Reverse(finding.severity));
         let outcome = Outcome::of(&findings);
         // What rules the ± belongs to what came out.
-        let (ruling, findings) = findings
-            .into_iter()
-            .partition(|f| f.code == codes::NEVER_LOADED);
+        let (ruling, findings) = findings.into_iter().partition(|f| f.code == codes::NEVER_LOADED);
         let said = |came: Text, f: &Finding| came.words(format!(" {}", f.sentence));
         let ruling: Vec<Finding> = ruling;
         let came = ruling.iter().fold(came, said);
-        Told {
-            heading: heading.into(),
-            outcome,
-            verdict: [done, came, next],
-            findings,
-            key,
-            sections,
-        }
+        Told { heading: heading.into(), outcome, verdict: [done, came, next], findings, key, sections }
     }
 
     /// The cell in 3D at groups of postures; `None` where the cell is not at hand or cannot take them.
     ///
     /// # Errors
     /// As [`scene`].
-    pub(super) fn scene(
-        &self,
-        groups: &[SceneGroup<'_>],
-        options: &SceneOptions<'_>,
-    ) -> Result<Option<Scene>> {
+    pub(super) fn scene(&self, groups: &[SceneGroup<'_>], options: &SceneOptions<'_>) -> Result<Option<Scene>> {
         let cell = self.cell.filter(|_| self.pictures);
         let made = cell.map(|cell| scene(cell, groups, options));
         made.transpose()
@@ -99,10 +78,8 @@ impl Given<'_> {
     /// # Errors
     /// As [`scene`].
     pub(super) fn cell_section(&self, groups: &[PostureGroup], explained: &str) -> Result<Section> {
-        let shown: Vec<SceneGroup<'_>> = groups
-            .iter()
-            .map(|group| SceneGroup::new(&group.name, &group.postures))
-            .collect();
+        let shown: Vec<SceneGroup<'_>> =
+            groups.iter().map(|group| SceneGroup::new(&group.name, &group.postures)).collect();
         let scene = self.scene(&shown, &SceneOptions::default())?;
         let first = groups.first().map_or(&[][..], |group| &group.postures);
         self.scene_section(scene, first, explained)
@@ -112,20 +89,12 @@ impl Given<'_> {
     ///
     /// # Errors
     /// As [`cell_drawing`].
-    pub(super) fn scene_section(
-        &self,
-        scene: Option<Scene>,
-        drawn: &[Posture],
-        explained: &str,
-    ) -> Result<Section> {
+    pub(super) fn scene_section(&self, scene: Option<Scene>, drawn: &[Posture], explained: &str) -> Result<Section> {
         let blocks = match (scene, self.cell) {
             _ if !self.pictures => Vec::new(),
             (Some(scene), Some(cell)) => {
                 let drawing = cell_drawing(cell, drawn, Full::Tightest)?;
-                vec![
-                    Block::Text(explained.into()),
-                    Block::Scene(Box::new(scene), Some(drawing)),
-                ]
+                vec![Block::Text(explained.into()), Block::Scene(Box::new(scene), Some(drawing))]
             }
             _ => vec![Block::Text(
                 Text::new("The cell of this result is not at hand, so it is not shown. ")
@@ -156,9 +125,7 @@ pub(super) fn with_stopped(
             [] => String::new(),
             names => format!(" Not computed: {}.", list(names)),
         };
-        let sentence = format!(
-            "The command was stopped before it was done; this is what it had by then.{left_out}"
-        );
+        let sentence = format!("The command was stopped before it was done; this is what it had by then.{left_out}");
         findings.push(Finding::caution(STOPPED[0], given.command, sentence));
     }
     findings

@@ -37,21 +37,11 @@ impl Telling<CoverageOptions> for Coverage {
         let joint = |j: usize| &found.joints[j];
         let share = |share: f64| (share > 0.0).then(|| Number::new(share));
         let names = found.joints.iter().map(|j| visible(&j.name).into_owned());
-        let key = DataTable::of(
-            "How often the interval of each joint held its stiffness",
-            "joint",
-            names,
-        )
-        .numbers("held", SHARE, |j| Some(Number::new(joint(j).coverage)))
-        .numbers("mean half width", Quantity::PERCENT, |j| {
-            Some(Number::new(joint(j).relative_half_width))
-        })
-        .numbers("only a lower end", Quantity::PERCENT, |j| {
-            share(joint(j).open_above)
-        })
-        .numbers("no interval", Quantity::PERCENT, |j| {
-            share(joint(j).without_interval)
-        });
+        let key = DataTable::of("How often the interval of each joint held its stiffness", "joint", names)
+            .numbers("held", SHARE, |j| Some(Number::new(joint(j).coverage)))
+            .numbers("mean half width", Quantity::PERCENT, |j| Some(Number::new(joint(j).relative_half_width)))
+            .numbers("only a lower end", Quantity::PERCENT, |j| share(joint(j).open_above))
+            .numbers("no interval", Quantity::PERCENT, |j| share(joint(j).without_interval));
         Ok(given.told(
             found.findings.clone(),
             "Coverage of the intervals",

@@ -30,23 +30,16 @@ pub(super) fn beside_arm(cell: &Cell) -> Vec<(&'static str, String)> {
             Solid::Capsule(own) => Some(own.radius),
             _ => None,
         });
-        let (least, most) = radii.fold((f64::INFINITY, 0.0_f64), |(low, high), radius| {
-            (low.min(radius), high.max(radius))
-        });
-        rows.push((
-            "links",
-            format!("capsules of {} to {} radius", length(least), length(most)),
-        ));
+        let (least, most) =
+            radii.fold((f64::INFINITY, 0.0_f64), |(low, high), radius| (low.min(radius), high.max(radius)));
+        rows.push(("links", format!("capsules of {} to {} radius", length(least), length(most))));
     }
     if !cell.scene.parts().is_empty() {
         rows.push(("clearance", length(cell.scene.clearance())));
     }
     for station in cell.scene.sight().iter().flat_map(|sight| &sight.stations) {
         let at = place(&station.position);
-        rows.push((
-            "tracker station",
-            format!("{}: {at}, base axes", station.name),
-        ));
+        rows.push(("tracker station", format!("{}: {at}, base axes", station.name)));
     }
     if let Some(start) = &cell.route.start {
         let angles = start.iter().map(|q| rad_to_shortest_deg(*q).to_string());
@@ -74,23 +67,16 @@ fn solids(part: &Part) -> String {
 
 fn solid(solid: &Solid) -> String {
     match solid {
-        Solid::Capsule(own) => format!(
-            "capsule, radius {}, {} to {}",
-            length(own.radius),
-            place(&own.a),
-            place(&own.b)
-        ),
+        Solid::Capsule(own) => {
+            format!("capsule, radius {}, {} to {}", length(own.radius), place(&own.a), place(&own.b))
+        }
         Solid::Block { pose, half } => {
             let size = half.map(|half| 2.0 * half);
             let sides = size.iter().map(|side| coarse(*side).digits());
             let sides = sides.collect::<Vec<_>>().join(" × ");
             format!("box {sides} mm at {}", frame(pose))
         }
-        Solid::Cylinder {
-            pose,
-            half_length,
-            radius,
-        } => format!(
+        Solid::Cylinder { pose, half_length, radius } => format!(
             "cylinder, radius {}, {} long, its middle at {}",
             length(*radius),
             length(2.0 * half_length),

@@ -1,9 +1,7 @@
 //! What `evaluate` says: indices and expected errors of given postures.
 
 use super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
-use crate::tell::{
-    DataTable, Depth, Form, Given, Number, Quantity, Telling, Text, Told, counted, shown,
-};
+use crate::tell::{DataTable, Depth, Form, Given, Number, Quantity, Telling, Text, Told, counted, shown};
 use stiffarm::Result;
 use stiffarm::findings::{codes, list, visible};
 use stiffarm::model::posture::PostureGroup;
@@ -15,10 +13,7 @@ impl Telling<EvaluatedOptions> for Evaluated {
         let groups: Vec<Worth<'_>> = result
             .groups
             .iter()
-            .map(|group| Worth {
-                evaluation: &group.evaluation,
-                posture_names: &group.posture_names,
-            })
+            .map(|group| Worth { evaluation: &group.evaluation, posture_names: &group.posture_names })
             .collect();
         let name = |g: usize| visible(&result.groups[g].evaluation.name).into_owned();
         let done = match groups.len() {
@@ -39,11 +34,9 @@ impl Telling<EvaluatedOptions> for Evaluated {
                 .words(" looks for the reason, and ")
                 .code("stiffarm select")
                 .words(" chooses postures that determine every joint."),
-            Some(g) if is_beyond_first_order(groups[g].evaluation) => {
-                Text::new("That is too unsure to rely on; ")
-                    .code("stiffarm select")
-                    .words(" finds postures that tell more.")
-            }
+            Some(g) if is_beyond_first_order(groups[g].evaluation) => Text::new("That is too unsure to rely on; ")
+                .code("stiffarm select")
+                .words(" finds postures that tell more."),
             Some(_) if is_outside(result) => Text::new("Do not drive there as they are: ")
                 .code("stiffarm select --initial")
                 .words(" moves the postures inside the limits of the cell."),
@@ -51,26 +44,16 @@ impl Telling<EvaluatedOptions> for Evaluated {
                 .code("stiffarm select")
                 .words(" find out how much better another plan of as many postures could be."),
         };
-        let shown: Vec<PostureGroup> = result
-            .groups
-            .iter()
-            .filter(|group| !group.postures.is_empty())
-            .map(EvaluatedGroup::group)
-            .collect();
+        let shown: Vec<PostureGroup> =
+            result.groups.iter().filter(|group| !group.postures.is_empty()).map(EvaluatedGroup::group).collect();
         let mut sections = Vec::new();
         if !shown.is_empty() {
             sections.push(context.cell_section(
-            &shown,
-            "Step through the postures of a group in measuring order, and lay other groups over them.",
-        )?);
+                &shown,
+                "Step through the postures of a group in measuring order, and lay other groups over them.",
+            )?);
         }
-        sections.extend(worth_sections(
-            context,
-            options.characteristic_length_m,
-            &result.joints,
-            &groups,
-            &[],
-        ));
+        sections.extend(worth_sections(context, options.characteristic_length_m, &result.joints, &groups, &[]));
         // All indices are what one asks for.
         sections.iter_mut().for_each(|section| {
             if section.id == "indices" {
@@ -83,23 +66,14 @@ impl Telling<EvaluatedOptions> for Evaluated {
             _ => "What groups of postures can tell".to_string(),
         };
         let unsure = best.is_some_and(|g| is_beyond_first_order(groups[g].evaluation));
-        let told = context.told(
-            result.findings.clone(),
-            heading,
-            [done, came, next],
-            Some(key),
-            sections,
-        );
+        let told = context.told(result.findings.clone(), heading, [done, came, next], Some(key), sections);
         Ok(told.caution("evaluate", unsure.then_some(UNSURE)))
     }
 }
 
 /// Whether some posture lies outside bounds or limits.
 fn is_outside(result: &Evaluated) -> bool {
-    result
-        .findings
-        .iter()
-        .any(|found| found.code == codes::POSTURE_OUTSIDE)
+    result.findings.iter().any(|found| found.code == codes::POSTURE_OUTSIDE)
 }
 
 /// The group with the smallest expected error, else with the smallest condition number.
@@ -109,38 +83,29 @@ fn best(groups: &[Worth<'_>]) -> Option<usize> {
         let known = known.filter_map(|(g, group)| Some((g, of(group)?)));
         known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(g, _)| g)
     };
-    by(&|group| group.evaluation.indices.expected_error)
-        .or_else(|| by(&|group| group.evaluation.indices.condition))
+    by(&|group| group.evaluation.indices.expected_error).or_else(|| by(&|group| group.evaluation.indices.condition))
 }
 
 fn came(result: &Evaluated, groups: &[Worth<'_>], best: Option<usize>) -> Text {
     let Some(g) = best else {
-        let joints = groups
-            .iter()
-            .flat_map(|group| &group.evaluation.undetermined_joints);
+        let joints = groups.iter().flat_map(|group| &group.evaluation.undetermined_joints);
         let mut names = shown(joints);
         names.dedup();
         return match groups.len() {
-            1 => Text::new("It cannot determine ")
-                .strong(list(&names))
-                .words("."),
+            1 => Text::new("It cannot determine ").strong(list(&names)).words("."),
             _ => Text::new("No group determines every joint."),
         };
     };
     let group = &groups[g];
     let mut text = match groups.len() {
         1 => Text::default(),
-        _ => Text::new("Best is ")
-            .strong(visible(&group.evaluation.name).into_owned())
-            .words(": "),
+        _ => Text::new("Best is ").strong(visible(&group.evaluation.name).into_owned()).words(": "),
     };
     if group.evaluation.indices.expected_error.is_none() {
         let condition = Number::new(group.evaluation.indices.condition);
         let begin = if groups.len() == 1 { "The" } else { "the" };
         return text
-            .words(format!(
-                "{begin} condition number of its observation matrix is "
-            ))
+            .words(format!("{begin} condition number of its observation matrix is "))
             .number(condition)
             .words("; how sure the stiffness will be is not known without a prior stiffness.");
     }
@@ -151,8 +116,7 @@ fn came(result: &Evaluated, groups: &[Worth<'_>], best: Option<usize>) -> Text {
             "{begin} joint stiffness can be expected with a relative standard error (RMS over the joints) of "
         ))
         .number(error.percent().significant(3));
-    text.words(" by noise alone.")
-        .then(least_sure(group.evaluation, &result.joints))
+    text.words(" by noise alone.").then(least_sure(group.evaluation, &result.joints))
 }
 
 /// One row per group.
@@ -163,46 +127,25 @@ fn key(result: &Evaluated, groups: &[Worth<'_>]) -> DataTable {
     let ratio = Quantity::RATIO.digits(4);
     let names = groups.iter();
     let names = names.map(|group| visible(&group.evaluation.name).into_owned());
-    let left_out = result
-        .findings
-        .iter()
-        .filter(|f| f.code == codes::JOINT_LEFT_OUT);
+    let left_out = result.findings.iter().filter(|f| f.code == codes::JOINT_LEFT_OUT);
     let left_out: Vec<_> = left_out.map(|f| visible(&f.subject)).collect();
-    let which = if left_out.is_empty() {
-        "every joint".to_string()
-    } else {
-        format!("all but {}", list(&left_out))
-    };
+    let which = if left_out.is_empty() { "every joint".to_string() } else { format!("all but {}", list(&left_out)) };
     DataTable::of(caption, "group", names)
         .numbers("postures", Quantity::new("", 1.0, Form::Decimals(0)), |g| {
             Some(Number::count(groups[g].evaluation.posture_count))
         })
-        .numbers("expected error", percent, |g| {
-            Some(Number::new(indices(g).expected_error))
-        })
-        .numbers("worst joint", percent, |g| {
-            Some(Number::new(indices(g).worst_joint))
-        })
-        .numbers("one posture lost", percent, |g| {
-            Some(Number::new(indices(g).drop_one))
-        })
-        .numbers("cond(Ψ)", ratio, |g| {
-            Some(Number::new(indices(g).condition))
-        })
-        .numbers("novel index", ratio, |g| {
-            Some(Number::new(indices(g).novel))
-        })
+        .numbers("expected error", percent, |g| Some(Number::new(indices(g).expected_error)))
+        .numbers("worst joint", percent, |g| Some(Number::new(indices(g).worst_joint)))
+        .numbers("one posture lost", percent, |g| Some(Number::new(indices(g).drop_one)))
+        .numbers("cond(Ψ)", ratio, |g| Some(Number::new(indices(g).condition)))
+        .numbers("novel index", ratio, |g| Some(Number::new(indices(g).novel)))
         .words("determines", |g| {
             let evaluation = groups[g].evaluation;
             if !evaluation.undetermined_joints.is_empty() {
                 let names = list(&shown(&evaluation.undetermined_joints));
                 return Text::default().strong(format!("not {names}"));
             }
-            let unsure = if is_beyond_first_order(evaluation) {
-                ", but too unsure"
-            } else {
-                ""
-            };
+            let unsure = if is_beyond_first_order(evaluation) { ", but too unsure" } else { "" };
             format!("{which}{unsure}").into()
         })
 }

@@ -1,14 +1,11 @@
 //! What `map` says: where the tool tip gives way least.
 
-use super::at_work::{
-    AtWork, GivesWay, POSITION, TIP_STIFFNESS, WorkPoint, principal_table, wrench,
-};
+use super::at_work::{AtWork, GivesWay, POSITION, TIP_STIFFNESS, WorkPoint, principal_table, wrench};
 use super::points::{position, region, vector};
 use crate::map_figure;
 use crate::path::norm;
 use crate::tell::{
-    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, WithCell,
-    of_saved, with_stopped,
+    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, WithCell, of_saved, with_stopped,
 };
 use stiffarm::Result;
 use stiffarm::ask::map::{LoadSource, Options};
@@ -27,11 +24,8 @@ const ANGLE: Quantity = Quantity::new("deg", 1.0, Form::Decimals(2));
 type End = fn(&MapRange) -> f64;
 
 /// The columns of a range.
-pub(super) const RANGE: [(&str, End); 3] = [
-    ("smallest", |range| range.smallest),
-    ("median", |range| range.median),
-    ("largest", |range| range.largest),
-];
+pub(super) const RANGE: [(&str, End); 3] =
+    [("smallest", |range| range.smallest), ("median", |range| range.median), ("largest", |range| range.largest)];
 
 /// What a result says of `map`, with a workpiece to place or without.
 pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
@@ -68,11 +62,7 @@ impl Telling<Options> for StiffnessMap {
             sections.push(Section::new("stiffness", title, vec![table]));
         }
         let counts = Block::Table(counts(map));
-        sections.push(Section::new(
-            "nodes",
-            "What the arm may reach",
-            vec![counts],
-        ));
+        sections.push(Section::new("nodes", "What the arm may reach", vec![counts]));
         let findings = map.findings.clone();
         Ok(context.told(
             with_stopped(context, findings, map.interrupted, &[]),
@@ -131,9 +121,7 @@ fn values(map: &StiffnessMap, node: usize) -> Option<&NodeValues> {
 
 fn came(map: &StiffnessMap) -> Text {
     let value = |node: usize| Some(values(map, node)?.deflection_m);
-    let ends = map
-        .extremes
-        .and_then(|e| Some((e, value(e.best)?, value(e.worst)?)));
+    let ends = map.extremes.and_then(|e| Some((e, value(e.best)?, value(e.worst)?)));
     let Some((extremes, least, most)) = ends else {
         return Text::new("There is no place to compare.");
     };
@@ -141,16 +129,9 @@ fn came(map: &StiffnessMap) -> Text {
     // In millimetres, or in micrometres where it is small.
     let deflection = |value: f64| {
         let number = Number::new(value);
-        if value < IS_SMALL {
-            number.of(SMALL)
-        } else {
-            number.mm().decimals(3)
-        }
+        if value < IS_SMALL { number.of(SMALL) } else { number.mm().decimals(3) }
     };
-    let text = Text::new("It gives way least at ")
-        .then(place(extremes.best))
-        .words(", by ")
-        .number(deflection(least));
+    let text = Text::new("It gives way least at ").then(place(extremes.best)).words(", by ").number(deflection(least));
     half_width(map, extremes.best, text)
         .words("; ")
         .number(Number::computed(most / least).significant(2))
@@ -168,11 +149,7 @@ fn half_width(map: &StiffnessMap, node: usize, text: Text) -> Text {
         Some((half, size)) if half > size => text,
         Some((half, size)) => {
             let number = Number::new(half);
-            let number = if size < IS_SMALL {
-                number.of(SMALL.digits(2))
-            } else {
-                number.mm().decimals(3)
-            };
+            let number = if size < IS_SMALL { number.of(SMALL.digits(2)) } else { number.mm().decimals(3) };
             text.words(" ").number(number.plus_minus())
         }
     }
@@ -193,16 +170,13 @@ fn next(map: &StiffnessMap) -> Text {
         .words(" finds the place for a whole path");
     match map.confidence {
         Some(_) => text.words("."),
-        None => text.words(
-            ", and an identified stiffness instead of the assumed one gives every number its ±.",
-        ),
+        None => text.words(", and an identified stiffness instead of the assumed one gives every number its ±."),
     }
 }
 
 /// The two extreme places.
 fn key(map: &StiffnessMap, extremes: MapExtremes) -> DataTable {
-    let is_small = values(map, extremes.best)
-        .is_some_and(|v| v.half_width_m.is_some_and(|half| half > v.deflection_m));
+    let is_small = values(map, extremes.best).is_some_and(|v| v.half_width_m.is_some_and(|half| half > v.deflection_m));
     let caption = format!(
         "Where the tip gives way least and most under {:.0} N{}",
         norm(map.force_n),
@@ -214,25 +188,15 @@ fn key(map: &StiffnessMap, extremes: MapExtremes) -> DataTable {
     );
     let nodes = [extremes.best, extremes.worst];
     let place = |row: usize, axis: usize| Some(Number::new(map.nodes[nodes[row]].position_m[axis]));
-    let own = |row: usize, of: fn(&NodeValues) -> Option<f64>| {
-        of(values(map, nodes[row])?).map(Number::new)
-    };
+    let own = |row: usize, of: fn(&NodeValues) -> Option<f64>| of(values(map, nodes[row])?).map(Number::new);
     DataTable::of(caption, "place", ["stiffest", "softest"])
         .numbers("x", POSITION, |row| place(row, 0))
         .numbers("y", POSITION, |row| place(row, 1))
         .numbers("z", POSITION, |row| place(row, 2))
-        .numbers("deflection", SMALL, |row| {
-            own(row, |v| Some(v.deflection_m))
-        })
-        .numbers("± total", SMALL.digits(2), |row| {
-            own(row, |v| v.half_width_m)
-        })
-        .numbers("along the direction", TIP_STIFFNESS, |row| {
-            own(row, |v| v.stiffness_n_per_m)
-        })
-        .numbers("softest", TIP_STIFFNESS, |row| {
-            own(row, |v| v.softest.stiffness_n_per_m)
-        })
+        .numbers("deflection", SMALL, |row| own(row, |v| Some(v.deflection_m)))
+        .numbers("± total", SMALL.digits(2), |row| own(row, |v| v.half_width_m))
+        .numbers("along the direction", TIP_STIFFNESS, |row| own(row, |v| v.stiffness_n_per_m))
+        .numbers("softest", TIP_STIFFNESS, |row| own(row, |v| v.softest.stiffness_n_per_m))
 }
 
 /// The postures at the two extreme places.
@@ -254,23 +218,13 @@ fn postures(map: &StiffnessMap, extremes: MapExtremes) -> Section {
 fn ranges(map: &StiffnessMap) -> DataTable {
     let along = format!("stiffness along {} [N/µm]", vector(map.direction));
     let rows: [(&str, f64, Option<MapRange>); 4] = [
-        (
-            "deflection per newton [µm/N]",
-            1e6,
-            map.deflection_per_newton_m,
-        ),
+        ("deflection per newton [µm/N]", 1e6, map.deflection_per_newton_m),
         (&along, 1e-6, map.stiffness_n_per_m),
-        (
-            "stiffness along the softest direction [N/µm]",
-            1e-6,
-            map.softest_n_per_m,
-        ),
+        ("stiffness along the softest direction [N/µm]", 1e-6, map.softest_n_per_m),
         ("k(J_N)", 1.0, map.k_jn),
     ];
     let rows = rows.iter();
-    let rows: Vec<_> = rows
-        .filter_map(|row| Some((row.0, row.1, row.2?)))
-        .collect();
+    let rows: Vec<_> = rows.filter_map(|row| Some((row.0, row.1, row.2?))).collect();
     let caption = "Over the reachable places, at each the posture that bends least";
     let table = DataTable::of(caption, "quantity", rows.iter().map(|row| row.0));
     RANGE.into_iter().fold(table, |table, (end, of)| {
@@ -289,21 +243,14 @@ fn counts(map: &StiffnessMap) -> DataTable {
         ("out of reach", map.counts.unreachable),
         ("not computed", map.counts.not_computed),
     ];
-    let rows: Vec<_> = rows
-        .iter()
-        .filter(|(status, count)| *count > 0 || *status == "reachable")
-        .collect();
+    let rows: Vec<_> = rows.iter().filter(|(status, count)| *count > 0 || *status == "reachable").collect();
     let share = Quantity::new("%", 100.0, Form::Decimals(1));
-    DataTable::of(
-        "Positions by what the arm may do there",
-        "status",
-        rows.iter().map(|row| row.0),
-    )
-    .words("positions", |row| Number::count(rows[row].1).into())
-    .numbers("share", share, |row| {
-        let share = rows[row].1 as f64 / map.nodes.len().max(1) as f64;
-        Some(Number::computed(share))
-    })
+    DataTable::of("Positions by what the arm may do there", "status", rows.iter().map(|row| row.0))
+        .words("positions", |row| Number::count(rows[row].1).into())
+        .numbers("share", share, |row| {
+            let share = rows[row].1 as f64 / map.nodes.len().max(1) as f64;
+            Some(Number::computed(share))
+        })
 }
 
 fn cell_section(context: &Given<'_>, map: &StiffnessMap) -> Result<Section> {

@@ -1,9 +1,7 @@
 //! What `measure` says: how far the day is, how well the joints are known by now, and which posture comes next.
 
 use super::identify::MORE_THAN_NOISE;
-use crate::tell::{
-    Block, DataTable, Form, Given, Number, Outcome, Quantity, Section, Telling, Text, Told, counted,
-};
+use crate::tell::{Block, DataTable, Form, Given, Number, Outcome, Quantity, Section, Telling, Text, Told, counted};
 use stiffarm::Result;
 use stiffarm::ask::measure::{Goal, Judgement, MeasureOptions};
 use stiffarm::estimate::standing::Standing;
@@ -28,13 +26,7 @@ impl Telling<MeasureOptions> for Judgement {
             let block = Block::Text(shown(&found.left).into());
             sections.push(Section::new("left", "Postures left", vec![block]));
         }
-        let mut told = given.told(
-            found.every_finding(),
-            "A day of measuring",
-            verdict,
-            key,
-            sections,
-        );
+        let mut told = given.told(found.every_finding(), "A day of measuring", verdict, key, sections);
         if found.is_missed() || found.standing.is_none() {
             told.outcome = told.outcome.max(Outcome::Caution);
         }
@@ -60,10 +52,7 @@ fn done(found: &Judgement) -> Text {
         [] => String::new(),
         names => format!("; begun: {}", shown(names)),
     };
-    Text::new(format!(
-        "{done} of {} planned postures measured{beside}{begun}.",
-        found.planned
-    ))
+    Text::new(format!("{done} of {} planned postures measured{beside}{begun}.", found.planned))
 }
 
 /// How well the joints are known, and whether that is enough.
@@ -78,9 +67,7 @@ fn came(options: &MeasureOptions, found: &Judgement) -> Text {
     let Some(standing) = &found.standing else {
         let why = found.standing_missing.as_deref();
         let why = visible(why.unwrap_or("No posture is measured yet.")).into_owned();
-        return text
-            .words("Nothing can be said of the stiffness yet. ")
-            .words(why);
+        return text.words("Nothing can be said of the stiffness yet. ").words(why);
     };
     let joints = standing.joints.iter();
     let unknown = joints.filter(|joint| joint.total.is_none());
@@ -92,10 +79,7 @@ fn came(options: &MeasureOptions, found: &Judgement) -> Text {
         None if left_out.len() + unknown.len() == standing.joints.len() => {
             text.words("No joint is known to better than half of its stiffness yet")
         }
-        None => text.words(format!(
-            "The stiffness is not known yet of {}",
-            shown(&unknown)
-        )),
+        None => text.words(format!("The stiffness is not known yet of {}", shown(&unknown))),
         Some(_) => text
             .words(if left_out.is_empty() {
                 "Every joint is known to ± ".to_string()
@@ -107,10 +91,7 @@ fn came(options: &MeasureOptions, found: &Judgement) -> Text {
             .number(Number::new(standing.confidence).of(Quantity::PERCENT))
             .words(" confidence, all errors together"),
     };
-    text.then(goal(options, found, standing))
-        .words(".")
-        .then(misfit(standing))
-        .then(at_tasks(options, found))
+    text.then(goal(options, found, standing)).words(".").then(misfit(standing)).then(at_tasks(options, found))
 }
 
 /// What the fit leaves, beside the noise.
@@ -142,25 +123,15 @@ fn goal(options: &MeasureOptions, found: &Judgement, standing: &Standing) -> Tex
     let number = number.of(Quantity::PERCENT);
     let left = found.left.len();
     if standing.reached == Some(true) {
-        return Text::new("; ")
-            .strong("the goal is reached")
-            .words(" (± ")
-            .number(number)
-            .words(")");
+        return Text::new("; ").strong("the goal is reached").words(" (± ").number(number).words(")");
     }
     let text = Text::new("; the goal of ± ").number(number);
     match standing.postures_to_goal {
-        Some(count) => text.words(format!(
-            " should take about {} more",
-            counted(count, "posture")
-        )),
+        Some(count) => text.words(format!(" should take about {} more", counted(count, "posture"))),
         None if left == 0 => text.words(" is not reached with the whole plan"),
         // A forecast of joints that are not determined would be a guess.
         None if standing.largest.is_none() => text.words(" is not reached"),
-        None => text.words(format!(
-            " may not be reached with the {} left",
-            counted(left, "posture")
-        )),
+        None => text.words(format!(" may not be reached with the {} left", counted(left, "posture"))),
     }
 }
 
@@ -171,16 +142,11 @@ fn at_tasks(options: &MeasureOptions, found: &Judgement) -> Text {
     };
     let goal = Number::new(options.until.and_then(Goal::deflection)).of(DEFLECTION.digits(3));
     if deflection.largest_m.is_none() {
-        return Text::new(" No deflection at the tasks is predicted yet; the goal is ± ")
-            .number(goal)
-            .words(".");
+        return Text::new(" No deflection at the tasks is predicted yet; the goal is ± ").number(goal).words(".");
     }
     let text = Text::new(" The deflection at the tasks is predicted to ± ")
         .number(Number::new(deflection.largest_m).of(DEFLECTION))
-        .words(format!(
-            " or better ({} is worst); ",
-            visible(&deflection.task)
-        ));
+        .words(format!(" or better ({} is worst); ", visible(&deflection.task)));
     let text = if deflection.reached {
         text.strong("the goal is reached").words(" (± ")
     } else {
@@ -202,15 +168,9 @@ fn next(found: &Judgement) -> Text {
         None if found.better.is_none() => Text::new("Nothing more: the plan is measured."),
         None => Text::new("The plan is measured."),
         Some(planned) => {
-            let again = if found.begun.contains(&planned.name) {
-                ", which is begun,"
-            } else {
-                ""
-            };
+            let again = if found.begun.contains(&planned.name) { ", which is begun," } else { "" };
             let name = visible(&planned.name);
-            Text::new(format!("Posture {name}{again} at q = "))
-                .then(angles(&planned.angles))
-                .words(".")
+            Text::new(format!("Posture {name}{again} at q = ")).then(angles(&planned.angles)).words(".")
         }
     };
     text.then(better(found))
@@ -233,10 +193,7 @@ fn better(found: &Judgement) -> Text {
         Some((error, joint)) => text
             .words("; it leaves a standard error of at most ")
             .number(Number::new(error).of(Quantity::PERCENT))
-            .words(format!(
-                " ({}) by the scatter of the readings alone.",
-                visible(&joint.name)
-            )),
+            .words(format!(" ({}) by the scatter of the readings alone.", visible(&joint.name))),
         None => text.words("."),
     }
 }
@@ -256,23 +213,15 @@ fn joints(found: &Judgement, standing: &Standing) -> DataTable {
         "joint",
         names,
     )
-    .numbers("k", Quantity::STIFFNESS, |j| {
-        all[j].stiffness_nm_per_rad.map(Number::new)
-    })
-    .numbers("± total", Quantity::PERCENT, |j| {
-        all[j].total.map(Number::new)
-    })
-    .numbers("± systematic", Quantity::PERCENT, |j| {
-        all[j].systematic.map(Number::new)
-    });
+    .numbers("k", Quantity::STIFFNESS, |j| all[j].stiffness_nm_per_rad.map(Number::new))
+    .numbers("± total", Quantity::PERCENT, |j| all[j].total.map(Number::new))
+    .numbers("± systematic", Quantity::PERCENT, |j| all[j].systematic.map(Number::new));
     if found.left.is_empty() {
         return table;
     }
-    table
-        .numbers("with the next ≈", Quantity::PERCENT, |j| {
-            all[j].with_next.map(Number::new)
-        })
-        .numbers("with all ≈", Quantity::PERCENT, |j| {
-            all[j].with_all.map(Number::new)
-        })
+    table.numbers("with the next ≈", Quantity::PERCENT, |j| all[j].with_next.map(Number::new)).numbers(
+        "with all ≈",
+        Quantity::PERCENT,
+        |j| all[j].with_all.map(Number::new),
+    )
 }

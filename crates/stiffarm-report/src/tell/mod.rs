@@ -129,15 +129,9 @@ const TELLERS: &[(&str, Teller)] = &[
 type Teller = fn(&WithCell<'_>) -> Result<Told>;
 
 /// Tells a saved result of these types.
-fn of_saved<R: Telling<O> + DeserializeOwned, O: DeserializeOwned>(
-    with: &WithCell<'_>,
-) -> Result<Told> {
-    let given = Given {
-        command: &with.saved.command,
-        name: &with.saved.name,
-        cell: with.cell,
-        pictures: with.pictures,
-    };
+fn of_saved<R: Telling<O> + DeserializeOwned, O: DeserializeOwned>(with: &WithCell<'_>) -> Result<Told> {
+    let given =
+        Given { command: &with.saved.command, name: &with.saved.name, cell: with.cell, pictures: with.pictures };
     let saved = with.saved;
     saved.result::<R>()?.told(&saved.options()?, &given)
 }
@@ -178,20 +172,13 @@ pub fn tell(given: &WithCell<'_>) -> Result<Told> {
 impl<'a> WithCell<'a> {
     /// A result with its cell, pictures included.
     pub fn new(saved: &'a SavedResult, cell: Option<&'a Cell>) -> Self {
-        WithCell {
-            saved,
-            cell,
-            pictures: true,
-        }
+        WithCell { saved, cell, pictures: true }
     }
 
     /// The same without pictures.
     #[must_use]
     pub fn in_words(self) -> Self {
-        WithCell {
-            pictures: false,
-            ..self
-        }
+        WithCell { pictures: false, ..self }
     }
 }
 
@@ -256,12 +243,7 @@ pub enum Block {
 impl Section {
     /// A section of the details with these blocks.
     pub fn new(id: &str, title: impl Into<String>, blocks: Vec<Block>) -> Self {
-        Section {
-            id: id.to_string(),
-            title: title.into(),
-            depth: Depth::Details,
-            blocks,
-        }
+        Section { id: id.to_string(), title: title.into(), depth: Depth::Details, blocks }
     }
 
     /// The same as a part of the summary.
@@ -287,8 +269,7 @@ impl Told {
     /// Adds what else to know: the gravest first, and the outcome never better than it was.
     pub(crate) fn add_findings(&mut self, found: impl IntoIterator<Item = Finding>) {
         self.findings.extend(found);
-        self.findings
-            .sort_by_key(|finding| Reverse(finding.severity));
+        self.findings.sort_by_key(|finding| Reverse(finding.severity));
         self.outcome = self.outcome.max(Outcome::of(&self.findings));
     }
 

@@ -79,10 +79,7 @@ const DEGREE: f64 = 180.0 / std::f64::consts::PI;
 impl Number {
     /// A number that was computed for the telling and stands in no file.
     pub fn computed(value: impl Into<Option<f64>>) -> Self {
-        Number {
-            is_of_result: false,
-            ..Number::new(value)
-        }
+        Number { is_of_result: false, ..Number::new(value) }
     }
 
     /// An angle of a result \[rad\] in degrees, as its file has it.
@@ -98,10 +95,7 @@ impl Number {
     /// The same as one of this kind, with its unit.
     #[must_use]
     pub fn of(self, quantity: Quantity) -> Self {
-        Number {
-            form: quantity.form,
-            ..self.in_unit_of(quantity)
-        }
+        Number { form: quantity.form, ..self.in_unit_of(quantity) }
     }
 
     /// The same in the unit of this kind, with its own digits.

@@ -3,9 +3,7 @@
 use super::at_work::{AtWork, POSITION, WorkPoint, wrench};
 use super::points::{position, region};
 use crate::placement_figure;
-use crate::tell::{
-    Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, with_stopped,
-};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, with_stopped};
 use stiffarm::Result;
 use stiffarm::ask::place::Options;
 use stiffarm::findings::visible;
@@ -45,16 +43,12 @@ fn done(options: &Options, placement: &Placement) -> Text {
     let within = format!(" in {}", region(ends));
     let is_works = |c: &&PlacementCandidate| c.status == Status::Reachable;
     let works = placement.candidates.iter().filter(is_works).count();
-    let text = Text::new(format!(
-        "{} places of the workpiece{within} were tried for a path of ",
-        placement.candidates.len()
-    ))
-    .number(Number::count(placement.point_count))
-    .words(" points under its loads");
+    let text =
+        Text::new(format!("{} places of the workpiece{within} were tried for a path of ", placement.candidates.len()))
+            .number(Number::count(placement.point_count))
+            .words(" points under its loads");
     let text = if placement.searched_points < placement.point_count {
-        text.words(", of which ")
-            .number(Number::count(placement.searched_points))
-            .words(" were looked at")
+        text.words(", of which ").number(Number::count(placement.searched_points)).words(" were looked at")
     } else {
         text
     };
@@ -119,20 +113,14 @@ fn lines(best: &Placed) -> Section {
     };
     let lines = vec![
         line("workpiece_mm", best.position_m.map(|m| 1e3 * m)),
-        line(
-            "workpiece_rpy_deg",
-            best.roll_pitch_yaw.map(f64::to_degrees),
-        ),
+        line("workpiece_rpy_deg", best.roll_pitch_yaw.map(f64::to_degrees)),
     ];
     let title = "The best place in [work] of the cell";
     Section::new("lines", title, vec![Block::List(lines)]).in_summary()
 }
 
 fn key(placement: &Placement) -> DataTable {
-    let rows = [
-        Some(("given", &placement.given)),
-        placement.best.as_ref().map(|best| ("best", best)),
-    ];
+    let rows = [Some(("given", &placement.given)), placement.best.as_ref().map(|best| ("best", best))];
     let rows: Vec<(&str, &Placed)> = rows.into_iter().flatten().collect();
     let placed = |row: usize| rows[row].1;
     DataTable::of(
@@ -140,24 +128,12 @@ fn key(placement: &Placement) -> DataTable {
         "place",
         rows.iter().map(|(key, _)| *key),
     )
-    .numbers("x", POSITION, |row| {
-        Some(Number::new(placed(row).position_m[0]))
-    })
-    .numbers("y", POSITION, |row| {
-        Some(Number::new(placed(row).position_m[1]))
-    })
-    .numbers("z", POSITION, |row| {
-        Some(Number::new(placed(row).position_m[2]))
-    })
-    .numbers("turned by [°]", Quantity::RATIO.digits(4), |row| {
-        Some(Number::degrees(placed(row).yaw))
-    })
-    .numbers("RMS", Quantity::LENGTH, |row| {
-        placed(row).deflection_rms_m.map(Number::new)
-    })
-    .numbers("largest", Quantity::LENGTH, |row| {
-        placed(row).deflection_max_m.map(Number::new)
-    })
+    .numbers("x", POSITION, |row| Some(Number::new(placed(row).position_m[0])))
+    .numbers("y", POSITION, |row| Some(Number::new(placed(row).position_m[1])))
+    .numbers("z", POSITION, |row| Some(Number::new(placed(row).position_m[2])))
+    .numbers("turned by [°]", Quantity::RATIO.digits(4), |row| Some(Number::degrees(placed(row).yaw)))
+    .numbers("RMS", Quantity::LENGTH, |row| placed(row).deflection_rms_m.map(Number::new))
+    .numbers("largest", Quantity::LENGTH, |row| placed(row).deflection_max_m.map(Number::new))
     .words("at point", |row| {
         let placed = placed(row);
         match &placed.deflection_max_point {
@@ -168,33 +144,19 @@ fn key(placement: &Placement) -> DataTable {
 }
 
 fn counts(placement: &Placement) -> DataTable {
-    let mut table = DataTable::new(
-        "Places that were tried, by what the arm may do there",
-        ["status", "places", "one reason"],
-    );
-    let all = [
-        Status::Reachable,
-        Status::Forbidden,
-        Status::OutsideJointLimits,
-        Status::Unreachable,
-        Status::Discontinuous,
-    ];
+    let mut table =
+        DataTable::new("Places that were tried, by what the arm may do there", ["status", "places", "one reason"]);
+    let all =
+        [Status::Reachable, Status::Forbidden, Status::OutsideJointLimits, Status::Unreachable, Status::Discontinuous];
     for status in all {
-        let of: Vec<&PlacementCandidate> = placement
-            .candidates
-            .iter()
-            .filter(|c| c.status == status)
-            .collect();
+        let of: Vec<&PlacementCandidate> = placement.candidates.iter().filter(|c| c.status == status).collect();
         if of.is_empty() {
             continue;
         }
         let count = Number::computed(of.len() as f64).decimals(0);
         let reason = of.iter().find_map(|c| {
             let point = visible(c.point.as_deref()?);
-            Some(format!(
-                "at point {point}: {}",
-                visible(c.reason.as_deref()?)
-            ))
+            Some(format!("at point {point}: {}", visible(c.reason.as_deref()?)))
         });
         let name = match status {
             Status::Reachable => "the arm can go along",
@@ -218,14 +180,10 @@ fn cell_section(context: &Given<'_>, placement: &Placement) -> Result<Section> {
         });
         points.collect()
     };
-    let best = placement
-        .best
-        .as_ref()
-        .map(|best| ("best place", points(best)));
+    let best = placement.best.as_ref().map(|best| ("best place", points(best)));
     let given = ("given place", points(&placement.given));
     let groups = best.into_iter().chain([given]);
-    let groups: Vec<(&str, Vec<WorkPoint>)> =
-        groups.filter(|(_, points)| !points.is_empty()).collect();
+    let groups: Vec<(&str, Vec<WorkPoint>)> = groups.filter(|(_, points)| !points.is_empty()).collect();
     let path = groups.first().map(|(name, _)| *name);
     let work = AtWork {
         groups,

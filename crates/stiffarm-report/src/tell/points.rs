@@ -21,23 +21,14 @@ pub(super) fn largest_first(sizes: impl Iterator<Item = f64>) -> Vec<usize> {
 }
 
 /// Adds the components of a length along the base's axes; `at` gives one by row and axis.
-pub(super) fn along_axes(
-    table: DataTable,
-    at: impl Fn(usize, usize) -> Option<Number>,
-) -> DataTable {
+pub(super) fn along_axes(table: DataTable, at: impl Fn(usize, usize) -> Option<Number>) -> DataTable {
     let axes = ["along x", "along y", "along z"].into_iter().enumerate();
-    axes.fold(table, |table, (axis, heading)| {
-        table.numbers(heading, Quantity::LENGTH, |row| at(row, axis))
-    })
+    axes.fold(table, |table, (axis, heading)| table.numbers(heading, Quantity::LENGTH, |row| at(row, axis)))
 }
 
 /// Heading of the points' names, of which `shown` of `count` are in the table of the largest.
 pub(super) fn heading(shown: usize, count: usize) -> &'static str {
-    if shown == KEY_ROWS && count > shown {
-        "worst points"
-    } else {
-        "point"
-    }
+    if shown == KEY_ROWS && count > shown { "worst points" } else { "point" }
 }
 
 /// All of `count` points in a folded table, of very many some evenly along the path; `table` takes a caption and
@@ -51,15 +42,10 @@ pub(super) fn all_points(
     let [on_page, in_words] = ROWS;
     let most = if context.pictures { on_page } else { in_words };
     let (caption, rows): (String, Vec<usize>) = if count <= most {
-        (
-            "All points in their order".to_string(),
-            (0..count).collect(),
-        )
+        ("All points in their order".to_string(), (0..count).collect())
     } else {
         (
-            format!(
-                "{most} of the {count} points, evenly along the path; the result's file has all"
-            ),
+            format!("{most} of the {count} points, evenly along the path; the result's file has all"),
             (0..most).map(|i| i * (count - 1) / (most - 1)).collect(),
         )
     };
@@ -76,37 +62,17 @@ pub(super) fn features_section(features: &[Feature]) -> Option<Section> {
     let verdict = |verdict: Option<Verdict>| Text::new(verdict.map_or("", Verdict::word));
     let names = features.iter();
     let names = names.map(|own| visible(&own.name).into_owned());
-    let table = DataTable::of(
-        "Deviation of each feature, largest over its points",
-        "feature",
-        names,
-    )
-    .words("worst point", |row| {
-        visible(&features[row].worst).into_owned().into()
-    })
-    .numbers("across feed", Quantity::LENGTH, |row| {
-        Some(Number::new(features[row].across_max_m))
-    })
-    .numbers("± total", Quantity::LENGTH, |row| {
-        features[row].half_width_m.map(Number::new)
-    })
-    .numbers("tolerance", Quantity::LENGTH, |row| {
-        features[row].tolerance_m.map(Number::new)
-    })
-    .words("verdict", |row| verdict(features[row].verdict))
-    .numbers("compensated", Quantity::LENGTH, |row| {
-        features[row].compensated_m.map(Number::new)
-    })
-    .words("then", |row| verdict(features[row].compensated_verdict))
-    .numbers("along feed", Quantity::LENGTH, |row| {
-        Some(Number::new(features[row].feed_max_m))
-    })
-    .numbers("cross", Quantity::LENGTH, |row| {
-        Some(Number::new(features[row].cross_max_m))
-    })
-    .numbers("tool axis", Quantity::LENGTH, |row| {
-        Some(Number::new(features[row].axis_max_m))
-    });
+    let table = DataTable::of("Deviation of each feature, largest over its points", "feature", names)
+        .words("worst point", |row| visible(&features[row].worst).into_owned().into())
+        .numbers("across feed", Quantity::LENGTH, |row| Some(Number::new(features[row].across_max_m)))
+        .numbers("± total", Quantity::LENGTH, |row| features[row].half_width_m.map(Number::new))
+        .numbers("tolerance", Quantity::LENGTH, |row| features[row].tolerance_m.map(Number::new))
+        .words("verdict", |row| verdict(features[row].verdict))
+        .numbers("compensated", Quantity::LENGTH, |row| features[row].compensated_m.map(Number::new))
+        .words("then", |row| verdict(features[row].compensated_verdict))
+        .numbers("along feed", Quantity::LENGTH, |row| Some(Number::new(features[row].feed_max_m)))
+        .numbers("cross", Quantity::LENGTH, |row| Some(Number::new(features[row].cross_max_m)))
+        .numbers("tool axis", Quantity::LENGTH, |row| Some(Number::new(features[row].axis_max_m)));
     let words = "What lies across the feed changes the shape of the part, what lies along it does not. Compensated is what \
                  may be left: the residual with its ±.";
     let blocks = vec![Block::Text(words.into()), Block::Table(table)];
@@ -114,10 +80,7 @@ pub(super) fn features_section(features: &[Feature]) -> Option<Section> {
 }
 
 /// The places of the principal axes where the tip bends most and least; `name` is that of a point.
-pub(super) fn extreme_places(
-    extremes: &PathExtremes,
-    name: impl Fn(usize) -> Option<String>,
-) -> Vec<GivesWay> {
+pub(super) fn extreme_places(extremes: &PathExtremes, name: impl Fn(usize) -> Option<String>) -> Vec<GivesWay> {
     let (best, worst) = (&extremes.best, &extremes.worst);
     let both = [("bends most", worst), ("bends least", best)];
     // Of equals there is one.
@@ -137,10 +100,7 @@ pub(super) fn how_found(postures: &PosturePathSummary) -> Text {
         Origin::Numeric => " The postures come from inverse kinematics, iterated",
     };
     let step = Number::new(rad_to_deg(postures.largest_step));
-    Text::new(how)
-        .words(", with steps of a joint up to ")
-        .number(step.significant(3).unit("°"))
-        .words(".")
+    Text::new(how).words(", with steps of a joint up to ").number(step.significant(3).unit("°")).words(".")
 }
 
 /// Where a tip or a workpiece is: `x = 1425, y = −814, z = 800 mm`.
@@ -156,18 +116,10 @@ pub(super) fn position(at_m: [f64; 3]) -> Text {
 
 /// Ends of a region along x, y and z \[m\]: `x 900 to 3000 mm, z = 800 mm`.
 pub(super) fn region(ends_m: [[f64; 2]; 3]) -> String {
-    let mm = |m: f64| {
-        ((1e4 * m).round() / 10.0 + 0.0)
-            .to_string()
-            .replace('-', "−")
-    };
+    let mm = |m: f64| ((1e4 * m).round() / 10.0 + 0.0).to_string().replace('-', "−");
     let words = ["x", "y", "z"].into_iter().zip(ends_m);
     let words = words.map(|(name, [low, high])| {
-        if high > low {
-            format!("{name} {} to {} mm", mm(low), mm(high))
-        } else {
-            format!("{name} = {} mm", mm(low))
-        }
+        if high > low { format!("{name} {} to {} mm", mm(low), mm(high)) } else { format!("{name} = {} mm", mm(low)) }
     });
     words.collect::<Vec<_>>().join(", ")
 }
@@ -175,16 +127,9 @@ pub(super) fn region(ends_m: [[f64; 2]; 3]) -> String {
 /// Three components with four digits: `(0, −0.5, 1)`.
 pub(super) fn vector(components: [f64; 3]) -> String {
     let parts = components.map(|c| {
-        let digits = if c.abs() < 1e-9 {
-            "0".to_string()
-        } else {
-            Number::computed(c).digits()
-        };
+        let digits = if c.abs() < 1e-9 { "0".to_string() } else { Number::computed(c).digits() };
         if digits.contains('.') && !digits.contains('e') {
-            digits
-                .trim_end_matches('0')
-                .trim_end_matches('.')
-                .to_string()
+            digits.trim_end_matches('0').trim_end_matches('.').to_string()
         } else {
             digits
         }

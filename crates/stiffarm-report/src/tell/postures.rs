@@ -32,17 +32,13 @@ pub(super) fn posture_table(
     let rows = (0..postures.len()).map(|p| name_of(names, p));
     let mut table = DataTable::of(caption, "posture", rows);
     for j in 0..joints {
-        table = table.numbers(&format!("q{}", j + 1), ANGLE, |p| {
-            Some(Number::degrees(*postures[p].get(j)?))
-        });
+        table = table.numbers(&format!("q{}", j + 1), ANGLE, |p| Some(Number::degrees(*postures[p].get(j)?)));
     }
     let length = |p: usize| limits.get(p).and_then(nearest_length);
     let share = |p: usize| limits.get(p).and_then(nearest_share);
     table
         .numbers("room", ROOM, |p| Some(Number::new(length(p)?.margin_m)))
-        .words("least at", |p| {
-            length(p).map_or_else(Text::default, |limit| place(limit).into())
-        })
+        .words("least at", |p| length(p).map_or_else(Text::default, |limit| place(limit).into()))
         .numbers("torque left", SHARE, |p| share(p).map(Number::new))
 }
 
@@ -80,11 +76,7 @@ fn place(limit: &NearestLimit) -> String {
 }
 
 /// The room that each kind of limit leaves every posture, and what the tracker sees; `None` without limits.
-pub(super) fn limit_table(
-    given: &Given<'_>,
-    names: &[String],
-    limits: &[PostureLimits],
-) -> Option<DataTable> {
+pub(super) fn limit_table(given: &Given<'_>, names: &[String], limits: &[PostureLimits]) -> Option<DataTable> {
     let rows = (0..limits.len()).map(|p| name_of(names, p));
     let caption = "How near each posture comes to each kind of limit";
     let mut table = DataTable::of(caption, "posture", rows);
@@ -97,13 +89,10 @@ pub(super) fn limit_table(
             MarginUnit::Angle => (|near| near.margin_rad, DEGREES),
             MarginUnit::Share => (|near| near.margin_share, SHARE),
         };
-        table = table.numbers(kind.short(), quantity, |p| {
-            Some(Number::new(margin(nearest(p, kind)?)))
-        });
+        table = table.numbers(kind.short(), quantity, |p| Some(Number::new(margin(nearest(p, kind)?))));
         if kind == LimitKind::Shapes {
-            table = table.words("which shapes", |p| {
-                nearest(p, kind).map_or_else(Text::default, |near| place(near).into())
-            });
+            table =
+                table.words("which shapes", |p| nearest(p, kind).map_or_else(Text::default, |near| place(near).into()));
         }
     }
     let all = given.cell.map(|cell| cell.setup.tool.point_count());
@@ -118,9 +107,7 @@ pub(super) fn limit_table(
             own if Some(own.visible_points.len()) == all => "all points".into(),
             own => visible(&own.visible_points.join(", ")).into_owned().into(),
         })
-        .numbers("displacement", Quantity::LENGTH, |p| {
-            limits[p].displacement_m.map(Number::new)
-        });
+        .numbers("displacement", Quantity::LENGTH, |p| limits[p].displacement_m.map(Number::new));
     (table.headings.len() > 1).then_some(table)
 }
 
@@ -186,15 +173,11 @@ fn moves_in_words(given: &Given<'_>, route: &Route, findings: &[Finding]) -> Tex
     said = said.words(".");
     let kinds: Vec<&str> = route.checked.iter().map(|kind| kind.short()).collect();
     if !kinds.is_empty() && !route.is_blocked() {
-        said = said.words(format!(
-            " Every move is free, checked against {}.",
-            list(&kinds)
-        ));
+        said = said.words(format!(" Every move is free, checked against {}.", list(&kinds)));
     }
     if route.is_approached() {
-        said = said.words(
-            " The last turn of a joint before a posture goes against its load, which takes up lost motion.",
-        );
+        said =
+            said.words(" The last turn of a joint before a posture goes against its load, which takes up lost motion.");
     }
     let is_said = findings.iter().any(|f| f.code == codes::MOVES_NOT_CHECKED);
     if !route.checked.contains(&LimitKind::Shapes) && !is_said {
@@ -210,31 +193,15 @@ fn move_table(names: &[String], route: &Route) -> DataTable {
     let nearest = |m: usize| route.moves[m].nearest.as_ref();
     let rows = route.moves.iter().map(|one| between(names, one));
     DataTable::of("The moves", "move", rows)
-        .numbers("largest turn", ANGLE, |m| {
-            Some(Number::degrees(route.moves[m].turn))
-        })
-        .numbers("time", Quantity::new("s", 1.0, Form::Decimals(1)), |m| {
-            Some(Number::new(route.moves[m].time_s))
-        })
+        .numbers("largest turn", ANGLE, |m| Some(Number::degrees(route.moves[m].turn)))
+        .numbers("time", Quantity::new("s", 1.0, Form::Decimals(1)), |m| Some(Number::new(route.moves[m].time_s)))
         .words("via postures", |m| match route.moves[m].via.len() {
             0 => Text::default(),
             count => count.to_string().into(),
         })
-        .words("way", |m| {
-            if route.moves[m].free {
-                "free".into()
-            } else {
-                Text::default().strong("not free")
-            }
-        })
-        .numbers("nearest", ROOM, |m| {
-            Some(Number::new(nearest(m)?.distance_m))
-        })
-        .words("between", |m| {
-            nearest(m).map_or_else(Text::default, |near| {
-                visible(&near.subject).into_owned().into()
-            })
-        })
+        .words("way", |m| if route.moves[m].free { "free".into() } else { Text::default().strong("not free") })
+        .numbers("nearest", ROOM, |m| Some(Number::new(nearest(m)?.distance_m)))
+        .words("between", |m| nearest(m).map_or_else(Text::default, |near| visible(&near.subject).into_owned().into()))
 }
 
 /// The postures between stops; `None` where every move is straight.
@@ -246,9 +213,7 @@ fn via_table(names: &[String], route: &Route) -> Option<DataTable> {
     let rows = vias.iter().map(|(one, _)| between(names, one));
     let mut table = DataTable::of("Via postures, in their order", "move", rows);
     for j in 0..joints {
-        table = table.numbers(&format!("q{}", j + 1), ANGLE, |row| {
-            Some(Number::degrees(*vias[row].1.get(j)?))
-        });
+        table = table.numbers(&format!("q{}", j + 1), ANGLE, |row| Some(Number::degrees(*vias[row].1.get(j)?)));
     }
     Some(table)
 }
@@ -268,11 +233,7 @@ pub(super) fn near_singular(names: &[String], evaluation: &GroupEvaluation) -> O
     let own = evaluation.k_jn.iter().skip(before).enumerate();
     let near = own.filter(|(_, k)| known && k.is_none_or(|k| k > NEAR_SINGULAR));
     let near: Vec<String> = near.map(|(p, _)| name_of(names, p)).collect();
-    let noun = if near.len() == 1 {
-        "posture"
-    } else {
-        "postures"
-    };
+    let noun = if near.len() == 1 { "posture" } else { "postures" };
     (!near.is_empty()).then(|| {
         Text::new(format!(
             "Close to a singularity, k(J_N) above {NEAR_SINGULAR}: {noun} {}. That is harmless to the identification, but \
@@ -290,9 +251,5 @@ pub(super) fn room(number: Number) -> Number {
 /// A length \[m\] to a tenth of a millimetre, without digits nobody set.
 pub(super) fn coarse(m: f64) -> Number {
     let number = room(Number::computed(m));
-    if (m_to_mm(m) - m_to_mm(m).round()).abs() < 0.05 {
-        number.decimals(0)
-    } else {
-        number
-    }
+    if (m_to_mm(m) - m_to_mm(m).round()).abs() < 0.05 { number.decimals(0) } else { number }
 }

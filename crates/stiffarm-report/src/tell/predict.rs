@@ -2,8 +2,7 @@
 
 use super::at_work::{AtWork, FORCE, WorkPoint, band_table, dominant, principal_table, wrench};
 use super::points::{
-    KEY_ROWS, all_points, along_axes, extreme_places, features_section, heading, how_found,
-    largest_first,
+    KEY_ROWS, all_points, along_axes, extreme_places, features_section, heading, how_found, largest_first,
 };
 use crate::level::level;
 use crate::path::{along, norm, prediction_figure};
@@ -25,20 +24,14 @@ const ROUNDING: f64 = 1e-12;
 impl Telling<PredictOptions> for Predicted {
     fn told(&self, options: &PredictOptions, context: &Given<'_>) -> Result<Told> {
         let prediction = &self.prediction;
-        let work = What {
-            is_path: self.postures.is_some(),
-            is_cell_load: options.cell_load,
-        };
+        let work = What { is_path: self.postures.is_some(), is_cell_load: options.cell_load };
         let findings = self.every_finding();
         // Directions that no reading has loaded rule the ±.
         let is_untold = findings.iter().any(|f| f.code == codes::NEVER_LOADED);
         let order = largest_first(prediction.points.iter().map(|p| p.deflection_m));
         let worst = order.first().copied();
-        let verdict = [
-            done(self, &work),
-            came(prediction, worst, is_untold),
-            next(prediction, &work, worst, is_untold),
-        ];
+        let verdict =
+            [done(self, &work), came(prediction, worst, is_untold), next(prediction, &work, worst, is_untold)];
         let shown = &order[..order.len().min(KEY_ROWS)];
         let caption = "Deflection of the tool tip where it is largest";
         let key = points_table(prediction, caption, shown);
@@ -55,13 +48,7 @@ impl Telling<PredictOptions> for Predicted {
         sections.push(all_points(context, "The points", count, |caption, rows| {
             with_parts(prediction, rows, points_table(prediction, caption, rows))
         }));
-        Ok(context.told(
-            findings,
-            "Predicted deflection",
-            verdict,
-            Some(key),
-            sections,
-        ))
+        Ok(context.told(findings, "Predicted deflection", verdict, Some(key), sections))
     }
 }
 
@@ -95,15 +82,8 @@ fn done(predicted: &Predicted, what: &What) -> Text {
         (false, false, 1) => "at the one task of the cell".to_string(),
         (false, false, count) => format!("at the {count} tasks of the cell"),
     };
-    Text::new(format!(
-        "The deflection of the tool tip was predicted {points}, each under its own load."
-    ))
-    .then(
-        predicted
-            .postures
-            .as_ref()
-            .map_or_else(Text::default, how_found),
-    )
+    Text::new(format!("The deflection of the tool tip was predicted {points}, each under its own load."))
+        .then(predicted.postures.as_ref().map_or_else(Text::default, how_found))
 }
 
 fn came(prediction: &Prediction, worst: Option<usize>, is_untold: bool) -> Text {
@@ -116,26 +96,17 @@ fn came(prediction: &Prediction, worst: Option<usize>, is_untold: bool) -> Text 
     let band = worst.and_then(|i| Some((prediction.points[i].band?, prediction.confidence?)));
     match band {
         None => text.words(format!("{at}; nothing says how sure that is.")),
-        Some((band, confidence)) => text
-            .words(" ")
-            .number(mm(band.size_m[3]).plus_minus())
-            .words(format!(
-                " ({} %){at}; most of the ± comes from {}.",
-                level(confidence),
-                if is_untold {
-                    "loads that were never applied"
-                } else {
-                    dominant(band.size_m)
-                }
-            )),
+        Some((band, confidence)) => text.words(" ").number(mm(band.size_m[3]).plus_minus()).words(format!(
+            " ({} %){at}; most of the ± comes from {}.",
+            level(confidence),
+            if is_untold { "loads that were never applied" } else { dominant(band.size_m) }
+        )),
     }
 }
 
 fn next(prediction: &Prediction, what: &What, worst: Option<usize>, is_untold: bool) -> Text {
     if prediction.deflection_rms_m == 0.0 {
-        return Text::new("Give the path its forces, in its own columns or in ")
-            .code("[work]")
-            .words(" of the cell.");
+        return Text::new("Give the path its forces, in its own columns or in ").code("[work]").words(" of the cell.");
     }
     let Some(band) = worst.and_then(|i| prediction.points[i].band) else {
         return Text::new("Predict with an identified stiffness, so that the deflection has a ±: ")
@@ -156,9 +127,7 @@ fn next(prediction: &Prediction, what: &What, worst: Option<usize>, is_untold: b
         } else if is_untold {
             text.words("measure the same postures under another load, too, and identify from both.")
         } else {
-            text.words("measure more postures; ")
-                .code("stiffarm select")
-                .words(" chooses those that help most.")
+            text.words("measure more postures; ").code("stiffarm select").words(" chooses those that help most.")
         };
     }
     if what.is_cell_load {
@@ -177,17 +146,12 @@ fn points_table(prediction: &Prediction, caption: &str, rows: &[usize]) -> DataT
     let point = |row: usize| &prediction.points[rows[row]];
     let shift = |row: usize, axis: usize| Some(Number::new(point(row).shift_m[axis]));
     let names = rows.iter().map(|i| name(&prediction.points[*i]));
-    let table = DataTable::of(caption, heading(rows.len(), prediction.points.len()), names)
-        .numbers("force", FORCE, |row| {
-            Some(Number::computed(norm(point(row).force_n)))
-        });
+    let table =
+        DataTable::of(caption, heading(rows.len(), prediction.points.len()), names)
+            .numbers("force", FORCE, |row| Some(Number::computed(norm(point(row).force_n))));
     along_axes(table, shift)
-        .numbers("deflection", Quantity::LENGTH, |row| {
-            Some(Number::new(point(row).deflection_m))
-        })
-        .numbers("± total", Quantity::LENGTH, |row| {
-            Some(Number::new(point(row).band?.size_m[3]))
-        })
+        .numbers("deflection", Quantity::LENGTH, |row| Some(Number::new(point(row).deflection_m)))
+        .numbers("± total", Quantity::LENGTH, |row| Some(Number::new(point(row).band?.size_m[3])))
 }
 
 /// The same table with the parts of the ±.
@@ -241,11 +205,7 @@ fn cell_section(context: &Given<'_>, prediction: &Prediction, what: &What) -> Re
 }
 
 fn path_section(context: &Given<'_>, prediction: &Prediction, what: &What) -> Section {
-    if what.is_path {
-        along_path(context, prediction)
-    } else {
-        point_by_point(prediction)
-    }
+    if what.is_path { along_path(context, prediction) } else { point_by_point(prediction) }
 }
 
 /// Postures and tasks are no path: nothing is along them.
@@ -296,9 +256,7 @@ fn band_section(prediction: &Prediction, worst: usize) -> Option<Section> {
     let text = Text::new(format!("Most of the ± comes from {}. ", dominant(band.size_m)))
         .words("Over all points the errors that the bands stand for are ")
         .number(Number::new(prediction.error_rms_m).mm().decimals(3))
-        .words(
-            " (RMS, all axes together). The bands know what the identification knows: what the model leaves out, ",
-        )
+        .words(" (RMS, all axes together). The bands know what the identification knows: what the model leaves out, ")
         .code("stiffarm validate")
         .words(" shows on readings kept out.");
     let blocks = vec![Block::Text(text), Block::Table(table)];
@@ -307,20 +265,11 @@ fn band_section(prediction: &Prediction, worst: usize) -> Option<Section> {
 
 fn stiffness_section(prediction: &Prediction) -> Option<Section> {
     let extremes = prediction.extremes?;
-    let places = extreme_places(&extremes, |at| {
-        Some(prediction.points.get(at)?.point.to_string())
-    });
+    let places = extreme_places(&extremes, |at| Some(prediction.points.get(at)?.point.to_string()));
     let words = "A force along the softest axis moves the tip most; turning the workpiece so that forces act along a \
                  stiffer one helps as much as a stiffer place.";
-    let blocks = vec![
-        Block::Text(words.into()),
-        Block::Table(principal_table(&places)),
-    ];
-    Some(Section::new(
-        "stiffness",
-        "Which way the tip gives way",
-        blocks,
-    ))
+    let blocks = vec![Block::Text(words.into()), Block::Table(principal_table(&places))];
+    Some(Section::new("stiffness", "Which way the tip gives way", blocks))
 }
 
 /// The Cartesian stiffness of the first points, where it was asked for.
@@ -331,10 +280,7 @@ fn matrices_section(prediction: &Prediction) -> Option<Section> {
     for (name, stiffness) in points.take(MATRICES) {
         let axes = (format!("point {name}"), stiffness.principal);
         blocks.push(Block::Table(principal_table(&[axes])));
-        let both = [
-            ("K, Eq. (2)", &stiffness.matrix),
-            ("K with K_C of this load", &stiffness.matrix_with_k_c),
-        ];
+        let both = [("K, Eq. (2)", &stiffness.matrix), ("K with K_C of this load", &stiffness.matrix_with_k_c)];
         blocks.extend(both.map(|(what, matrix)| match matrix {
             Some(matrix) => {
                 let units = "N/mm, N/mrad; N·m/mm, N·m/mrad";
@@ -344,8 +290,7 @@ fn matrices_section(prediction: &Prediction) -> Option<Section> {
             None => Block::Text(format!("{what}: none, point {name} is singular.").into()),
         }));
     }
-    (!blocks.is_empty())
-        .then(|| Section::new("matrices", "Stiffness matrices of the tip", blocks).in_summary())
+    (!blocks.is_empty()).then(|| Section::new("matrices", "Stiffness matrices of the tip", blocks).in_summary())
 }
 
 fn matrix_table(caption: String, matrix: &[[f64; 6]; 6]) -> DataTable {
@@ -355,11 +300,7 @@ fn matrix_table(caption: String, matrix: &[[f64; 6]; 6]) -> DataTable {
     axes.enumerate().fold(table, |table, (column, heading)| {
         table.numbers(heading, STIFFNESS, |row| {
             let value = matrix[row][column];
-            Some(if value.abs() < ROUNDING * largest {
-                Number::computed(0.0)
-            } else {
-                Number::new(value)
-            })
+            Some(if value.abs() < ROUNDING * largest { Number::computed(0.0) } else { Number::new(value) })
         })
     })
 }

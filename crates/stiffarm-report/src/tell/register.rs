@@ -26,21 +26,12 @@ impl<O> Telling<O> for RegistrationRecord {
             .number(mm(found.rms_m))
             .words(" (RMS); a coordinate scatters by ")
             .number(mm(found.residual_std_m))
-            .words(format!(
-                ", from {} degrees of freedom",
-                found.degrees_of_freedom
-            ));
+            .words(format!(", from {} degrees of freedom", found.degrees_of_freedom));
         let came = match found.known_std_m {
-            Some(known) => came
-                .words(", where ")
-                .number(mm(known))
-                .words(" are given."),
+            Some(known) => came.words(", where ").number(mm(known)).words(" are given."),
             None => came.words("."),
         };
-        let is_serious = found
-            .findings
-            .iter()
-            .any(|f| f.severity == Severity::Serious);
+        let is_serious = found.findings.iter().any(|f| f.severity == Severity::Serious);
         let next = if is_serious {
             Text::default()
                 .strong("Settle what is marked serious first")
@@ -55,21 +46,11 @@ impl<O> Telling<O> for RegistrationRecord {
         let sections = vec![
             transform(found, is_serious).in_summary(),
             uncertainty(found).in_summary(),
-            Section::new(
-                "residuals",
-                "Point by point",
-                vec![Block::Figure(figure(found))],
-            ),
+            Section::new("residuals", "Point by point", vec![Block::Figure(figure(found))]),
         ];
         let heading = "Registration of the tracker";
         let key = residuals(found);
-        Ok(given.told(
-            found.findings.clone(),
-            heading,
-            [done, came, next],
-            Some(key),
-            sections,
-        ))
+        Ok(given.told(found.findings.clone(), heading, [done, came, next], Some(key), sections))
     }
 }
 
@@ -93,13 +74,9 @@ fn residuals(found: &RegistrationRecord) -> DataTable {
     let caption = "Base position minus transformed tracker position, the largest first";
     let mut table = DataTable::of(caption, "point", names);
     for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
-        table = table.numbers(axis, Quantity::LENGTH, |row| {
-            Some(Number::new(found.residuals_m[order[row]][k]))
-        });
+        table = table.numbers(axis, Quantity::LENGTH, |row| Some(Number::new(found.residuals_m[order[row]][k])));
     }
-    table.numbers("distance", Quantity::LENGTH, |row| {
-        Some(Number::computed(distance(found, order[row])))
-    })
+    table.numbers("distance", Quantity::LENGTH, |row| Some(Number::computed(distance(found, order[row]))))
 }
 
 /// The lines of the cell file.
@@ -134,9 +111,7 @@ fn uncertainty(found: &RegistrationRecord) -> Section {
         });
     }
     let centroid = found.centroid_m.map(|m| Number::new(m).of(PLACE.bare()));
-    let about = Text::new("The turn acts about the centroid of the points, (")
-        .numbers(centroid)
-        .words(") mm.");
+    let about = Text::new("The turn acts about the centroid of the points, (").numbers(centroid).words(") mm.");
     let blocks = vec![Block::Table(table), Block::Text(about)];
     Section::new("uncertainty", "Uncertainty", blocks)
 }

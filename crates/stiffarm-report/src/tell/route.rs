@@ -19,24 +19,15 @@ impl Telling<DriveOptions> for Routed {
         });
         let blocked = route.moves.iter().filter(|one| !one.free).count();
         let moves = counted(route.moves.len(), "move");
-        let is_forbidden = self
-            .findings
-            .iter()
-            .any(|f| f.code == codes::POSTURE_FORBIDDEN);
+        let is_forbidden = self.findings.iter().any(|f| f.code == codes::POSTURE_FORBIDDEN);
         let came = match blocked {
-            _ if route.moves.is_empty() => {
-                Text::new("A single posture: there is nothing to order.")
-            }
-            0 if route.checked.is_empty() => {
-                Text::new(format!("{moves}, not checked against anything."))
-            }
+            _ if route.moves.is_empty() => Text::new("A single posture: there is nothing to order."),
+            0 if route.checked.is_empty() => Text::new(format!("{moves}, not checked against anything.")),
             0 if is_forbidden => Text::default()
                 .strong("Not every posture is allowed")
                 .words(format!("; the {moves} between them are free.")),
             0 => Text::new(format!("{moves}, every one of them free.")),
-            count => Text::default()
-                .strong("No free way was found")
-                .words(format!(" for {count} of {moves}.")),
+            count => Text::default().strong("No free way was found").words(format!(" for {count} of {moves}.")),
         };
         let next = match blocked {
             0 if is_forbidden => Text::new("Do not drive there as they are: ")
@@ -47,27 +38,14 @@ impl Telling<DriveOptions> for Routed {
                 .words(", and the robot's program with ")
                 .code("stiffarm export")
                 .words("."),
-            _ => Text::new(
-                "Teach a way of your own for the moves that are not free, or move what is in the way.",
-            ),
+            _ => Text::new("Teach a way of your own for the moves that are not free, or move what is in the way."),
         };
-        let key = posture_table(
-            "The postures in this order, controller angles",
-            posture_names,
-            &route.postures,
-            &[],
-        );
+        let key = posture_table("The postures in this order, controller angles", posture_names, &route.postures, &[]);
         let mut sections = Vec::new();
         sections.extend(route_section(given, posture_names, route, &self.findings));
         let group = PostureGroup::named("route", posture_names, route.postures.iter().cloned());
         sections.push(given.cell_section(&[group], "Step through the postures in this order.")?);
         let heading = "Order of the postures and moves between them";
-        Ok(given.told(
-            self.findings.clone(),
-            heading,
-            [done, came, next],
-            Some(key),
-            sections,
-        ))
+        Ok(given.told(self.findings.clone(), heading, [done, came, next], Some(key), sections))
     }
 }

@@ -3,8 +3,8 @@
 use super::tables::data_table;
 use crate::study::{PAPER, figures, published_for, starts_summary, stiffness_side_by_side, tables};
 use crate::tell::{
-    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, WithCell,
-    counted, of_saved, with_stopped,
+    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, WithCell, counted, of_saved,
+    with_stopped,
 };
 use serde::de::IgnoredAny;
 use stiffarm::findings::{Severity, visible};
@@ -14,12 +14,7 @@ use stiffarm::study::{Study, StudyGroup};
 use stiffarm::{Result, Termination};
 
 /// Findings that are the story itself, in its order; the others stand where they belong.
-const STORY: [&str; 4] = [
-    "recommended-index",
-    "paper-order",
-    "first-order-means",
-    "other-starts",
-];
+const STORY: [&str; 4] = ["recommended-index", "paper-order", "first-order-means", "other-starts"];
 
 /// Deviations, from a fraction.
 const DEVIATION: Quantity = Quantity::new("%", 100.0, Form::Decimals(2));
@@ -54,9 +49,7 @@ impl<O> Telling<O> for Study {
             None => Text::new("No group determines every joint."),
             Some(best) => {
                 let deviation = groups[best].evaluation.mean_expected_deviation();
-                let mut text = Text::new("The group ")
-                .strong(visible(&groups[best].name).into_owned())
-                .words(format!(
+                let mut text = Text::new("The group ").strong(visible(&groups[best].name).into_owned()).words(format!(
                     " measures the joint stiffness best: {} expected on average over the joints",
                     percent(deviation)
                 ));
@@ -89,8 +82,7 @@ impl<O> Telling<O> for Study {
         };
         let said = |codes: &[&str]| {
             let findings = study.findings.iter();
-            let found = findings
-                .filter(|f| f.severity == Severity::Note && codes.contains(&f.code.as_str()));
+            let found = findings.filter(|f| f.severity == Severity::Note && codes.contains(&f.code.as_str()));
             let points: Vec<Text> = found.map(|f| Text::from(f.sentence.as_str())).collect();
             (!points.is_empty()).then_some(Block::List(points))
         };
@@ -248,22 +240,15 @@ fn bound(study: &Study) -> DataTable {
         "group",
         names,
     )
-    .numbers("cond(Ψ)", Quantity::RATIO.digits(4), |g| {
-        Some(Number::new(group(g).evaluation.indices.condition))
-    })
-    .numbers("bound", Quantity::PERCENT.digits(4), |g| {
-        Some(Number::new(group(g).error_bound.as_ref()?.bound))
-    })
-    .numbers("expected", Quantity::PERCENT.digits(4), |g| {
-        Some(Number::new(group(g).expected_relative_norm))
-    })
+    .numbers("cond(Ψ)", Quantity::RATIO.digits(4), |g| Some(Number::new(group(g).evaluation.indices.condition)))
+    .numbers("bound", Quantity::PERCENT.digits(4), |g| Some(Number::new(group(g).error_bound.as_ref()?.bound)))
+    .numbers("expected", Quantity::PERCENT.digits(4), |g| Some(Number::new(group(g).expected_relative_norm)))
 }
 
 /// The group with the smallest mean expected deviation.
 fn best(study: &Study) -> Option<usize> {
     let means = study.groups.iter().enumerate();
-    let means =
-        means.filter_map(|(g, group)| Some((g, group.evaluation.mean_expected_deviation()?)));
+    let means = means.filter_map(|(g, group)| Some((g, group.evaluation.mean_expected_deviation()?)));
     let best = means.min_by(|a, b| a.1.total_cmp(&b.1));
     best.map(|(g, _)| g)
 }

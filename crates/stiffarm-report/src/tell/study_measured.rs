@@ -2,9 +2,7 @@
 
 use super::tables::data_table;
 use crate::study::{measured_figure, measured_table};
-use crate::tell::{
-    Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, with_stopped,
-};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, with_stopped};
 use stiffarm::Result;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::findings::{Severity, visible};
@@ -40,13 +38,13 @@ impl<O> Telling<O> for MeasuredStudy {
             Some(i) => {
                 let own = &study.choices[i];
                 let mut text = Text::new(format!(
-                "With {fewest} postures, those chosen by {} with the {} predict best: the others are missed by ",
-                in_words(own.choice),
-                own.model.in_words()
-            ))
-            .number(mm(own.mean_m))
-            .words(" ")
-            .number(mm(own.standard_error_m).plus_minus());
+                    "With {fewest} postures, those chosen by {} with the {} predict best: the others are missed by ",
+                    in_words(own.choice),
+                    own.model.in_words()
+                ))
+                .number(mm(own.mean_m))
+                .words(" ")
+                .number(mm(own.standard_error_m).plus_minus());
                 if let Some(whole) = whole.filter(known) {
                     text = text
                         .words(format!(
@@ -62,29 +60,21 @@ impl<O> Telling<O> for MeasuredStudy {
             Some(own) => {
                 let text = Text::new("For the next robot of this kind choose postures with ");
                 let text = match own.choice {
-                    Choice::Index(index) => text.code(format!(
-                        "stiffarm select --index {}",
-                        in_words(Choice::Index(index))
-                    )),
+                    Choice::Index(index) => {
+                        text.code(format!("stiffarm select --index {}", in_words(Choice::Index(index))))
+                    }
                     _ => text.code("stiffarm select"),
                 };
                 match own.model {
-                    ElasticChoice::Mixed => text
-                        .words(", and identify as ever: more than the joint axes gives way here."),
-                    _ => text
-                        .words(", and identify with ")
-                        .code("--elastic axes")
-                        .words("."),
+                    ElasticChoice::Mixed => {
+                        text.words(", and identify as ever: more than the joint axes gives way here.")
+                    }
+                    _ => text.words(", and identify with ").code("--elastic axes").words("."),
                 }
             }
-            None => {
-                Text::new("Measure more postures: these do not determine every joint in any split.")
-            }
+            None => Text::new("Measure more postures: these do not determine every joint in any split."),
         };
-        let notes = study
-            .findings
-            .iter()
-            .filter(|f| f.severity == Severity::Note);
+        let notes = study.findings.iter().filter(|f| f.severity == Severity::Note);
         let notes: Vec<Text> = notes.map(|f| Text::from(f.sentence.as_str())).collect();
         let how = Text::new("The measured displacements have an RMS of ")
         .number(Number::new(study.displacement_rms_m).of(Quantity::LENGTH))
@@ -100,16 +90,9 @@ impl<O> Telling<O> for MeasuredStudy {
         }
         let sections = vec![
             Section::new("choices", "Ways to choose postures", blocks),
-            Section::new(
-                "table",
-                "All ways with both models",
-                vec![Block::Table(data_table(&measured_table(study)))],
-            ),
+            Section::new("table", "All ways with both models", vec![Block::Table(data_table(&measured_table(study)))]),
         ];
-        let heading = format!(
-            "Choosing postures on measured readings: {}",
-            visible(&study.cell)
-        );
+        let heading = format!("Choosing postures on measured readings: {}", visible(&study.cell));
         let is_stopped = study.split_count < study.options.splits;
         let findings = with_stopped(context, study.findings.clone(), is_stopped, &[]);
         let verdict = [done, came, next];
@@ -134,18 +117,13 @@ fn key(study: &MeasuredStudy) -> DataTable {
         "RMS error of a displacement component at the postures outside the pool, ± its standard error, and share \
          of the splits in which the choice predicts better than chance",
         "postures, chosen by",
-        rows.iter()
-            .map(|own| format!("{}, {}", own.postures, in_words(own.choice))),
+        rows.iter().map(|own| format!("{}, {}", own.postures, in_words(own.choice))),
     );
     let models = [ElasticChoice::Axes, ElasticChoice::Mixed];
     for model in models {
-        table = table.words(format!("{} [mm]", model.in_words()), |row| {
-            match place(row, model) {
-                Some(own) => Text::from(mm(own.mean_m))
-                    .words(" ")
-                    .number(mm(own.standard_error_m).plus_minus()),
-                None => Text::default(),
-            }
+        table = table.words(format!("{} [mm]", model.in_words()), |row| match place(row, model) {
+            Some(own) => Text::from(mm(own.mean_m)).words(" ").number(mm(own.standard_error_m).plus_minus()),
+            None => Text::default(),
         });
     }
     for model in models {

@@ -18,10 +18,7 @@ pub struct DataTable {
 
 impl DataTable {
     /// A table without rows.
-    pub fn new<S: Into<String>>(
-        caption: impl Into<String>,
-        headings: impl IntoIterator<Item = S>,
-    ) -> Self {
+    pub fn new<S: Into<String>>(caption: impl Into<String>, headings: impl IntoIterator<Item = S>) -> Self {
         DataTable {
             caption: caption.into(),
             headings: headings.into_iter().map(Into::into).collect(),
@@ -30,11 +27,7 @@ impl DataTable {
     }
 
     /// A table with a row for each name; columns are added to it.
-    pub fn of<T: Into<Text>>(
-        caption: impl Into<String>,
-        heading: &str,
-        names: impl IntoIterator<Item = T>,
-    ) -> Self {
+    pub fn of<T: Into<Text>>(caption: impl Into<String>, heading: &str, names: impl IntoIterator<Item = T>) -> Self {
         let mut table = DataTable::new(caption, [heading]);
         table.rows = names.into_iter().map(|name| vec![name.into()]).collect();
         table
@@ -55,12 +48,7 @@ impl DataTable {
 
     /// Adds a column of numbers on the right, its unit in the heading; one without a number in any row is left out.
     #[must_use]
-    pub fn numbers(
-        self,
-        heading: &str,
-        quantity: Quantity,
-        cell: impl Fn(usize) -> Option<Number>,
-    ) -> Self {
+    pub fn numbers(self, heading: &str, quantity: Quantity, cell: impl Fn(usize) -> Option<Number>) -> Self {
         let heading = match quantity.unit {
             "" => heading.to_string(),
             unit => format!("{heading} [{unit}]"),

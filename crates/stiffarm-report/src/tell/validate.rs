@@ -4,9 +4,7 @@ use super::arrows::{Residuals, residual_section};
 use super::identify::readings;
 use crate::order::in_order;
 use crate::path::norm;
-use crate::tell::{
-    Block, DataTable, Given, Number, Outcome, Quantity, Section, Telling, Text, Told,
-};
+use crate::tell::{Block, DataTable, Given, Number, Outcome, Quantity, Section, Telling, Text, Told};
 use crate::validated::validation_figure;
 use stiffarm::Result;
 use stiffarm::ask::validate::{Options, Validated};
@@ -25,11 +23,7 @@ impl Telling<Options> for Validated {
         let all = self;
         let found = &all.validation;
         let findings = all.every_finding();
-        let verdict = [
-            done(options, context, found),
-            came(found),
-            next(found, &findings),
-        ];
+        let verdict = [done(options, context, found), came(found), next(found, &findings)];
         let mut sections = Vec::new();
         if context.pictures {
             sections.push(Section::new(
@@ -73,12 +67,8 @@ fn done(options: &Options, context: &Given<'_>, found: &Validation) -> Text {
                 "each predicted by a fit without it, in {folds} folds of postures under the loads that were measured"
             )
         }
-        (None, Model::Linear) => {
-            "calculated from the saved stiffness with the linear model".to_string()
-        }
-        (None, Model::Equilibrium) => {
-            "calculated from the saved stiffness with the exact equilibrium".to_string()
-        }
+        (None, Model::Linear) => "calculated from the saved stiffness with the linear model".to_string(),
+        (None, Model::Equilibrium) => "calculated from the saved stiffness with the exact equilibrium".to_string(),
     };
     Text::new(format!(
         "{} displacements at {postures} {} were {how}, and compared with what was measured there, Eq. (22).{}",
@@ -96,11 +86,7 @@ fn fits(options: &Options, context: &Given<'_>) -> String {
     let robot = context.cell.map(|cell| &cell.setup.robot);
     let names = robot.map(|robot| fit.extra.iter().map(|term| term.name(robot)).collect());
     let names: Vec<String> = names.unwrap_or_default();
-    let terms = if names.is_empty() {
-        String::new()
-    } else {
-        format!(", with {}", list(&names))
-    };
+    let terms = if names.is_empty() { String::new() } else { format!(", with {}", list(&names)) };
     let elastic = match fit.elastic {
         ElasticChoice::Mixed => "mixed, its sizes found anew in each fold",
         _ => "the joint axes alone",
@@ -124,17 +110,11 @@ fn came(found: &Validation) -> Text {
         .number(mm(found.deviation_max_m));
     if found.displacement_rms_m > 0.0 {
         let share = Number::computed(found.deviation_rms_m / found.displacement_rms_m);
-        text = text
-            .words(": ")
-            .number(share.percent().significant(2))
-            .words(" of the displacements");
+        text = text.words(": ").number(share.percent().significant(2)).words(" of the displacements");
     }
     text = text.words(".");
     if found.noise_expectation_m > 0.0 {
-        text = text
-            .words(" Noise alone gives ")
-            .number(mm(found.noise_expectation_m))
-            .words(" on average.");
+        text = text.words(" Noise alone gives ").number(mm(found.noise_expectation_m)).words(" on average.");
     }
     if let Some(band) = &found.band {
         let level = (1000.0 * band.confidence).round() / 10.0;
@@ -144,16 +124,10 @@ fn came(found: &Validation) -> Text {
         ));
     }
     if let Some(factor) = found.compensation_factor {
-        let at_least = if found.compensation_factor_is_bound {
-            "at least "
-        } else {
-            ""
-        };
+        let at_least = if found.compensation_factor_is_bound { "at least " } else { "" };
         let text_of = text.words(" Compensated as calculated, the errors would have been ");
         text = if factor < 1.0 {
-            text_of
-                .number(Number::computed(1.0 / factor).significant(3))
-                .words(" times larger.")
+            text_of.number(Number::computed(1.0 / factor).significant(3)).words(" times larger.")
         } else {
             text_of
                 .words(at_least)
@@ -197,9 +171,7 @@ fn next(found: &Validation, findings: &[Finding]) -> Text {
         };
         return Text::new("Measure more postures like ")
             .strong(names(&found.unpredicted))
-            .words(format!(
-                ": {others} determine every joint that moves there."
-            ));
+            .words(format!(": {others} determine every joint that moves there."));
     }
     let outside = findings.iter().any(|f| f.code == codes::OUTSIDE_BANDS);
     if let (Some(tolerance), Some(false), false) = (found.tolerance_m, found.passed, outside) {
@@ -210,12 +182,10 @@ fn next(found: &Validation, findings: &[Finding]) -> Text {
                 .number(noise)
                 .words(" on average. Ask for a larger one, or read each point more often.")
         } else {
-            Text::new("By noise alone these readings deviate by ")
-                .number(noise)
-                .words(
-                    " on average. Read each point more often and validate again: that tells whether the stiffness or the \
+            Text::new("By noise alone these readings deviate by ").number(noise).words(
+                " on average. Read each point more often and validate again: that tells whether the stiffness or the \
                      readings are not good enough.",
-                )
+            )
         };
     }
     if outside || found.passed == Some(false) {
@@ -230,8 +200,7 @@ fn next(found: &Validation, findings: &[Finding]) -> Text {
             .code("--folds")
             .words(" predicts each by a fit without it.");
     }
-    if found.noise_expectation_m > 0.0 && found.deviation_rms_m > MODEL * found.noise_expectation_m
-    {
+    if found.noise_expectation_m > 0.0 && found.deviation_rms_m > MODEL * found.noise_expectation_m {
         return Text::new("At postures like these count on errors of ")
             .number(Number::new(found.deviation_max_m).mm().decimals(2))
             .words(": what is left is the model's, not the tracker's.");
@@ -271,28 +240,19 @@ fn table(found: &Validation, caption: &str, rows: &[usize]) -> DataTable {
     let size = |v: &[f64; 3]| Some(Number::computed(norm(*v)));
     let names = (0..rows.len()).map(|row| visible(&point(row).posture).into_owned());
     DataTable::of(caption, "posture", names)
-        .words("load state", |row| {
-            if has_states {
-                visible(&point(row).state).into_owned().into()
-            } else {
-                Text::default()
-            }
-        })
-        .words("point", |row| {
-            visible(&point(row).point).into_owned().into()
-        })
-        .numbers("measured", Quantity::LENGTH, |row| {
-            size(&point(row).measured_m)
-        })
-        .numbers("calculated", Quantity::LENGTH, |row| {
-            size(&point(row).calculated_m)
-        })
+        .words(
+            "load state",
+            |row| {
+                if has_states { visible(&point(row).state).into_owned().into() } else { Text::default() }
+            },
+        )
+        .words("point", |row| visible(&point(row).point).into_owned().into())
+        .numbers("measured", Quantity::LENGTH, |row| size(&point(row).measured_m))
+        .numbers("calculated", Quantity::LENGTH, |row| size(&point(row).calculated_m))
         .numbers("± calculated", Quantity::LENGTH, |row| {
             Some(Number::new(point(row).band.as_ref()?.norm_half_width_m))
         })
-        .numbers("deviation", Quantity::LENGTH, |row| {
-            Some(Number::new(point(row).deviation_m))
-        })
+        .numbers("deviation", Quantity::LENGTH, |row| Some(Number::new(point(row).deviation_m)))
         .words("outside its band along", |row| outside(point(row)))
 }
 
@@ -302,11 +262,7 @@ fn outside(point: &PointDeviation) -> Text {
     let axes = ["x", "y", "z"].into_iter().zip(inside);
     let axes = axes.filter_map(|(axis, inside)| (!inside).then_some(axis));
     let axes: Vec<&str> = axes.collect();
-    if axes.is_empty() {
-        Text::default()
-    } else {
-        Text::default().strong(axes.join(" "))
-    }
+    if axes.is_empty() { Text::default() } else { Text::default().strong(axes.join(" ")) }
 }
 
 /// Every point, folded away.
@@ -334,10 +290,7 @@ fn cell(context: &Given<'_>, found: &Validation) -> Result<Option<Section>> {
             posture: &posture.posture,
             angles: &posture.angles,
             wrench: posture.wrench,
-            size: at
-                .iter()
-                .map(|(_, v)| v.iter().map(|c| c * c).sum::<f64>())
-                .fold(0.0, f64::max),
+            size: at.iter().map(|(_, v)| v.iter().map(|c| c * c).sum::<f64>()).fold(0.0, f64::max),
             at,
         }
     });

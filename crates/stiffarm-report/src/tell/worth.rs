@@ -3,8 +3,7 @@
 use super::postures::name_of;
 use crate::level::level;
 use crate::selection::{
-    Deviations, correlation_figure, dexterity_figure, expected_deviation_figure,
-    singular_values_figure,
+    Deviations, correlation_figure, dexterity_figure, expected_deviation_figure, singular_values_figure,
 };
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, shown};
 use stiffarm::Termination;
@@ -12,12 +11,11 @@ use stiffarm::findings::{list, visible};
 use stiffarm::model::cell::Cell;
 use stiffarm::plan::certificate::JointEfficiency;
 use stiffarm::plan::characteristic_length::with_length;
-use stiffarm::plan::index::{
-    FIRST_ORDER_LIMIT, Forecast, GroupEvaluation, Index, expected_deviation,
-};
+use stiffarm::plan::index::{FIRST_ORDER_LIMIT, Forecast, GroupEvaluation, Index, expected_deviation};
 
 /// What to know where some joint is beyond what the first order says.
-pub(super) const UNSURE: &str = "A joint's relative standard error is above 10 %: its stiffness may come out far from the truth.";
+pub(super) const UNSURE: &str =
+    "A joint's relative standard error is above 10 %: its stiffness may come out far from the truth.";
 
 /// A group with what it tells.
 pub(super) struct Worth<'a> {
@@ -55,14 +53,8 @@ pub(super) fn least_sure(evaluation: &GroupEvaluation, joints: &[String]) -> Tex
     };
     let name = &joint_names(joints, evaluation)[worst];
     let (begin, end) = match forecast {
-        Some(_) => (
-            format!(" Least sure will be {name}: "),
-            " in what identify prints, systematic errors included.",
-        ),
-        None => (
-            format!(" By noise alone {name} is least sure, with a standard error of "),
-            ".",
-        ),
+        Some(_) => (format!(" Least sure will be {name}: "), " in what identify prints, systematic errors included."),
+        None => (format!(" By noise alone {name} is least sure, with a standard error of "), "."),
     };
     let number = Number::new(error).percent();
     let number = match forecast {
@@ -103,19 +95,13 @@ pub(super) fn worth_sections(
     let noise = given.cell.map(|cell| cell.noise.displacement_std());
     let evaluations: Vec<GroupEvaluation> = groups
         .iter()
-        .map(|group| GroupEvaluation {
-            name: visible(&group.evaluation.name).into_owned(),
-            ..group.evaluation.clone()
-        })
+        .map(|group| GroupEvaluation { name: visible(&group.evaluation.name).into_owned(), ..group.evaluation.clone() })
         .collect();
     let all: Vec<&GroupEvaluation> = evaluations.iter().collect();
     let names = joint_names(joints, first.evaluation);
     let mut sections = Vec::new();
     if let Some(table) = joint_table(joints, groups, bounds) {
-        let deviations = all.iter().map(|group| Deviations {
-            name: &group.name,
-            each: &group.expected_deviation,
-        });
+        let deviations = all.iter().map(|group| Deviations { name: &group.name, each: &group.expected_deviation });
         let deviations: Vec<Deviations<'_>> = deviations.collect();
         let lowest = bounds.iter().map(|joint| expected_deviation(joint.bound));
         let lowest: Vec<f64> = lowest.collect();
@@ -140,28 +126,15 @@ pub(super) fn worth_sections(
     }
     let mut blocks = vec![Block::Figure(singular_values_figure(&all, noise))];
     blocks.extend(correlation_figure(&names, &all).map(Block::Figure));
-    let tables = groups
-        .iter()
-        .filter(|g| !g.evaluation.correlation.is_empty());
-    let tables: Vec<Block> = tables
-        .map(|group| Block::Table(correlations(&names, group)))
-        .collect();
+    let tables = groups.iter().filter(|g| !g.evaluation.correlation.is_empty());
+    let tables: Vec<Block> = tables.map(|group| Block::Table(correlations(&names, group))).collect();
     if !tables.is_empty() {
-        blocks.push(Block::Details(
-            "Correlations as numbers".to_string(),
-            tables,
-        ));
+        blocks.push(Block::Details("Correlations as numbers".to_string(), tables));
     }
-    sections.push(Section::new(
-        "apart",
-        "What the readings tell apart",
-        blocks,
-    ));
+    sections.push(Section::new("apart", "What the readings tell apart", blocks));
     let named: Vec<Vec<String>> = groups.iter().map(|g| shown(g.posture_names)).collect();
     let with_names = all.iter().zip(&named);
-    let with_names: Vec<(&GroupEvaluation, &[String])> = with_names
-        .map(|(g, names)| (*g, names.as_slice()))
-        .collect();
+    let with_names: Vec<(&GroupEvaluation, &[String])> = with_names.map(|(g, names)| (*g, names.as_slice())).collect();
     let figure = dexterity_figure(&with_names).map(Block::Figure);
     let mut blocks: Vec<Block> = figure.into_iter().collect();
     blocks.push(Block::Table(indices(groups)));
@@ -174,21 +147,14 @@ pub(super) fn worth_sections(
     let dexterity = groups.iter().filter_map(|group| dexterity(group));
     let dexterity: Vec<Block> = dexterity.map(Block::Table).collect();
     if !dexterity.is_empty() {
-        blocks.push(Block::Details(
-            "k(J_N) of each posture".to_string(),
-            dexterity,
-        ));
+        blocks.push(Block::Details("k(J_N) of each posture".to_string(), dexterity));
     }
     sections.push(Section::new("indices", "The indices", blocks));
     sections
 }
 
 /// What each joint can be expected to have, beside the least that is possible; `None` where nothing is known of it.
-pub(super) fn joint_table(
-    joints: &[String],
-    groups: &[Worth<'_>],
-    bounds: &[JointEfficiency],
-) -> Option<DataTable> {
+pub(super) fn joint_table(joints: &[String], groups: &[Worth<'_>], bounds: &[JointEfficiency]) -> Option<DataTable> {
     let is_known = |group: &Worth<'_>| {
         let errors = &group.evaluation.relative_standard_error;
         errors.iter().any(Option::is_some)
@@ -227,19 +193,15 @@ pub(super) fn joint_table(
     }
     let bound = |j: usize| bounds.get(j).filter(|known| known.bound > 0.0);
     let share = Quantity::new("%", 100.0, Form::Decimals(1));
-    table = table
-        .numbers("no plan below", errors, |j| {
-            Some(Number::new(bound(j)?.bound))
-        })
-        .numbers("of what is possible", share, |j| {
-            Some(Number::new(bound(j)?.efficiency))
-        });
+    table = table.numbers("no plan below", errors, |j| Some(Number::new(bound(j)?.bound))).numbers(
+        "of what is possible",
+        share,
+        |j| Some(Number::new(bound(j)?.efficiency)),
+    );
     for group in groups {
-        table = table.numbers(
-            &heading("± identified", "± ", group),
-            Quantity::PERCENT,
-            |j| part(group, |found| &found.total, j),
-        );
+        table = table.numbers(&heading("± identified", "± ", group), Quantity::PERCENT, |j| {
+            part(group, |found| &found.total, j)
+        });
     }
     Some(match groups {
         [group] => table.words("largest source", |j| source(group, j)),
@@ -276,16 +238,8 @@ fn error_parts(joints: &[String], group: &Worth<'_>) -> Option<DataTable> {
     let number = |of: Part| move |j: usize| part(group, of, j);
     let table = DataTable::of(caption, "joint", joints.iter().cloned())
         .numbers("total", Quantity::PERCENT, number(|found| &found.total))
-        .numbers(
-            "readings",
-            Quantity::PERCENT,
-            number(|found| &found.readings),
-        )
-        .numbers(
-            "systematic",
-            Quantity::PERCENT,
-            number(|found| &found.systematic),
-        )
+        .numbers("readings", Quantity::PERCENT, number(|found| &found.readings))
+        .numbers("systematic", Quantity::PERCENT, number(|found| &found.systematic))
         .words("largest source", |j| source(group, j));
     (table.headings.len() > 1).then_some(table)
 }
@@ -293,17 +247,11 @@ fn error_parts(joints: &[String], group: &Worth<'_>) -> Option<DataTable> {
 /// The joints whose bound is looser than the tolerance, with how much higher a tight one could be at most; `None`
 /// where there is none.
 fn loose(bounds: &[JointEfficiency]) -> Option<Text> {
-    let loose = bounds
-        .iter()
-        .filter(|joint| joint.termination != Termination::Converged);
+    let loose = bounds.iter().filter(|joint| joint.termination != Termination::Converged);
     let each = loose.map(|joint| {
         // The bound is a root: 1/(1 + residual) of its square is certain.
         let higher = Number::computed((1.0 + joint.residual).sqrt() - 1.0).of(Quantity::PERCENT);
-        format!(
-            "{} (up to {} too low)",
-            visible(&joint.joint),
-            higher.text()
-        )
+        format!("{} (up to {} too low)", visible(&joint.joint), higher.text())
     });
     let each: Vec<String> = each.collect();
     (!each.is_empty()).then(|| format!("Bounds that are not tight: {}.", list(&each)).into())
@@ -332,9 +280,7 @@ fn correlations(joints: &[String], group: &Worth<'_>) -> DataTable {
     let mut table = DataTable::of(caption, "", joints.iter().cloned());
     let number = Quantity::new("", 1.0, Form::Decimals(2));
     for (j, joint) in joints.iter().enumerate() {
-        table = table.numbers(joint, number, |i| {
-            Some(Number::new(group.evaluation.correlation[i][j]))
-        });
+        table = table.numbers(joint, number, |i| Some(Number::new(group.evaluation.correlation[i][j])));
     }
     table
 }
@@ -350,8 +296,7 @@ pub(super) fn indices(groups: &[Worth<'_>]) -> DataTable {
         "" => index.in_words(),
         unit => format!("{} [{unit}]", index.in_words()),
     });
-    let caption =
-        "All indices; the lower, the better, unless said otherwise; – where one does not exist";
+    let caption = "All indices; the lower, the better, unless said otherwise; – where one does not exist";
     let mut table = DataTable::of(caption, "index", names);
     for group in groups {
         let name = visible(&group.evaluation.name);

@@ -44,11 +44,7 @@ impl Telling<Asked> for Zones {
                 .words(": dexterity 1/k(J_N) up to ")
                 .number(Number::new(best.inverse_condition).significant(3))
                 .words(", K_C changes the translation by ")
-                .number(
-                    Number::new(best.translation_deviation)
-                        .percent()
-                        .significant(2),
-                )
+                .number(Number::new(best.translation_deviation).percent().significant(2))
                 .words(" there."),
             None => Text::new("No posture of the map is both dexterous and little touched by K_C."),
         };
@@ -69,18 +65,10 @@ impl Telling<Asked> for Zones {
                 ["quantity", "smallest", "median", "largest", "best posture"],
             )
         } else {
-            DataTable::new(
-                "Range over the map",
-                ["quantity", "smallest", "median", "largest"],
-            )
+            DataTable::new("Range over the map", ["quantity", "smallest", "median", "largest"])
         };
         let rows = [
-            (
-                "dexterity 1/k(J_N)",
-                zones.inverse_condition_range,
-                best.map(|best| best.inverse_condition),
-                1.0,
-            ),
+            ("dexterity 1/k(J_N)", zones.inverse_condition_range, best.map(|best| best.inverse_condition), 1.0),
             (
                 "translation with against without K_C [%]",
                 zones.translation_range,
@@ -106,10 +94,7 @@ impl Telling<Asked> for Zones {
         let mut sections = Vec::new();
         if let Some(best) = &zones.best {
             let group = PostureGroup::from_angles("best posture", [best.best_q.clone()]);
-            sections.push(context.cell_section(
-                &[group],
-                "The cell at the most dexterous posture of the best zone.",
-            )?);
+            sections.push(context.cell_section(&[group], "The cell at the most dexterous posture of the best zone.")?);
         }
         let map = Block::Figure(zones_figure(&zones));
         let mut blocks = vec![map];

@@ -104,23 +104,13 @@ fn bars_of_the_stiffness_end_where_the_table_says() {
     }
     assert_eq!(open, 0);
     // Joint 6 as the table has it, and not k ± half width.
-    let [Some(low), Some(high)] = identified.interval[5] else {
-        panic!("{identified:?}")
-    };
+    let [Some(low), Some(high)] = identified.interval[5] else { panic!("{identified:?}") };
     assert!((low - 0.133).abs() < 0.002 && (high - 0.460).abs() < 0.01);
     let page = report(&[WithCell::new(&saved, Some(&cell))]).unwrap();
     let html = render_page(&page);
-    assert!(
-        html.contains("joint 6: 0.206 (0.13"),
-        "what the pointer meets"
-    );
+    assert!(html.contains("joint 6: 0.206 (0.13"), "what the pointer meets");
     let csv = figure_csv(&figure);
-    assert!(
-        csv.lines()
-            .next()
-            .unwrap()
-            .ends_with(",error,value,from,to")
-    );
+    assert!(csv.lines().next().unwrap().ends_with(",error,value,from,to"));
 }
 
 #[test]
@@ -133,15 +123,9 @@ fn a_joint_without_an_estimate_has_its_lower_bound() {
         total: None,
         interval,
     };
-    let rows = [
-        row(Some(2e6), [Some(1e6), None]),
-        row(None, [Some(3e6), None]),
-        row(None, [None, None]),
-    ];
+    let rows = [row(Some(2e6), [Some(1e6), None]), row(None, [Some(3e6), None]), row(None, [None, None])];
     let figure = stiffness_figure(&rows, &[], &[], 0.95);
-    let [identified, bound] = figure.panels[0].series.as_slice() else {
-        panic!("{:?}", figure.panels[0].series)
-    };
+    let [identified, bound] = figure.panels[0].series.as_slice() else { panic!("{:?}", figure.panels[0].series) };
     assert_eq!(identified.interval, [[Some(1.0), None]]);
     assert_eq!((&bound.x[..], &bound.y[..]), (&[1.0][..], &[3.0][..]));
     assert_eq!(bound.interval, [[Some(3.0), None]]);

@@ -19,9 +19,7 @@ use stiffarm::work::map::{PlaceOptions, place, stiffness_map};
 use stiffarm_files::builtin;
 use stiffarm_files::table::read_path;
 use stiffarm_report::figure::Panel;
-use stiffarm_report::tell::{
-    Block, DataTable, Depth, Given, Outcome, Telling, Text, Told, WithCell, tell,
-};
+use stiffarm_report::tell::{Block, DataTable, Depth, Given, Outcome, Telling, Text, Told, WithCell, tell};
 use stiffarm_report::{compensation_figure, prediction_figure};
 
 fn cell() -> (Cell, Saved) {
@@ -32,10 +30,7 @@ fn cell() -> (Cell, Saved) {
 
 /// Deflections at the cell's tasks.
 fn tasks(cell: &Cell, saved: &Saved, matrix: bool) -> Predicted {
-    let request = PredictOptions {
-        matrix,
-        ..PredictOptions::default()
-    };
+    let request = PredictOptions { matrix, ..PredictOptions::default() };
     let control = Control::default();
     let loaded = request.loaded(cell.clone(), &saved.predictor, None, control);
     request.predict(&loaded.unwrap(), saved, control).unwrap()
@@ -44,26 +39,14 @@ fn tasks(cell: &Cell, saved: &Saved, matrix: bool) -> Predicted {
 /// The built-in path.
 fn contour(cell: &Cell) -> Vec<PathPoint> {
     let text = builtin::path_text("contour").unwrap();
-    read_path(text.as_bytes(), "contour", cell, None)
-        .unwrap()
-        .points
+    read_path(text.as_bytes(), "contour", cell, None).unwrap().points
 }
 
 /// What is said of a result of `command`, checked to be the same from the result as it was made as from its file.
-fn told<O: Serialize, R: Serialize + Telling<O>>(
-    command: &str,
-    cell: &Cell,
-    options: &O,
-    result: &R,
-) -> Told {
+fn told<O: Serialize, R: Serialize + Telling<O>>(command: &str, cell: &Cell, options: &O, result: &R) -> Told {
     let whole = saved_with(command, json!(options), json!(result));
     let from_file = tell(&WithCell::new(&whole, Some(cell)).in_words()).unwrap();
-    let given = Given {
-        command,
-        name: "result",
-        cell: Some(cell),
-        pictures: false,
-    };
+    let given = Given { command, name: "result", cell: Some(cell), pictures: false };
     let made = result.told(options, &given).unwrap();
     assert_eq!(words(&made), words(&from_file));
     // The page has pictures beside the same words.
@@ -79,10 +62,7 @@ fn words(told: &Told) -> Vec<String> {
     told.key.iter().for_each(|key| table(key, &mut out));
     for section in &told.sections {
         out.push(section.title.clone());
-        section
-            .blocks
-            .iter()
-            .for_each(|block| words_of(block, &mut out));
+        section.blocks.iter().for_each(|block| words_of(block, &mut out));
     }
     out
 }
@@ -126,10 +106,7 @@ fn deflections_are_said_with_the_matrices_that_were_asked_for() {
     assert!(summary(&plain).is_empty());
     // A column without a number is left out.
     let headings = &plain.key.as_ref().unwrap().headings;
-    assert!(
-        headings.iter().all(|heading| !heading.contains('±')),
-        "{headings:?}"
-    );
+    assert!(headings.iter().all(|heading| !heading.contains('±')), "{headings:?}");
     let found = tasks(&cell, &prior, true);
     let matrices = told("predict", &cell, &PredictOptions::default(), &found);
     assert_eq!(summary(&matrices), ["matrices"]);
@@ -139,20 +116,12 @@ fn deflections_are_said_with_the_matrices_that_were_asked_for() {
 fn what_is_serious_stands_before_the_numbers() {
     let (cell, mut prior) = cell();
     let sentence = "The stiffness cannot be used as it is.";
-    let doubt = Finding::new(
-        "stiffness-doubtful",
-        Severity::Serious,
-        "stiffness",
-        sentence,
-    );
+    let doubt = Finding::new("stiffness-doubtful", Severity::Serious, "stiffness", sentence);
     prior.predictor.doubts.push(doubt);
     let found = tasks(&cell, &prior, false);
     let told = told("predict", &cell, &PredictOptions::default(), &found);
     let [_, came, next] = told.verdict.each_ref().map(Text::plain);
-    assert!(
-        came.starts_with(&format!("{sentence} As it is: The tool bends away by")),
-        "{came}"
-    );
+    assert!(came.starts_with(&format!("{sentence} As it is: The tool bends away by")), "{came}");
     assert!(next.starts_with("Do not use these numbers"), "{next}");
     assert_eq!(told.outcome, Outcome::Serious);
 }
@@ -163,21 +132,14 @@ fn corrections_and_what_they_leave() {
     let options = PathOptions::default();
     let control = Control::default();
     let points = contour(&cell);
-    let followed = options
-        .follow(&cell, &prior.predictor, &points, control)
-        .unwrap();
-    let found = options
-        .compensate(&cell, &prior, &followed, control)
-        .unwrap();
+    let followed = options.follow(&cell, &prior.predictor, &points, control).unwrap();
+    let found = options.compensate(&cell, &prior, &followed, control).unwrap();
     let told = told("compensate", &cell, &options, &found);
     let done = told.verdict[0].plain();
     assert!(done.contains("The path of 61 points"), "{done}");
     assert!(done.contains("inverse kinematics in closed form"), "{done}");
     let key = told.key.unwrap();
-    assert_eq!(
-        (key.rows.len(), key.headings[0].as_str()),
-        (12, "worst points")
-    );
+    assert_eq!((key.rows.len(), key.headings[0].as_str()), (12, "worst points"));
 }
 
 #[test]
@@ -191,10 +153,7 @@ fn a_map_names_its_places() {
             to_mm: Some([from + 800.0, 500.0, 800.0]),
             steps: Some(Steps::Longest(5)),
         };
-        let request = MapOptions {
-            region,
-            ..MapOptions::default()
-        };
+        let request = MapOptions { region, ..MapOptions::default() };
         let options = request.map_options(&cell).unwrap();
         let found = stiffness_map(&cell, &prior.predictor, &options, Control::default());
         let options = request.options(&options, &cell);
@@ -203,10 +162,7 @@ fn a_map_names_its_places() {
     let said = map(1400.0);
     let [done, came, _] = said.verdict.each_ref().map(Text::plain);
     assert!(done.contains("x 1400 to 2200 mm"), "{done}");
-    assert!(
-        done.contains("z = 800 mm, with its axis along (0, 0, −1)"),
-        "{done}"
-    );
+    assert!(done.contains("z = 800 mm, with its axis along (0, 0, −1)"), "{done}");
     assert!(came.starts_with("It gives way least at x = "), "{came}");
     assert_eq!(summary(&said), ["map"]);
     let angles = said.sections.iter().find(|s| s.id == "postures").unwrap();
@@ -216,10 +172,7 @@ fn a_map_names_its_places() {
     // Where nothing is reachable that is what came out.
     let nowhere = map(5000.0);
     let [_, came, next] = nowhere.verdict.each_ref().map(Text::plain);
-    assert!(
-        came.starts_with("No node of the map is reachable") && !came.contains("As it is"),
-        "{came}"
-    );
+    assert!(came.starts_with("No node of the map is reachable") && !came.contains("As it is"), "{came}");
     assert!(next.contains("--from-mm"), "{next}");
     assert!(nowhere.key.is_none());
 }
@@ -235,19 +188,8 @@ fn the_best_place_comes_as_lines_of_the_cell() {
         options
     };
     let points = contour(&cell);
-    let found = place(
-        &cell,
-        &prior.predictor,
-        &points,
-        &options,
-        Control::default(),
-    );
-    let said = told(
-        "map",
-        &cell,
-        &MapOptions::default().of_places(&options),
-        &found.unwrap(),
-    );
+    let found = place(&cell, &prior.predictor, &points, &options, Control::default());
+    let said = told("map", &cell, &MapOptions::default().of_places(&options), &found.unwrap());
     assert_eq!(summary(&said), ["lines"]);
     let lines = said.sections.iter().find(|s| s.id == "lines").unwrap();
     let mut all = Vec::new();
@@ -255,57 +197,37 @@ fn the_best_place_comes_as_lines_of_the_cell() {
     assert!(all[0].starts_with("workpiece_mm = ["), "{all:?}");
     assert!(all[1].starts_with("workpiece_rpy_deg = ["), "{all:?}");
     let done = said.verdict[0].plain();
-    assert!(
-        done.contains("27 places of the workpiece in x 1500 to 2100 mm"),
-        "{done}"
-    );
+    assert!(done.contains("27 places of the workpiece in x 1500 to 2100 mm"), "{done}");
 }
 
 /// Curves of a panel by their label, one after the other.
 fn curve(panel: &Panel, label: &str) -> Vec<[f64; 2]> {
     let own = panel.series.iter().filter(|series| series.label == label);
-    own.flat_map(|series| series.x.iter().zip(&series.y).map(|(x, y)| [*x, *y]))
-        .collect()
+    own.flat_map(|series| series.x.iter().zip(&series.y).map(|(x, y)| [*x, *y])).collect()
 }
 
 #[test]
 fn the_part_is_drawn_in_the_workpiece_frame() {
     let (mut cell, saved) = cell();
-    cell.work.workpiece =
-        Isometry3::new(Vector3::new(1.7, -0.2, 0.8), Vector3::new(0.1, -0.2, 0.6));
+    cell.work.workpiece = Isometry3::new(Vector3::new(1.7, -0.2, 0.8), Vector3::new(0.1, -0.2, 0.6));
     let mut points = contour(&cell);
     // Air in the middle of the path.
     for point in &mut points[20..25] {
-        point.load = Some(TipLoad {
-            force: Vector3::zeros(),
-            moment: Vector3::zeros(),
-            axes: ForceAxes::Base,
-        });
+        point.load = Some(TipLoad { force: Vector3::zeros(), moment: Vector3::zeros(), axes: ForceAxes::Base });
     }
     let options = PathOptions::default();
     let control = Control::default();
-    let followed = options
-        .follow(&cell, &saved.predictor, &points, control)
-        .unwrap();
-    let found = options
-        .compensate(&cell, &saved, &followed, control)
-        .unwrap()
-        .compensation;
+    let followed = options.follow(&cell, &saved.predictor, &points, control).unwrap();
+    let found = options.compensate(&cell, &saved, &followed, control).unwrap().compensation;
     let figure = compensation_figure(&found, Some(&cell.work.workpiece));
     let plain = compensation_figure(&found, None);
     assert_eq!(figure.panels[..plain.panels.len()], plain.panels);
     let panel = &figure.panels[plain.panels.len()];
-    let times: f64 = panel
-        .title
-        .split(' ')
-        .find_map(|word| word.parse().ok())
-        .unwrap();
+    let times: f64 = panel.title.split(' ').find_map(|word| word.parse().ok()).unwrap();
     // The path lies in the workpiece's xy plane, and each curve has a gap.
     assert_eq!((panel.x.label.as_str(), panel.y.label.as_str()), ("x", "y"));
     assert_eq!(panel.series.len(), 3 * 2);
-    let working: Vec<usize> = (0..points.len())
-        .filter(|i| !(20..25).contains(i))
-        .collect();
+    let working: Vec<usize> = (0..points.len()).filter(|i| !(20..25).contains(i)).collect();
     let frame = cell.work.workpiece.to_homogeneous().try_inverse().unwrap();
     let inside = |tip: [f64; 3], shift: [f64; 3]| {
         let [x, y, z] = [0, 1, 2].map(|i| tip[i] + times * shift[i]);
@@ -321,20 +243,14 @@ fn the_part_is_drawn_in_the_workpiece_frame() {
     };
     let expected: [(&str, Vec<[f64; 2]>); 3] = [
         ("as it should be", of(|_| [0.0; 3])),
-        (
-            "as the tool bends away",
-            of(|own| own.uncompensated_shift_m),
-        ),
+        ("as the tool bends away", of(|own| own.uncompensated_shift_m)),
         ("as it is commanded", of(|own| own.correction_m)),
     ];
     for (label, expected) in expected {
         let drawn = curve(panel, label);
         assert_eq!(drawn.len(), expected.len(), "{label}");
         for (drawn, expected) in drawn.iter().flatten().zip(expected.iter().flatten()) {
-            assert!(
-                (drawn - expected).abs() < 1e-9,
-                "{label}: {drawn} {expected}"
-            );
+            assert!((drawn - expected).abs() < 1e-9, "{label}: {drawn} {expected}");
         }
     }
     // The largest shift is drawn at a tenth of the part at most, and at more than a thirtieth.
@@ -343,11 +259,7 @@ fn the_part_is_drawn_in_the_workpiece_frame() {
         let values = nominal.iter().map(|at| at[axis]);
         values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
     };
-    let largest = found
-        .points
-        .iter()
-        .map(|own| own.uncompensated_m)
-        .fold(0.0, f64::max);
+    let largest = found.points.iter().map(|own| own.uncompensated_m).fold(0.0, f64::max);
     let share = 1e3 * largest * times / span(0).max(span(1));
     assert!((1.0 / 30.0..=0.1).contains(&share), "{share}");
 }
@@ -360,15 +272,9 @@ fn what_is_not_bent_has_no_picture_of_the_part() {
     let request = PredictOptions::default();
     let control = Control::default();
     let loaded = request.loaded(cell.clone(), &saved.predictor, Some(&points), control);
-    let found = request
-        .predict(&loaded.unwrap(), &saved, control)
-        .unwrap()
-        .prediction;
+    let found = request.predict(&loaded.unwrap(), &saved, control).unwrap().prediction;
     let workpiece = Some(&cell.work.workpiece);
-    assert_eq!(
-        prediction_figure(&found, workpiece),
-        prediction_figure(&found, None)
-    );
+    assert_eq!(prediction_figure(&found, workpiece), prediction_figure(&found, None));
 }
 
 /// What rules the ± stands in the first lines, and not once more below them.

@@ -30,9 +30,7 @@ fn drawn(cell: &Cell, posture: &Posture) -> Drawing {
 
 fn lines(marks: &[Mark], tone: Tone, red: bool) -> usize {
     let of_kind = marks.iter().filter(|m| m.tone == tone && m.caution == red);
-    of_kind
-        .filter(|m| matches!(m.shape, Shape::Line(_)))
-        .count()
+    of_kind.filter(|m| matches!(m.shape, Shape::Line(_))).count()
 }
 
 #[test]
@@ -54,20 +52,14 @@ fn red_is_there_exactly_where_a_limit_is_violated() {
         }
         let told = drawing.notes.iter().filter(|n| n.caution).count();
         assert_eq!(told, violated.len().min(4));
-        let key = drawing
-            .key
-            .iter()
-            .any(|entry| entry.label == "violates a limit");
+        let key = drawing.key.iter().any(|entry| entry.label == "violates a limit");
         assert_eq!(key, !violated.is_empty());
     }
     // Every kind that the cell limits came by, so none is forgotten.
     for kind in LimitKind::ALL {
         let absent = matches!(
             kind,
-            LimitKind::Floor
-                | LimitKind::RopeLength
-                | LimitKind::SmallestDisplacement
-                | LimitKind::LargestDisplacement
+            LimitKind::Floor | LimitKind::RopeLength | LimitKind::SmallestDisplacement | LimitKind::LargestDisplacement
         );
         assert!(absent || seen.contains(kind.describe()), "{kind:?}");
     }
@@ -83,9 +75,8 @@ fn as_many_beams_are_drawn_as_there_are() {
         assert!(each.contains(&best));
         let seen: usize = each.iter().map(|s| s.points.len()).sum();
         let hidden = terms.measuring_points().len() - best.points.len();
-        let violated = margins
-            .iter()
-            .any(|m| m.margin < 0.0 && matches!(m.kind, LimitKind::Sight | LimitKind::Incidence));
+        let violated =
+            margins.iter().any(|m| m.margin < 0.0 && matches!(m.kind, LimitKind::Sight | LimitKind::Incidence));
         for view in &drawn(&cell, &posture).views[..2] {
             assert_eq!(lines(&view.marks, Tone::Ray, false), seen);
             assert_eq!(lines(&view.marks, Tone::FaintRay, violated), hidden);
@@ -96,30 +87,21 @@ fn as_many_beams_are_drawn_as_there_are() {
 
 #[test]
 fn every_cell_gives_a_sound_picture() {
-    let mut cells: Vec<Cell> = ["comau", "comau-reference", "fanuc-r2000ic"]
-        .iter()
-        .map(|name| builtin::cell(name).unwrap())
-        .collect();
+    let mut cells: Vec<Cell> =
+        ["comau", "comau-reference", "fanuc-r2000ic"].iter().map(|name| builtin::cell(name).unwrap()).collect();
     cells.push(with_shapes());
     for cell in cells {
         let usual = usual_posture(&cell).unwrap();
         check(&render_drawing(&drawn(&cell, &usual)));
         let postures = spread(&cell, 50);
-        for full in [
-            Full::Tightest,
-            Full::Number(3),
-            Full::Number(99),
-            Full::None,
-        ] {
+        for full in [Full::Tightest, Full::Number(3), Full::Number(99), Full::None] {
             let drawing = cell_drawing(&cell, &postures, full).unwrap();
             let svg = render_drawing(&drawing);
             check(&svg);
             let again = cell_drawing(&cell, &postures, full).unwrap();
             assert_eq!(svg, render_drawing(&again));
         }
-        check(&render_drawing(
-            &cell_drawing(&cell, &[], Full::Tightest).unwrap(),
-        ));
+        check(&render_drawing(&cell_drawing(&cell, &[], Full::Tightest).unwrap()));
     }
 }
 
@@ -128,14 +110,8 @@ fn a_cell_without_shapes_shows_its_arm_and_each_load_its_pull() {
     let mut cell = builtin::cell("comau").unwrap();
     let loads = [
         cell.setup.load.clone(),
-        Load::Weight {
-            magnitude: 500.0,
-            direction: -Vector3::z(),
-        },
-        Load::Constant {
-            wrench: Wrench::force([0.0, 300.0, 100.0]),
-            axes: Axes::Tool,
-        },
+        Load::Weight { magnitude: 500.0, direction: -Vector3::z() },
+        Load::Constant { wrench: Wrench::force([0.0, 300.0, 100.0]), axes: Axes::Tool },
         Load::Measured,
     ];
     let pulls = loads.map(|load| {
@@ -174,11 +150,7 @@ fn each_posture_has_its_own_mark_and_entry() {
         let entry = format!("posture {}", posture.name);
         assert_eq!(names.contains(&entry), number != 4, "{entry}");
     }
-    assert!(
-        drawing.caption.contains("In full: posture 5 of 20."),
-        "{}",
-        drawing.caption
-    );
+    assert!(drawing.caption.contains("In full: posture 5 of 20."), "{}", drawing.caption);
 }
 
 #[test]
@@ -189,26 +161,15 @@ fn the_same_postures_are_drawn_once_and_named_together() {
     postures[4].q = postures[0].q.clone();
     let drawing = cell_drawing(&cell, &postures, Full::Number(4)).unwrap();
     let labels: Vec<&str> = drawing.key.iter().map(|e| e.label.as_str()).collect();
-    assert!(
-        labels.ends_with(&["postures 2, 4", "posture 3"]),
-        "{labels:?}"
-    );
-    assert_eq!(
-        drawing.notes[0].text,
-        "In full: posture 5 of 5; the same as 1. The others as lines."
-    );
+    assert!(labels.ends_with(&["postures 2, 4", "posture 3"]), "{labels:?}");
+    assert_eq!(drawing.notes[0].text, "In full: posture 5 of 5; the same as 1. The others as lines.");
 }
 
 #[test]
 fn the_usual_posture_meets_the_limits_where_one_does() {
     let meets = |cell: &Cell, p: &Posture| margins(cell, p).1.iter().all(|m| m.margin >= 0.0);
     let middle = "the middle of the bounds";
-    assert_eq!(
-        usual_posture(&builtin::cell("comau").unwrap())
-            .unwrap()
-            .name,
-        middle
-    );
+    assert_eq!(usual_posture(&builtin::cell("comau").unwrap()).unwrap().name, middle);
     let mut cell = builtin::cell("comau").unwrap();
     cell.limits.wrist_height = Some(1.9);
     cell.validation.clear();

@@ -19,19 +19,9 @@ use stiffarm_report::tell::{Block, Outcome, Told, WithCell, tell};
 fn day(goal: Option<f64>, readings: impl FnOnce(ReadingTable) -> Result<Measurements>) -> Told {
     let cell = builtin::cell("comau").unwrap();
     let plan = group(&cell);
-    let options = MeasureOptions {
-        until: goal.map(Goal::Stiffness),
-        no_search: true,
-        seed: 1,
-    };
+    let options = MeasureOptions { until: goal.map(Goal::Stiffness), no_search: true, seed: 1 };
     let table = simulated_readings(&cell, &plan, 1).unwrap();
-    let found = judge(
-        (&cell, &plan),
-        readings(table),
-        &Default::default(),
-        &options,
-        Control::default(),
-    );
+    let found = judge((&cell, &plan), readings(table), &Default::default(), &options, Control::default());
     let saved = saved_with("measure", json!(options), json!(found.unwrap()));
     tell(&WithCell::new(&saved, Some(&cell))).unwrap()
 }
@@ -57,10 +47,7 @@ fn a_day_says_how_far_it_is_and_which_posture_comes_next() {
     assert!(came.contains("the goal of ± 0.10\u{a0}%"), "{came}");
     assert!(next.starts_with("Posture 5 at q = ("), "{next}");
     let headings = told.key.unwrap().headings;
-    assert!(
-        headings.contains(&"with all ≈ [%]".to_string()),
-        "{headings:?}"
-    );
+    assert!(headings.contains(&"with all ≈ [%]".to_string()), "{headings:?}");
 }
 
 #[test]
@@ -70,10 +57,7 @@ fn a_day_ends_with_the_goal_or_the_plan() {
     assert_eq!(next, "Nothing more: the goal is reached.");
     let told = day(Some(0.001), first(6));
     let [_, came, next] = words(&told);
-    assert!(
-        came.contains("is not reached with the whole plan"),
-        "{came}"
-    );
+    assert!(came.contains("is not reached with the whole plan"), "{came}");
     assert_eq!(next, "Nothing more: the plan is measured.");
     assert_ne!(told.outcome, Outcome::Good);
     // Nothing is expected of postures that are not left.
@@ -85,10 +69,7 @@ fn before_the_first_posture_nothing_is_said_of_the_stiffness() {
     let told = day(None, |_| Err(Error::new(Code::TooFewData, "No row yet.")));
     let [done, came, next] = words(&told);
     assert_eq!(done, "0 of 6 planned postures measured.");
-    assert_eq!(
-        came,
-        "Nothing can be said of the stiffness yet. No row yet."
-    );
+    assert_eq!(came, "Nothing can be said of the stiffness yet. No row yet.");
     assert!(next.starts_with("Posture 1 at q = ("), "{next}");
     assert!(told.key.is_none() && told.outcome == Outcome::Caution);
 }
@@ -101,10 +82,7 @@ fn what_is_wrong_is_settled_before_the_next_posture() {
     });
     assert_eq!(told.outcome, Outcome::Serious);
     let [_, came, next] = words(&told);
-    assert!(
-        came.starts_with("Something is wrong with the readings"),
-        "{came}"
-    );
+    assert!(came.starts_with("Something is wrong with the readings"), "{came}");
     assert!(next.starts_with("Settle what is marked serious"), "{next}");
 }
 
@@ -125,11 +103,7 @@ fn a_registration_says_which_point_is_off_and_what_goes_into_the_cell() {
     let lines: Vec<String> = lines.iter().map(|line| line.line()).collect();
     assert_eq!(
         lines,
-        [
-            "[tracker]",
-            "xyz_mm = [4100.0115, -2649.9725, 1319.9384]",
-            "rpy_deg = [-0.7002512, 0.3988742, 118.0005733]"
-        ]
+        ["[tracker]", "xyz_mm = [4100.0115, -2649.9725, 1319.9384]", "rpy_deg = [-0.7002512, 0.3988742, 118.0005733]"]
     );
     pairs[2].base.y += 1.5e-3;
     let wrong = told(&pairs);
@@ -137,10 +111,7 @@ fn a_registration_says_which_point_is_off_and_what_goes_into_the_cell() {
     assert_eq!(wrong.key.as_ref().unwrap().rows[0][0].plain(), "C");
     assert!(wrong.sections[0].title.contains("not to be used"));
     let [_, _, next] = words(&wrong);
-    assert!(
-        next.starts_with("Settle what is marked serious first"),
-        "{next}"
-    );
+    assert!(next.starts_with("Settle what is marked serious first"), "{next}");
 }
 
 /// What `identify` says of the same readings is said here, too: a sign of the set-up, a load that was typed wrong.
@@ -149,19 +120,9 @@ fn a_day_says_what_identify_says_of_the_readings() {
     let cell = builtin::cell("comau").unwrap();
     let plan = group(&cell);
     let judged = |cell: &Cell, table: ReadingTable| {
-        let options = MeasureOptions {
-            no_search: true,
-            ..MeasureOptions::default()
-        };
+        let options = MeasureOptions { no_search: true, ..MeasureOptions::default() };
         let control = Control::default();
-        judge(
-            (cell, &plan),
-            Ok(table.into()),
-            &Default::default(),
-            &options,
-            control,
-        )
-        .unwrap()
+        judge((cell, &plan), Ok(table.into()), &Default::default(), &options, control).unwrap()
     };
     let identified = |cell: &Cell, table: &ReadingTable| {
         let measured = prepare(cell, table.clone(), &Default::default()).unwrap();
@@ -179,12 +140,7 @@ fn a_day_says_what_identify_says_of_the_readings() {
     // The loading point it is; a joint that yields against its torque only follows.
     assert_eq!(rejected.subject, "tool.loading_point_mm");
     let of_joints = found.readings.iter();
-    assert_eq!(
-        of_joints
-            .filter(|f| f.code == "negative-compliance")
-            .count(),
-        0
-    );
+    assert_eq!(of_joints.filter(|f| f.code == "negative-compliance").count(), 0);
     let standing = found.standing.as_ref().unwrap();
     assert!(standing.residual_std_m.unwrap() > 1.5 * standing.expected_std_m);
 
@@ -194,11 +150,7 @@ fn a_day_says_what_identify_says_of_the_readings() {
     }
     let found = judged(&cell, wrong.clone());
     let diagnosis = identified(&cell, &wrong).diagnosis.unwrap();
-    let outlying: Vec<_> = diagnosis
-        .findings
-        .iter()
-        .filter(|f| f.code.starts_with("outlying"))
-        .collect();
+    let outlying: Vec<_> = diagnosis.findings.iter().filter(|f| f.code.starts_with("outlying")).collect();
     assert!(!outlying.is_empty());
     assert!(outlying.iter().all(|f| found.readings.contains(f)));
 
@@ -209,15 +161,8 @@ fn a_day_says_what_identify_says_of_the_readings() {
             let mut part = table.clone();
             part.postures.truncate(count);
             let found = judged(&cell, part);
-            let loud = found
-                .readings
-                .iter()
-                .filter(|f| f.severity > Severity::Note);
-            assert_eq!(
-                loud.collect::<Vec<_>>(),
-                Vec::<&Finding>::new(),
-                "seed {seed}, {count} postures"
-            );
+            let loud = found.readings.iter().filter(|f| f.severity > Severity::Note);
+            assert_eq!(loud.collect::<Vec<_>>(), Vec::<&Finding>::new(), "seed {seed}, {count} postures");
         }
     }
 }

@@ -3,25 +3,11 @@
 use std::f64::consts::TAU;
 use stiffarm_report::{Axis, Figure, Panel, PathCurvePoint, Series, Style, path_figure};
 
-const GROUPS: [&str; 4] = [
-    "Group 1",
-    "Group 2 (classical)",
-    "Group 3 (novel)",
-    "scaled",
-];
+const GROUPS: [&str; 4] = ["Group 1", "Group 2 (classical)", "Group 3 (novel)", "scaled"];
 
 /// All of them.
 pub fn all() -> Vec<Figure> {
-    vec![
-        noise(),
-        joints(),
-        postures(),
-        points(),
-        spread(),
-        maps(),
-        awkward(),
-        path(),
-    ]
+    vec![noise(), joints(), postures(), points(), spread(), maps(), awkward(), path()]
 }
 
 /// Deflection along a long path, before and after compensation.
@@ -47,23 +33,11 @@ fn wobble(seed: usize) -> f64 {
 }
 
 fn panel(title: impl Into<String>, x: Axis, y: Axis, series: Vec<Series>) -> Panel {
-    Panel {
-        title: title.into(),
-        x,
-        y,
-        series,
-        equal_aspect: false,
-    }
+    Panel { title: title.into(), x, y, series, equal_aspect: false }
 }
 
 fn figure(id: &str, title: &str, caption: &str, columns: usize, panels: Vec<Panel>) -> Figure {
-    Figure {
-        id: id.into(),
-        title: title.into(),
-        caption: caption.into(),
-        columns,
-        panels,
-    }
+    Figure { id: id.into(), title: title.into(), caption: caption.into(), columns, panels }
 }
 
 /// Heat maps with a linear and a logarithmic colour bar, some cells without a value.
@@ -81,18 +55,10 @@ fn maps() -> Figure {
         )
     };
     let hill = |x: f64, y: f64| {
-        if x + y < 12.0 {
-            f64::NAN
-        } else {
-            (-((x - 25.0).powi(2) + (y - 12.0).powi(2)) / 150.0).exp()
-        }
+        if x + y < 12.0 { f64::NAN } else { (-((x - 25.0).powi(2) + (y - 12.0).powi(2)) / 150.0).exp() }
     };
     let rates = |x: f64, y: f64| {
-        if x - y > 32.0 {
-            f64::NAN
-        } else {
-            10f64.powf((x / 9.0).sin() + y / 10.0)
-        }
+        if x - y > 32.0 { f64::NAN } else { 10f64.powf((x / 9.0).sin() + y / 10.0) }
     };
     figure(
         "maps",
@@ -122,12 +88,7 @@ fn noise() -> Figure {
                     .collect();
                 let error = y.iter().map(|v| 0.25 * v).collect();
                 series.push(Series::new(*name, Style::Line, levels.clone(), y).with_error(error));
-                series.push(Series::new(
-                    format!("{name}, theory"),
-                    Style::Dashed,
-                    levels.clone(),
-                    theory,
-                ));
+                series.push(Series::new(format!("{name}, theory"), Style::Dashed, levels.clone(), theory));
             }
             panel(
                 format!("Joint {joint}"),
@@ -153,9 +114,7 @@ fn joints() -> Figure {
         .enumerate()
         .map(|(g, name)| {
             let y: Vec<f64> = (0..6)
-                .map(|j| {
-                    [3.0, 1.5, 0.4, 0.2][g] * 10_f64.powf(0.4 * j as f64 + 0.3 * wobble(g + 9 * j))
-                })
+                .map(|j| [3.0, 1.5, 0.4, 0.2][g] * 10_f64.powf(0.4 * j as f64 + 0.3 * wobble(g + 9 * j)))
                 .collect();
             let error = y.iter().map(|v| 0.3 * v).collect();
             let x = (0..6).map(f64::from).collect();
@@ -207,24 +166,14 @@ fn postures() -> Figure {
         let name = format!("Posture {}", p + 1);
         let along = |f: fn(f64) -> f64| rs.iter().map(|r| r * f(turn)).collect::<Vec<f64>>();
         side.push(Series::new(name.clone(), Style::Path, along(f64::cos), zs));
-        top.push(Series::new(
-            name,
-            Style::Path,
-            along(f64::cos),
-            along(f64::sin),
-        ));
+        top.push(Series::new(name, Style::Path, along(f64::cos), along(f64::sin)));
     }
     let anchor = |height| Series::new("rope anchor", Style::Landmark, vec![2.4], vec![height]);
     side.push(anchor(0.1));
     top.push(anchor(-0.5));
     let view = |title: &str, vertical: &str, series| Panel {
         equal_aspect: true,
-        ..panel(
-            title,
-            Axis::linear("x", "m"),
-            Axis::linear(vertical, "m"),
-            series,
-        )
+        ..panel(title, Axis::linear("x", "m"), Axis::linear(vertical, "m"), series)
     };
     figure(
         "postures",
@@ -237,9 +186,7 @@ fn postures() -> Figure {
 
 /// Lines over named places, with values beyond a validity limit.
 fn points() -> Figure {
-    let names: Vec<String> = (1..=3)
-        .flat_map(|row| (1..=4).map(move |column| format!("{row}-{column}")))
-        .collect();
+    let names: Vec<String> = (1..=3).flat_map(|row| (1..=4).map(move |column| format!("{row}-{column}"))).collect();
     let x: Vec<f64> = (0..12).map(f64::from).collect();
     let panels = ["Force along x", "Force along y", "Force along z"]
         .iter()
@@ -272,24 +219,12 @@ fn points() -> Figure {
             )
         })
         .collect();
-    figure(
-        "points",
-        "Predicted displacement at the measuring points",
-        "One line per posture group.",
-        3,
-        panels,
-    )
+    figure("points", "Predicted displacement at the measuring points", "One line per posture group.", 3, panels)
 }
 
 /// Box plots side by side on a logarithmic axis.
 fn spread() -> Figure {
-    let names = [
-        "5 postures",
-        "10 postures",
-        "15 postures",
-        "20 postures",
-        "30 postures",
-    ];
+    let names = ["5 postures", "10 postures", "15 postures", "20 postures", "30 postures"];
     let series = [("Group 1", 6.0), ("Group 3 (novel)", 1.5)]
         .iter()
         .enumerate()
@@ -297,9 +232,7 @@ fn spread() -> Figure {
             let (mut x, mut y) = (Vec::new(), Vec::new());
             for c in 0..5_usize {
                 for i in 0..60 {
-                    let z: f64 = (0..4)
-                        .map(|k| wobble(1 + i + 61 * (c + 5 * (s + 2 * k))))
-                        .sum();
+                    let z: f64 = (0..4).map(|k| wobble(1 + i + 61 * (c + 5 * (s + 2 * k)))).sum();
                     x.push(c as f64);
                     y.push(size / (1.0 + c as f64).sqrt() * (0.6 * z).exp());
                 }
@@ -312,12 +245,7 @@ fn spread() -> Figure {
         "Spread of the deviation over repeated trials",
         "Quartiles, median and 5–95 % whiskers of 60 trials.",
         1,
-        vec![panel(
-            "",
-            Axis::categorical("number of postures", names),
-            Axis::log("deviation", "%"),
-            series,
-        )],
+        vec![panel("", Axis::categorical("number of postures", names), Axis::log("deviation", "%"), series)],
     )
 }
 
@@ -335,30 +263,11 @@ fn awkward() -> Figure {
                 Axis::linear("sample", ""),
                 Axis::log("stiffness", "N m/rad"),
                 vec![
-                    Series::new(
-                        "measured",
-                        Style::Line,
-                        x.clone(),
-                        vec![2e5, 3e5, -1.0, 5e5, f64::NAN, 9e5, 4e6, 3e6],
-                    )
-                    .with_error(vec![
-                        1e5,
-                        2.9e5,
-                        0.0,
-                        6e5,
-                        0.0,
-                        1e5,
-                        1e6,
-                        f64::INFINITY,
-                    ]),
+                    Series::new("measured", Style::Line, x.clone(), vec![2e5, 3e5, -1.0, 5e5, f64::NAN, 9e5, 4e6, 3e6])
+                        .with_error(vec![1e5, 2.9e5, 0.0, 6e5, 0.0, 1e5, 1e6, f64::INFINITY]),
                 ],
             ),
-            panel(
-                "Nothing measured yet",
-                Axis::linear("time", "s"),
-                Axis::linear("force", "N"),
-                vec![],
-            ),
+            panel("Nothing measured yet", Axis::linear("time", "s"), Axis::linear("force", "N"), vec![]),
             panel(
                 "Long category names",
                 Axis::categorical(
@@ -383,17 +292,8 @@ fn awkward() -> Figure {
             panel(
                 "A fixed range and a single value",
                 Axis::log("frequency", "Hz").with_range(8.0, 4000.0),
-                Axis::linear(
-                    "receptance magnitude measured at the tool centre point",
-                    "µm/N",
-                )
-                .with_range(0.0, 1.0),
-                vec![Series::new(
-                    "peak",
-                    Style::Points,
-                    vec![120.0, 300.0, 9000.0],
-                    vec![0.5, 2.0, 0.1],
-                )],
+                Axis::linear("receptance magnitude measured at the tool centre point", "µm/N").with_range(0.0, 1.0),
+                vec![Series::new("peak", Style::Points, vec![120.0, 300.0, 9000.0], vec![0.5, 2.0, 0.1])],
             ),
         ],
     )

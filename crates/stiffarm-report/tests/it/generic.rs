@@ -23,25 +23,18 @@ fn reaching_out(source: &str, depth: usize) -> Vec<&str> {
     let code = source.split("#[cfg(test)]").next().unwrap_or_default();
     let outside = "super::".repeat(depth + 1);
     let reaches = |line: &str| {
-        let parts: Vec<&str> = line
-            .split(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':'))
-            .collect();
+        let parts: Vec<&str> = line.split(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':')).collect();
         parts.iter().any(|path| {
             let first = path.split("::").next().unwrap_or_default();
-            first == "stiffarm"
-                || path.contains(&outside)
-                || (first == "crate" && !path.starts_with("crate::figure"))
+            first == "stiffarm" || path.contains(&outside) || (first == "crate" && !path.starts_with("crate::figure"))
         })
     };
-    code.lines()
-        .filter(|line| !line.trim_start().starts_with("//") && reaches(line))
-        .collect()
+    code.lines().filter(|line| !line.trim_start().starts_with("//") && reaches(line)).collect()
 }
 
 #[test]
 fn the_figure_module_uses_nothing_outside_itself() {
-    let out =
-        "use stiffarm::Cell;\nuse crate::study::Table;\nuse super::super::super::study::Table;";
+    let out = "use stiffarm::Cell;\nuse crate::study::Table;\nuse super::super::super::study::Table;";
     assert_eq!(reaching_out(out, 2).len(), 3);
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/figure");
     let files = sources(&folder);

@@ -3,9 +3,7 @@
 use crate::common::{good, group, measured, numbers_of_the_file, saved, saved_with};
 use crate::tell::suspected;
 use serde_json::{Value, json};
-use stiffarm::estimate::clamped::{
-    ClampedSimulation, MotorMove, identify_clamped, simulate_clamped,
-};
+use stiffarm::estimate::clamped::{ClampedSimulation, MotorMove, identify_clamped, simulate_clamped};
 use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::estimate::identify::{Fit, IdentifyOptions};
 use stiffarm::estimate::validate::{cross_validate, validate_with};
@@ -31,26 +29,13 @@ fn good_readings_tell_which_joints_are_known_and_that_the_rest_is_noise() {
     let result = saved("identify", good());
     let made = page(&result, Some(&cell));
     let [done, came, _] = words(&made);
-    assert!(
-        done.contains("raw readings of the tracker at 6 postures: 72 displacements"),
-        "{done}"
-    );
+    assert!(done.contains("raw readings of the tracker at 6 postures: 72 displacements"), "{done}");
     assert!(came.contains("looks like noise"), "{came}");
-    assert!(
-        came.contains("Weak, above ± 10 %: joint 4 and joint 6"),
-        "{came}"
-    );
+    assert!(came.contains("Weak, above ± 10 %: joint 4 and joint 6"), "{came}");
     assert!(numbers_of_the_file(&made, &result) >= 70);
     let html = render_page(&made);
     assert_eq!(html, render_page(&page(&result, Some(&cell))));
-    for id in [
-        "joint-stiffness",
-        "residuals",
-        "systematic-errors",
-        "correlations",
-        "load-states",
-        "influence",
-    ] {
+    for id in ["joint-stiffness", "residuals", "systematic-errors", "correlations", "load-states", "influence"] {
         let has = made.parts[0].sections.iter().flat_map(|s| &s.blocks);
         let has = has.filter(|b| matches!(b, Block::Figure(figure) if figure.id == id));
         assert_eq!(has.count(), 1, "{id}");
@@ -96,11 +81,7 @@ fn residuals_are_measured_minus_calculated() {
     for posture in &found.postures {
         assert_eq!(posture.angles.len(), 6);
         assert_eq!(posture.residuals.len(), 4);
-        let squares = posture
-            .residuals
-            .iter()
-            .flat_map(|r| r.residual_m)
-            .map(|c| c * c);
+        let squares = posture.residuals.iter().flat_map(|r| r.residual_m).map(|c| c * c);
         let squares: f64 = squares.sum();
         assert!(((squares / 12.0).sqrt() - posture.residual_rms_m).abs() < 1e-12);
         sum += squares;
@@ -123,10 +104,7 @@ fn validation_says_how_far_calculated_and_measured_differ() {
     let result = validated(json!(folds));
     let made = page(&result, Some(&cell));
     let [done, came, _] = words(&made);
-    assert!(
-        done.contains("each predicted by a fit without it, in 6 folds"),
-        "{done}"
-    );
+    assert!(done.contains("each predicted by a fit without it, in 6 folds"), "{done}");
     assert!(came.contains("is not kept"), "{came}");
     assert_eq!(made.parts[0].outcome, Outcome::Serious);
     assert!(numbers_of_the_file(&made, &result) >= 100);
@@ -136,11 +114,7 @@ fn validation_says_how_far_calculated_and_measured_differ() {
     assert_eq!(found.postures.len(), 18);
     let made = page(&validated(json!(found)), None);
     assert_eq!(made.parts[0].outcome, Outcome::Good);
-    assert!(
-        words(&made)[2].contains("stiffarm predict"),
-        "{:?}",
-        words(&made)
-    );
+    assert!(words(&made)[2].contains("stiffarm predict"), "{:?}", words(&made));
 }
 
 #[test]
@@ -149,10 +123,8 @@ fn a_clamped_arm_has_a_page_of_angles() {
     let truth = cell.require_prior().unwrap();
     let torque = [900.0, -1200.0, 700.0, 300.0, -250.0, 200.0];
     let motor: Vec<f64> = torque.iter().zip(truth).map(|(t, k)| t / k).collect();
-    let moves = [("up-1", 1.0), ("down-1", 0.99)].map(|(state, by)| MotorMove {
-        state: state.to_string(),
-        motor: motor.iter().map(|q| by * q).collect(),
-    });
+    let moves = [("up-1", 1.0), ("down-1", 0.99)]
+        .map(|(state, by)| MotorMove { state: state.to_string(), motor: motor.iter().map(|q| by * q).collect() });
     let simulation = ClampedSimulation {
         moves: moves.to_vec(),
         angle_std: 1e-6,
@@ -183,33 +155,20 @@ fn results_beside_each_other_say_how_each_came_out_and_who_differs() {
         joint["interval"][i] = json!(1.5 * value(&joint["interval"][i]));
     }
     let wrong = suspected(result.clone(), "load_units", "serious", "Kilograms.");
-    let total = other["systematic_errors"]["uncertainty"][0]["total"]
-        .as_f64()
-        .unwrap();
+    let total = other["systematic_errors"]["uncertainty"][0]["total"].as_f64().unwrap();
     other["systematic_errors"]["uncertainty"][0]["total"] = json!(total + 0.02);
-    let mut given: Vec<SavedResult> = [result, other, wrong.clone(), wrong]
-        .into_iter()
-        .map(|result| saved("identify", result))
-        .collect();
-    for (one, name) in given
-        .iter_mut()
-        .zip(["a.json", "b.json", "c.json", "d.json"])
-    {
+    let mut given: Vec<SavedResult> =
+        [result, other, wrong.clone(), wrong].into_iter().map(|result| saved("identify", result)).collect();
+    for (one, name) in given.iter_mut().zip(["a.json", "b.json", "c.json", "d.json"]) {
         one.name = name.to_string();
     }
-    let all: Vec<WithCell<'_>> = given
-        .iter()
-        .map(|saved| WithCell::new(saved, None))
-        .collect();
+    let all: Vec<WithCell<'_>> = given.iter().map(|saved| WithCell::new(saved, None)).collect();
     let page = report(&all).unwrap();
     let comparison = page.comparison.as_ref().unwrap();
     let [_, came, next] = comparison.verdict.each_ref().map(Text::plain);
     assert!(came.contains("joint\u{a0}3 differs by 50 %"), "{came}");
     assert!(came.contains("(b.json against a.json)"), "{came}");
-    assert!(
-        next.starts_with("Do not use c.json and d.json as they are"),
-        "{next}"
-    );
+    assert!(next.starts_with("Do not use c.json and d.json as they are"), "{next}");
     let tables = comparison.sections.iter().flat_map(|s| &s.blocks);
     let tables: Vec<_> = tables
         .filter_map(|block| match block {
@@ -217,27 +176,14 @@ fn results_beside_each_other_say_how_each_came_out_and_who_differs() {
             _ => None,
         })
         .collect();
-    let results = tables
-        .iter()
-        .find(|t| t.caption == "What came out")
-        .unwrap();
+    let results = tables.iter().find(|t| t.caption == "What came out").unwrap();
     assert_eq!(results.rows[2][1].plain(), "✗\u{a0}Not usable as it is");
     assert!(matches!(&results.rows[2][0].0[0], Piece::Link(_, anchor) if anchor == "r2"));
     assert!(render_page(&page).contains("<a href=\"#r2\">c.json</a>"));
     let numbers = tables.iter().find(|t| t.headings[0] == "number").unwrap();
-    assert_eq!(
-        numbers.headings[5..],
-        [
-            "difference of b.json",
-            "difference of c.json",
-            "difference of d.json"
-        ]
-    );
+    assert_eq!(numbers.headings[5..], ["difference of b.json", "difference of c.json", "difference of d.json"]);
     let rows: Vec<String> = numbers.rows.iter().map(|row| row[0].plain()).collect();
-    assert!(
-        rows[..6].iter().all(|row| row.contains("· k [")),
-        "{rows:?}"
-    );
+    assert!(rows[..6].iter().all(|row| row.contains("· k [")), "{rows:?}");
     assert_eq!(numbers.rows[2][5].plain(), "+50.0 % beyond ±");
     assert_eq!(numbers.rows[2][6].plain(), "same");
     let row = &numbers.rows[6];

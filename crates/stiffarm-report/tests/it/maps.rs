@@ -12,8 +12,8 @@ use stiffarm::plan::zones::{ZoneOptions, zones};
 use stiffarm::work::map::{MapOptions, PlaceOptions, Status, StiffnessMap, place, stiffness_map};
 use stiffarm_files::builtin;
 use stiffarm_report::{
-    Figure, PathCurvePoint, Style, map_figure, map_table, path_figure, placement_figure,
-    placement_table, render_svg, series_colour, zones_figure,
+    Figure, PathCurvePoint, Style, map_figure, map_table, path_figure, placement_figure, placement_table, render_svg,
+    series_colour, zones_figure,
 };
 
 fn cell() -> (Cell, IdentifiedCompliance) {
@@ -44,10 +44,7 @@ fn cells(figure: &Figure) -> Vec<(usize, usize)> {
     let panel = |panel: &stiffarm_report::Panel| {
         let maps = panel.series.iter().filter(|s| s.style == Style::Map);
         let nodes = maps.clone().map(|s| s.x.len()).sum();
-        let values = maps
-            .filter_map(|s| s.colour.as_ref())
-            .map(|c| c.values.len())
-            .sum();
+        let values = maps.filter_map(|s| s.colour.as_ref()).map(|c| c.values.len()).sum();
         (nodes, values)
     };
     figure.panels.iter().map(panel).collect()
@@ -55,20 +52,14 @@ fn cells(figure: &Figure) -> Vec<(usize, usize)> {
 
 /// Whether small values are bright, for each panel.
 fn small_is_bright(figure: &Figure) -> Vec<bool> {
-    let maps = figure
-        .panels
-        .iter()
-        .filter_map(|p| p.series[0].colour.as_ref());
+    let maps = figure.panels.iter().filter_map(|p| p.series[0].colour.as_ref());
     maps.map(|colour| colour.small_is_bright).collect()
 }
 
 fn check(figure: &Figure) {
     let svg = render_svg(figure);
     assert!(Document::parse(&svg).is_ok() && !svg.contains("NaN"));
-    assert!(
-        !svg.contains("not drawn") && !svg.contains("beyond the axes"),
-        "{svg}"
-    );
+    assert!(!svg.contains("not drawn") && !svg.contains("beyond the axes"), "{svg}");
 }
 
 #[test]
@@ -77,20 +68,13 @@ fn a_plane_is_three_maps_with_every_node() {
         let map = map(steps);
         let figure = map_figure(&map);
         check(&figure);
-        assert_eq!(
-            cells(&figure),
-            vec![(map.nodes.len(), map.counts.reachable); 3]
-        );
+        assert_eq!(cells(&figure), vec![(map.nodes.len(), map.counts.reachable); 3]);
         // The figure's values are the map's.
         let series = &figure.panels[0].series[0];
         let values = &series.colour.as_ref().unwrap().values;
-        let [smallest, largest] =
-            [f64::min, f64::max].map(|pick| values.iter().copied().fold(values[0], pick));
+        let [smallest, largest] = [f64::min, f64::max].map(|pick| values.iter().copied().fold(values[0], pick));
         let range = map.deflection_per_newton_m.unwrap();
-        assert_eq!(
-            [smallest, largest],
-            [range.smallest * 1e6, range.largest * 1e6]
-        );
+        assert_eq!([smallest, largest], [range.smallest * 1e6, range.largest * 1e6]);
         // What bends least and what is stiffest have the same colour.
         assert_eq!(small_is_bright(&figure), [true, false, false]);
     }
@@ -111,11 +95,7 @@ fn good_zones_have_the_same_colour_in_every_panel() {
 fn strokes_lie_along_the_softest_direction() {
     let map = map([9, 13, 1]);
     let figure = map_figure(&map);
-    let strokes = figure.panels[2]
-        .series
-        .iter()
-        .find(|s| s.style == Style::Strokes)
-        .unwrap();
+    let strokes = figure.panels[2].series.iter().find(|s| s.style == Style::Strokes).unwrap();
     let mut seen = 0;
     for node in map.nodes.iter().filter(|n| n.status == Status::Reachable) {
         let [x, y, _] = node.position_m.map(|p| 1e3 * p);
@@ -125,10 +105,7 @@ fn strokes_lie_along_the_softest_direction() {
         });
         let Some(i) = at else { continue };
         seen += 1;
-        let stroke = [
-            strokes.x[2 * i + 1] - strokes.x[2 * i],
-            strokes.y[2 * i + 1] - strokes.y[2 * i],
-        ];
+        let stroke = [strokes.x[2 * i + 1] - strokes.x[2 * i], strokes.y[2 * i + 1] - strokes.y[2 * i]];
         let softest = node.values.as_ref().unwrap().softest.direction;
         let across = stroke[0] * softest[1] - stroke[1] * softest[0];
         assert!(across.abs() < 1e-6 && stroke[0].hypot(stroke[1]) > 0.0);
@@ -144,14 +121,8 @@ fn a_box_is_planes_with_one_colour_bar_and_a_line_is_curves() {
     check(&figure);
     assert_eq!(figure.panels.len(), 4);
     assert_eq!(figure.panels[0].title, "z = 600 mm");
-    assert_eq!(
-        cells(&figure).iter().map(|c| c.0).sum::<usize>(),
-        box_map.nodes.len()
-    );
-    let ranges = figure
-        .panels
-        .iter()
-        .map(|p| p.series[0].colour.as_ref().unwrap().axis.range);
+    assert_eq!(cells(&figure).iter().map(|c| c.0).sum::<usize>(), box_map.nodes.len());
+    let ranges = figure.panels.iter().map(|p| p.series[0].colour.as_ref().unwrap().axis.range);
     let ranges: Vec<_> = ranges.collect();
     assert_eq!(small_is_bright(&figure), [true; 4]);
     assert!(ranges[0].is_some() && ranges.iter().all(|r| *r == ranges[0]));
@@ -188,8 +159,7 @@ fn places_are_a_panel_per_turn_with_given_and_best() {
     cell.work.workpiece = Isometry3::translation(1.7, 0.5, 0.8);
     let points: Vec<PathPoint> = (0..10)
         .map(|i| {
-            let local =
-                Isometry3::from_parts(Translation3::new(0.03 * f64::from(i), 0.0, 0.0), down());
+            let local = Isometry3::from_parts(Translation3::new(0.03 * f64::from(i), 0.0, 0.0), down());
             PathPoint {
                 feature: None,
                 feed: None,
@@ -217,20 +187,14 @@ fn places_are_a_panel_per_turn_with_given_and_best() {
     let found = place(&cell, &prior, &points, &options, Control::default()).unwrap();
     let figure = placement_figure(&found);
     check(&figure);
-    assert_eq!(
-        cells(&figure).iter().map(|c| c.0).collect::<Vec<_>>(),
-        [20, 20]
-    );
+    assert_eq!(cells(&figure).iter().map(|c| c.0).collect::<Vec<_>>(), [20, 20]);
     assert_eq!(small_is_bright(&figure), [true, true]);
     let marks = |label: &str| {
         let series = figure.panels.iter().flat_map(|p| &p.series);
         series.filter(|s| s.label == label).count()
     };
     assert_eq!((marks("given place"), marks("best place")), (1, 1));
-    assert_eq!(
-        placement_table(&found).csv().lines().count(),
-        found.candidates.len() + 1
-    );
+    assert_eq!(placement_table(&found).csv().lines().count(), found.candidates.len() + 1);
     assert!(found.candidates.len() > 40);
 }
 
@@ -257,40 +221,26 @@ fn a_path_keeps_its_extremes_when_it_is_thinned() {
     }
     let left = &figure.panels[1].series[1];
     assert!(left.y.iter().any(|y| (y - 1e-6).abs() < 1e-18));
-    let colours = figure.panels[1]
-        .series
-        .iter()
-        .map(|s| series_colour(&s.label));
+    let colours = figure.panels[1].series.iter().map(|s| series_colour(&s.label));
     let colours: Vec<_> = colours.collect();
     assert_ne!(colours[0], colours[1]);
     // The deflection begins at zero; a line is not called a band.
     assert!(figure.panels[0].y.from_zero);
     assert_eq!(figure.panels[0].x.heading(), "distance along the path [mm]");
-    let labels: Vec<(Style, &str)> = figure
-        .panels
-        .iter()
-        .flat_map(|p| &p.series)
-        .map(|s| (s.style, s.label.as_str()))
-        .collect();
+    let labels: Vec<(Style, &str)> =
+        figure.panels.iter().flat_map(|p| &p.series).map(|s| (s.style, s.label.as_str())).collect();
     assert_eq!(
         labels,
         [
             (Style::Band, "without compensation, its 95 % band"),
             (Style::Curve, "without compensation"),
             (Style::Curve, "without compensation"),
-            (
-                Style::Curve,
-                "left after compensation, upper end of its 95 % band"
-            ),
+            (Style::Curve, "left after compensation, upper end of its 95 % band"),
         ]
     );
     // Without bands, without compensation, without a length.
-    let bare: Vec<PathCurvePoint> = (0..5)
-        .map(|i| PathCurvePoint {
-            deflection_m: 1e-4 * f64::from(i),
-            ..PathCurvePoint::default()
-        })
-        .collect();
+    let bare: Vec<PathCurvePoint> =
+        (0..5).map(|i| PathCurvePoint { deflection_m: 1e-4 * f64::from(i), ..PathCurvePoint::default() }).collect();
     let figure = path_figure(&bare, None);
     check(&figure);
     assert_eq!((figure.panels.len(), figure.panels[0].series.len()), (1, 1));

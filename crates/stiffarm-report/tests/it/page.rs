@@ -1,9 +1,7 @@
 //! A page: names stay text, ids are unique and numbers say where they come from.
 
 use stiffarm::findings::{Finding, Severity};
-use stiffarm_report::page::{
-    Block, DataTable, Number, Outcome, Page, Part, Provenance, Section, Text, render_page,
-};
+use stiffarm_report::page::{Block, DataTable, Number, Outcome, Page, Part, Provenance, Section, Text, render_page};
 use stiffarm_report::{Axis, Figure, Panel, Series, Style};
 
 const HOSTILE: &str = "</script><img src=x onerror=alert(1)>\"'&amp;\u{202e}\u{1b}[31m";
@@ -28,15 +26,9 @@ fn figure(id: &str, label: &str) -> Figure {
 }
 
 fn part(name: &str) -> Part {
-    let mut key = DataTable::new(
-        format!("Key of {name}"),
-        ["joint", "k [10⁶ N·m/rad]", "said"],
-    );
+    let mut key = DataTable::new(format!("Key of {name}"), ["joint", "k [10⁶ N·m/rad]", "said"]);
     let number = Number::new(942_757.625).mega().bare();
-    key.row(
-        name,
-        [number.decimals(3).into(), Text::new("").strong(name)],
-    );
+    key.row(name, [number.decimals(3).into(), Text::new("").strong(name)]);
     let missing = Number::new(None).mega();
     key.row("joint 2", [missing.into(), Text::new("").code(name)]);
     Part {
@@ -55,24 +47,9 @@ fn part(name: &str) -> Part {
         ],
         key: Some(key),
         sections: vec![
-            Section::new(
-                "one",
-                name,
-                vec![Block::Figure(figure("f", name)), Block::Text(name.into())],
-            ),
-            Section::new(
-                "two",
-                "Two",
-                vec![Block::Details(
-                    name.into(),
-                    vec![Block::Figure(figure("g", name))],
-                )],
-            ),
-            Section::new(
-                "three",
-                "Three",
-                vec![Block::Figures(vec![figure("h", name), figure("i", name)])],
-            ),
+            Section::new("one", name, vec![Block::Figure(figure("f", name)), Block::Text(name.into())]),
+            Section::new("two", "Two", vec![Block::Details(name.into(), vec![Block::Figure(figure("g", name))])]),
+            Section::new("three", "Three", vec![Block::Figures(vec![figure("h", name), figure("i", name)])]),
         ],
         provenance: Provenance {
             version: "0.1.0".into(),
@@ -85,12 +62,7 @@ fn part(name: &str) -> Part {
 }
 
 fn page(parts: Vec<Part>) -> Page {
-    Page {
-        title: HOSTILE.into(),
-        subtitle: HOSTILE.into(),
-        comparison: None,
-        parts,
-    }
+    Page { title: HOSTILE.into(), subtitle: HOSTILE.into(), comparison: None, parts }
 }
 
 /// Values of an attribute, in order.
@@ -109,9 +81,7 @@ fn names_of_other_people_stay_text() {
     assert!(!html.contains("<img"));
     assert!(html.contains("&lt;/script&gt;&lt;img src=x onerror=alert(1)&gt;"));
     for hidden in ['\u{1b}', '\u{202e}'] {
-        let at = html
-            .find(hidden)
-            .map(|at| &html[at.saturating_sub(200)..at]);
+        let at = html.find(hidden).map(|at| &html[at.saturating_sub(200)..at]);
         assert_eq!(at, None, "{hidden:?}");
     }
     // One script, the page's own, and it ends where it ends.
@@ -135,16 +105,11 @@ fn ids_are_unique_and_links_lead_somewhere() {
 #[test]
 fn numbers_of_the_result_keep_their_full_value() {
     let html = render_page(&page(vec![part("a")]));
-    assert!(html.contains(
-        "<span class=\"n\" data-value=\"942757.625\" data-factor=\"0.000001\">0.943</span>"
-    ));
+    assert!(html.contains("<span class=\"n\" data-value=\"942757.625\" data-factor=\"0.000001\">0.943</span>"));
     assert!(html.contains("data-value=\"null\" data-factor=\"0.000001\">–</span>"));
     assert!(html.contains(">±\u{a0}0.1250\u{a0}mm</span>"));
     let several = render_page(&page(vec![part("a"), part("b")]));
-    assert_eq!(
-        attributes(&several, "data-command"),
-        ["report", "identify", "identify"]
-    );
+    assert_eq!(attributes(&several, "data-command"), ["report", "identify", "identify"]);
     assert_eq!(attributes(&several, "data-result"), ["0", "1"]);
 }
 
@@ -171,13 +136,7 @@ fn a_chart_has_a_form_for_narrow_screens_and_its_data_behind() {
     let html = render_page(&page(vec![part("a")]));
     let charts = attributes(&html, "data-figure");
     assert_eq!(charts, ["f", "f", "g", "g", "h", "h", "i", "i"]);
-    assert_eq!(
-        html.matches("<summary>Data of this figure</summary>")
-            .count(),
-        4
-    );
-    assert!(html.contains(
-        "data-toggle-series=\"theory\" role=\"button\" tabindex=\"0\" aria-pressed=\"true\""
-    ));
+    assert_eq!(html.matches("<summary>Data of this figure</summary>").count(), 4);
+    assert!(html.contains("data-toggle-series=\"theory\" role=\"button\" tabindex=\"0\" aria-pressed=\"true\""));
     assert!(html.contains("data-tip=\"theory · joint 2: 3 %\""));
 }

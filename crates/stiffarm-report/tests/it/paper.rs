@@ -7,8 +7,7 @@ use stiffarm::Code;
 use stiffarm_files::builtin;
 use stiffarm_report::paper::{Format, PaperOptions, paper_files, paper_names};
 use stiffarm_report::{
-    Axis, Drawing, Figure, Full, Layout, Panel, Series, Style, cell_drawing, render_drawing_with,
-    render_svg_with,
+    Axis, Drawing, Figure, Full, Layout, Panel, Series, Style, cell_drawing, render_drawing_with, render_svg_with,
 };
 
 fn figure(label: &str) -> Figure {
@@ -30,11 +29,7 @@ fn figure(label: &str) -> Figure {
 }
 
 fn options(width_mm: f64, formats: &[Format]) -> PaperOptions {
-    PaperOptions {
-        width_mm,
-        formats: formats.to_vec(),
-        ..PaperOptions::default()
-    }
+    PaperOptions { width_mm, formats: formats.to_vec(), ..PaperOptions::default() }
 }
 
 /// One posture, six, and more than have a look of their own.
@@ -69,11 +64,7 @@ fn labels_in_the_data_are_no_formulas() {
 #[test]
 fn data_read_back_as_they_are() {
     for figure in gallery::all() {
-        let files = paper_files(
-            std::slice::from_ref(&figure),
-            &[],
-            &options(88.0, &[Format::Csv]),
-        );
+        let files = paper_files(std::slice::from_ref(&figure), &[], &options(88.0, &[Format::Csv]));
         let csv = files.unwrap().remove(0).1;
         let mut rows = csv.lines().skip(1);
         for panel in &figure.panels {
@@ -125,39 +116,18 @@ fn refusal(asked: &PaperOptions) -> Option<Code> {
 fn what_cannot_be_meant_is_refused() {
     let usual = PaperOptions::default;
     let wrong = [
-        PaperOptions {
-            width_mm: 19.0,
-            ..usual()
-        },
-        PaperOptions {
-            width_mm: f64::NAN,
-            ..usual()
-        },
-        PaperOptions {
-            font_pt: 31.0,
-            ..usual()
-        },
-        PaperOptions {
-            font_family: "A'; x".into(),
-            ..usual()
-        },
-        PaperOptions {
-            formats: Vec::new(),
-            ..usual()
-        },
+        PaperOptions { width_mm: 19.0, ..usual() },
+        PaperOptions { width_mm: f64::NAN, ..usual() },
+        PaperOptions { font_pt: 31.0, ..usual() },
+        PaperOptions { font_family: "A'; x".into(), ..usual() },
+        PaperOptions { formats: Vec::new(), ..usual() },
     ];
     for asked in wrong {
         assert_eq!(refusal(&asked), Some(Code::InvalidValue), "{asked:?}");
     }
     // The font is only named: whether it is there shows where the picture is looked at.
-    let absent = PaperOptions {
-        font_family: "No Such Face".into(),
-        ..usual()
-    };
-    let svg = paper_files(&[figure("a")], &[], &absent)
-        .unwrap()
-        .remove(0)
-        .1;
+    let absent = PaperOptions { font_family: "No Such Face".into(), ..usual() };
+    let svg = paper_files(&[figure("a")], &[], &absent).unwrap().remove(0).1;
     assert!(svg.contains("'No Such Face'"));
 }
 
@@ -206,9 +176,7 @@ fn all_inside(svg: &str, what: &str) {
         let is_bold = node.attribute("font-weight").is_some();
         let size = of(&node, "font-size")[0];
         let pieces = node.descendants().filter(Node::is_text).map(|piece| {
-            let own = piece
-                .parent()
-                .map_or(Vec::new(), |parent| of(&parent, "font-size"));
+            let own = piece.parent().map_or(Vec::new(), |parent| of(&parent, "font-size"));
             let size = own.first().copied().unwrap_or(size);
             width(piece.text().unwrap_or_default(), size, is_bold)
         });

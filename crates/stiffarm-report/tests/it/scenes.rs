@@ -11,15 +11,11 @@ use stiffarm::model::robot::Robot;
 use stiffarm::model::stiffness::{Model, linear_displacement};
 use stiffarm::model::tool::Tool;
 use stiffarm_report::scene::{
-    ArmShapes, Pose, Scene, SceneGroup, SceneOptions, ScenePosture, VIEWER_SCRIPT, VIEWER_STYLE,
-    scene, scene_html,
+    ArmShapes, Pose, Scene, SceneGroup, SceneOptions, ScenePosture, VIEWER_SCRIPT, VIEWER_STYLE, scene, scene_html,
 };
 
 fn shown(cell: &Cell, postures: &[Posture], model: Model) -> Scene {
-    let options = SceneOptions {
-        model,
-        ..SceneOptions::default()
-    };
+    let options = SceneOptions { model, ..SceneOptions::default() };
     scene(cell, &[SceneGroup::new("Group 1", postures)], &options).unwrap()
 }
 
@@ -55,12 +51,7 @@ fn links_are_where_the_library_has_them() {
             assert!(apart < 2e-6, "{apart}");
             assert!(pose.rotation.angle_to(&link.rotation) < 1e-6);
         }
-        for ((axis, origin), pose) in frames
-            .axes()
-            .iter()
-            .zip(frames.origins())
-            .zip(&posture.links)
-        {
+        for ((axis, origin), pose) in frames.axes().iter().zip(frames.origins()).zip(&posture.links) {
             let pose = isometry(pose);
             assert!((pose.rotation * Vector3::z() - axis).norm() < 1e-6);
             assert!((pose.translation.vector - origin).norm() < 2e-6);
@@ -87,10 +78,7 @@ fn the_arm_bent_once_as_far_moves_its_points_as_the_linear_model_says() {
             let said = linear_displacement(&cell.setup, &terms, &at, &stiffness, None).unwrap();
             let said = Vector3::new(said[0], said[1], said[2]);
             // Second order in turns below 1e-3 rad; the links are told to 1e-6 m.
-            assert!(
-                (drawn - said).norm() < 2e-3 * said.norm() + 2e-8,
-                "{drawn} {said}"
-            );
+            assert!((drawn - said).norm() < 2e-3 * said.norm() + 2e-8, "{drawn} {said}");
             let told = Vector3::from(posture.loads[0].deflection[i + 1]);
             assert!((told - said).norm() < 1e-5 * said.norm());
             // The equilibrium is the same to second order, but not the same.
@@ -107,11 +95,7 @@ fn the_exact_arm_is_drawn_where_its_equilibrium_is() {
     for posture in &scene.groups[0].postures {
         let (rest, bent) = (0.0, 1.0);
         let [rest, bent] = [rest, bent].map(|times| drawn_flange(&scene, posture, times));
-        for (point, told) in scene
-            .measuring_points
-            .iter()
-            .zip(&posture.loads[0].deflection[1..])
-        {
+        for (point, told) in scene.measuring_points.iter().zip(&posture.loads[0].deflection[1..]) {
             let p = Point3::from(point.at);
             let off = bent * p - rest * p - Vector3::from(*told);
             assert!(off.norm() < 2e-8, "{off}");
@@ -136,9 +120,7 @@ fn the_closest_pair_is_the_least_margin_between_shapes() {
             let placed = cell.scene.placed(terms.frames());
             let of = |name: &str| placed.iter().find(|(own, _)| *own == name).unwrap();
             let (_, solids) = of(&closest.names[1]);
-            let on = solids
-                .iter()
-                .map(|s| s.signed_distance(&closest.points[1]).0);
+            let on = solids.iter().map(|s| s.signed_distance(&closest.points[1]).0);
             assert!(on.fold(f64::INFINITY, f64::min).abs() < 1e-9);
         }
     }
@@ -174,33 +156,17 @@ fn a_measured_load_is_shown_where_it_is_known() {
     let cell = stiffarm_files::builtin::cell("fanuc-r2000ic").unwrap();
     let postures = spread(&cell, 2);
     let unknown = shown(&cell, &postures, Model::Equilibrium);
-    assert!(
-        unknown.groups[0]
-            .postures
-            .iter()
-            .all(|p| p.loads.is_empty())
-    );
+    assert!(unknown.groups[0].postures.iter().all(|p| p.loads.is_empty()));
     assert_eq!((unknown.shapes, unknown.model), (ArmShapes::Tubes, None));
     assert!(unknown.bodies.len() >= 6);
-    let group = SceneGroup {
-        wrenches: &[Wrench::force([0.0, 0.0, -500.0])],
-        ..SceneGroup::new("Group 1", &postures)
-    };
-    let options = SceneOptions {
-        stiffness: Some(&[1e6; 6]),
-        ..SceneOptions::default()
-    };
+    let group = SceneGroup { wrenches: &[Wrench::force([0.0, 0.0, -500.0])], ..SceneGroup::new("Group 1", &postures) };
+    let options = SceneOptions { stiffness: Some(&[1e6; 6]), ..SceneOptions::default() };
     let known = scene(&cell, &[group], &options).unwrap();
-    let [first, second] = &known.groups[0].postures[..] else {
-        panic!("two postures")
-    };
+    let [first, second] = &known.groups[0].postures[..] else { panic!("two postures") };
     assert_eq!(first.loads[0].force, [0.0, 0.0, -500.0]);
     assert!(first.loads[0].deflection[0][2] < 0.0);
     assert!(second.loads.is_empty());
-    let few = SceneOptions {
-        stiffness: Some(&[1e6; 5]),
-        ..SceneOptions::default()
-    };
+    let few = SceneOptions { stiffness: Some(&[1e6; 5]), ..SceneOptions::default() };
     assert!(scene(&cell, &[], &few).is_err());
 }
 
@@ -208,15 +174,9 @@ fn a_measured_load_is_shown_where_it_is_known() {
 fn an_arm_that_buckles_is_shown_without_deflection() {
     let robot = Robot::from_catalogue("panda").unwrap();
     let tool = Tool::new(Vector3::new(0.0, 0.0, 0.3), [("tip", Vector3::zeros())]).unwrap();
-    let load = Load::Weight {
-        magnitude: 500.0,
-        direction: -Vector3::z(),
-    };
+    let load = Load::Weight { magnitude: 500.0, direction: -Vector3::z() };
     let cell = Cell::new("soft", robot, tool, load);
-    let options = SceneOptions {
-        stiffness: Some(&[10.0; 7]),
-        ..SceneOptions::default()
-    };
+    let options = SceneOptions { stiffness: Some(&[10.0; 7]), ..SceneOptions::default() };
     let postures = spread(&cell, 4);
     let shown = scene(&cell, &[SceneGroup::new("a", &postures)], &options).unwrap();
     let loads = shown.groups[0].postures.iter().map(|p| &p.loads[0]);
@@ -240,13 +200,7 @@ fn script_and_style_can_stand_in_a_page() {
     assert!(!script.contains("</script") && !script.contains("<!--"));
     // Text of the data is never read as HTML by our own part.
     let own = VIEWER_SCRIPT.split_once("// Solids as meshes").unwrap().1;
-    for never in [
-        "innerHTML",
-        "outerHTML",
-        "insertAdjacentHTML",
-        "document.write",
-        "eval(",
-    ] {
+    for never in ["innerHTML", "outerHTML", "insertAdjacentHTML", "document.write", "eval("] {
         assert!(!own.contains(never), "{never}");
     }
     assert!(VIEWER_SCRIPT.contains("Permission is hereby granted"));

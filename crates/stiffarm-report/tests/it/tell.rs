@@ -24,15 +24,9 @@ pub(crate) fn suspected(mut result: Value, cause: &str, severity: &str, sentence
     let screening = &mut result["readings"]["screening"];
     screening["suspicions"] = json!([suspicion]);
     screening["findings"] = json!([finding(cause, severity, sentence)]);
-    for (i, place) in [
-        "systematic_errors",
-        "diagnosis",
-        "diagnosis",
-        "systematic_errors",
-        "systematic_errors",
-    ]
-    .into_iter()
-    .enumerate()
+    for (i, place) in ["systematic_errors", "diagnosis", "diagnosis", "systematic_errors", "systematic_errors"]
+        .into_iter()
+        .enumerate()
     {
         let own = finding("of-the-fit", "caution", &format!("Of the fit {i}."));
         result[place]["findings"].as_array_mut().unwrap().push(own);
@@ -46,10 +40,7 @@ fn exchanged() -> Told {
         let cell = builtin::cell("comau").unwrap();
         let mut readings = simulated_readings(&cell, &group(&cell), 1).unwrap();
         exchange(&mut readings);
-        identified(
-            &cell,
-            &prepare(&cell, readings, &Default::default()).unwrap(),
-        )
+        identified(&cell, &prepare(&cell, readings, &Default::default()).unwrap())
     });
     one(RESULT.clone())
 }
@@ -81,12 +72,7 @@ fn verdicts(part: &Told) -> Vec<String> {
 #[test]
 fn what_is_wrong_with_the_readings_stands_before_what_the_fit_says() {
     let result = good();
-    let part = one(suspected(
-        result,
-        "stray_repeat",
-        "caution",
-        "They lie apart.",
-    ));
+    let part = one(suspected(result, "stray_repeat", "caution", "They lie apart."));
     let said = sentences(&part);
     assert_eq!(said[0], "They lie apart.");
     let at = |words: &str| said.iter().position(|s| *s == words).unwrap();
@@ -106,19 +92,12 @@ fn what_is_wrong_with_the_readings_stands_before_what_the_fit_says() {
 #[test]
 fn a_serious_finding_leaves_no_stiffness_known() {
     let result = good();
-    let sentence =
-        "The loads look like kilograms (kgf): factor 9.81. As typed, nothing fits. Check load_n.";
+    let sentence = "The loads look like kilograms (kgf): factor 9.81. As typed, nothing fits. Check load_n.";
     let part = one(suspected(result, "load_units", "serious", sentence));
     assert_eq!(part.outcome, Outcome::Serious);
     let [_, came, next] = part.verdict.each_ref().map(Text::plain);
-    assert_eq!(
-        came,
-        "The stiffness cannot be used. The loads look like kilograms (kgf): factor 9.81."
-    );
-    assert!(
-        next.starts_with("Correct the table first (lines 64 and 69)"),
-        "{next}"
-    );
+    assert_eq!(came, "The stiffness cannot be used. The loads look like kilograms (kgf): factor 9.81.");
+    assert!(next.starts_with("Correct the table first (lines 64 and 69)"), "{next}");
     for verdict in verdicts(&part) {
         assert_eq!(verdict, "not to be used");
     }
@@ -145,10 +124,7 @@ fn a_bound_has_its_unit_and_goes_by_all_errors() {
     let part = one(result);
     assert_eq!(verdicts(&part)[4], "above 0.00447");
     let came = part.verdict[1].plain();
-    assert!(
-        came.contains("k of joint 5: only a lower bound, 0.00447 · 10⁶ N·m/rad."),
-        "{came}"
-    );
+    assert!(came.contains("k of joint 5: only a lower bound, 0.00447 · 10⁶ N·m/rad."), "{came}");
 }
 
 #[test]
@@ -162,10 +138,7 @@ fn without_a_budget_it_says_what_was_not_examined() {
     for part in [&removed, &brief] {
         assert_eq!(part.outcome, Outcome::Caution);
         let came = part.verdict[1].plain();
-        assert!(
-            came.contains("Systematic errors were not examined."),
-            "{came}"
-        );
+        assert!(came.contains("Systematic errors were not examined."), "{came}");
         assert!(came.contains("the scatter of the readings alone"), "{came}");
         let codes = part.findings.iter().map(|f| f.code.as_str());
         assert!(codes.collect::<Vec<_>>().contains(&"no-systematic-errors"));
@@ -178,10 +151,7 @@ fn without_a_budget_it_says_what_was_not_examined() {
 fn bars_stand_only_where_there_are_values() {
     let part = exchanged();
     let came = part.verdict[1].plain();
-    assert!(
-        came.starts_with("The stiffness cannot be used. Posture 2: points"),
-        "{came}"
-    );
+    assert!(came.starts_with("The stiffness cannot be used. Posture 2: points"), "{came}");
     let blocks = part.sections.iter().flat_map(|section| &section.blocks);
     let figures = blocks.filter_map(|block| match block {
         Block::Figure(figure) => Some(figure),
@@ -206,10 +176,7 @@ fn joints_of_one_fault_are_named_in_one_finding() {
         result["joints"][j]["verdict"] = json!("sign_or_model_fault");
     }
     let told = one(result);
-    let faults = told
-        .findings
-        .iter()
-        .filter(|f| f.code == "negative-compliance");
+    let faults = told.findings.iter().filter(|f| f.code == "negative-compliance");
     let subjects: Vec<&str> = faults.map(|f| f.subject.as_str()).collect();
     assert_eq!(subjects, ["joint 2 and joint 4"]);
     assert_eq!(verdicts(&told)[1], "negative");
@@ -221,19 +188,10 @@ fn joints_of_one_fault_are_named_in_one_finding() {
 fn a_column_that_says_nothing_is_left_out_and_the_summary_is_short() {
     let mut result = good();
     let full = one(result.clone());
-    assert!(
-        full.key
-            .as_ref()
-            .unwrap()
-            .headings
-            .contains(&"± systematic [%]".to_string())
-    );
+    assert!(full.key.as_ref().unwrap().headings.contains(&"± systematic [%]".to_string()));
     result["systematic_errors"] = Value::Null;
     let brief = one(result);
-    assert_eq!(
-        brief.key.as_ref().unwrap().headings,
-        ["joint", "k [10⁶ N·m/rad]", "± readings [%]", "verdict"]
-    );
+    assert_eq!(brief.key.as_ref().unwrap().headings, ["joint", "k [10⁶ N·m/rad]", "± readings [%]", "verdict"]);
     let summary = full.sections.iter().filter(|s| s.depth == Depth::Summary);
     let ids: Vec<&str> = summary.map(|section| section.id.as_str()).collect();
     assert_eq!(ids, ["basis"]);
@@ -255,10 +213,7 @@ fn a_joint_that_cannot_be_told_is_named() {
     assert!(came.starts_with("No usable value"), "{came}");
     assert_eq!(verdicts(&made)[5], "not determined");
     let first = &made.findings[0];
-    assert_eq!(
-        (first.code.as_str(), first.severity),
-        ("undetermined", Severity::Serious)
-    );
+    assert_eq!((first.code.as_str(), first.severity), ("undetermined", Severity::Serious));
 }
 
 #[test]

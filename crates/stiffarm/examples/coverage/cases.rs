@@ -67,13 +67,7 @@ impl Bench {
     fn selected(&self, count: usize) -> Result<PostureGroup> {
         let start = random_group(&self.cell, StartKind::Uniform, count, SEED, count as u64)?;
         let control = Control::default();
-        let plan = select_from(
-            &self.cell,
-            Index::ExpectedError,
-            &start,
-            Options::default(),
-            control,
-        )?;
+        let plan = select_from(&self.cell, Index::ExpectedError, &start, Options::default(), control)?;
         Ok(plan.to_group("selected"))
     }
 
@@ -90,13 +84,7 @@ impl Bench {
         Ok(rows)
     }
 
-    fn row(
-        &self,
-        table: &'static str,
-        estimator: Estimator,
-        group: &PostureGroup,
-        points: usize,
-    ) -> Row {
+    fn row(&self, table: &'static str, estimator: Estimator, group: &PostureGroup, points: usize) -> Row {
         Row {
             table,
             situation: String::new(),
@@ -127,11 +115,7 @@ impl Bench {
                 edit(&mut row);
                 rows.push(row);
             };
-            add(
-                "ordinary, noise from the residuals",
-                Estimator::Ordinary,
-                &|_| (),
-            );
+            add("ordinary, noise from the residuals", Estimator::Ordinary, &|_| ());
             add(
                 "weighted, noise from the residuals; a posture's points share a shift as large as the noise, and the cell says so",
                 Estimator::Weighted,
@@ -140,27 +124,19 @@ impl Bench {
                     row.cell.noise.posture_common_std = row.cell.noise.displacement_std();
                 },
             );
-            add(
-                "weighted, three loads against one unloaded reading",
-                Estimator::Weighted,
-                &|row| {
-                    row.case.world.load_states = THREE.to_vec();
-                },
-            );
+            add("weighted, three loads against one unloaded reading", Estimator::Weighted, &|row| {
+                row.case.world.load_states = THREE.to_vec();
+            });
             add("ordinary, noise known", Estimator::Ordinary, &|row| {
                 row.case.options.noise = NoiseSource::Known;
             });
-            add(
-                "ordinary, noise from repeats",
-                Estimator::Ordinary,
-                &|row| {
-                    row.case.options.noise = NoiseSource::Repeats;
-                    row.case.options.scatter = Some(ReadingScatter {
-                        reading_std_m: row.cell.noise.reading_variance.sqrt(),
-                        degrees_of_freedom: dof,
-                    });
-                },
-            );
+            add("ordinary, noise from repeats", Estimator::Ordinary, &|row| {
+                row.case.options.noise = NoiseSource::Repeats;
+                row.case.options.scatter = Some(ReadingScatter {
+                    reading_std_m: row.cell.noise.reading_variance.sqrt(),
+                    degrees_of_freedom: dof,
+                });
+            });
         }
         Ok(())
     }
@@ -180,9 +156,7 @@ impl Bench {
                 let mut row = self.row(TWO_VARIANCE, Estimator::TwoVariance, &group, 4);
                 row.case.world.common_ratio = ratio;
                 row.case.world.load_states = THREE.to_vec();
-                row.situation = format!(
-                    "random postures, three loads against one unloaded reading, τ/σ = {ratio}"
-                );
+                row.situation = format!("random postures, three loads against one unloaded reading, τ/σ = {ratio}");
                 rows.push(row);
             }
         }
@@ -201,10 +175,7 @@ impl Bench {
             row.intervals = Some(Intervals::Huber);
             row.adverse = true;
             row.situation = "5 % of the displacements with thirty times the error".to_string();
-            row.case.world.outliers = Some(Outliers {
-                share: 0.05,
-                size: 30.0,
-            });
+            row.case.world.outliers = Some(Outliers { share: 0.05, size: 30.0 });
             rows.push(row);
         }
         for count in [4, 6, 12] {
@@ -226,11 +197,7 @@ impl Bench {
             let group = self.random(count)?;
             for (truth, adverse, words) in [
                 (Truth::Drawn, false, "truth drawn from the prior"),
-                (
-                    Truth::Off(2.0),
-                    true,
-                    "truth two standard deviations off the prior",
-                ),
+                (Truth::Off(2.0), true, "truth two standard deviations off the prior"),
             ] {
                 let mut row = self.row(INEXACT, Estimator::Prior, &group, 4);
                 row.intervals = Some(Intervals::Prior);
@@ -263,33 +230,12 @@ impl Bench {
 
     fn beside(&self, rows: &mut Vec<Row>) -> Result<()> {
         let group = self.random(6)?;
-        for (estimator, name) in [
-            (Estimator::TwoVariance, "two-variance"),
-            (Estimator::Ordinary, "ordinary"),
-        ] {
+        for (estimator, name) in [(Estimator::TwoVariance, "two-variance"), (Estimator::Ordinary, "ordinary")] {
             let exact = ModelErrors::default();
             let errors = [
-                (
-                    "force of each posture wrong by 1 %",
-                    ModelErrors {
-                        force_per_posture: 0.01,
-                        ..exact
-                    },
-                ),
-                (
-                    "force scale wrong by 1 %",
-                    ModelErrors {
-                        force_scale: 0.01,
-                        ..exact
-                    },
-                ),
-                (
-                    "loading point wrong by 1 mm in each coordinate",
-                    ModelErrors {
-                        loading_point_m: 1e-3,
-                        ..exact
-                    },
-                ),
+                ("force of each posture wrong by 1 %", ModelErrors { force_per_posture: 0.01, ..exact }),
+                ("force scale wrong by 1 %", ModelErrors { force_scale: 0.01, ..exact }),
+                ("loading point wrong by 1 mm in each coordinate", ModelErrors { loading_point_m: 1e-3, ..exact }),
             ];
             for (words, model_errors) in errors {
                 let mut row = self.row(BESIDE, estimator, &group, 4);
@@ -315,16 +261,8 @@ impl Bench {
                 Weights::Tracker,
                 "two-variance: tracker's range and angle noise, tracker weights",
             ),
-            (
-                Estimator::Weighted,
-                Weights::Readings,
-                "weighted: tracker's range and angle noise, all readings alike",
-            ),
-            (
-                Estimator::Weighted,
-                Weights::Tracker,
-                "weighted: tracker's range and angle noise, tracker weights",
-            ),
+            (Estimator::Weighted, Weights::Readings, "weighted: tracker's range and angle noise, all readings alike"),
+            (Estimator::Weighted, Weights::Tracker, "weighted: tracker's range and angle noise, tracker weights"),
         ] {
             let mut row = self.row(BESIDE, estimator, &group, 4);
             row.cell.tracker.accuracy = Some(TRACKER);
@@ -343,9 +281,5 @@ const RATIOS: [f64; 4] = [0.0, 0.5, 1.0, 3.0];
 /// Three load states as fractions of the load.
 const THREE: [f64; 3] = [1.0 / 3.0, 2.0 / 3.0, 1.0];
 /// A tracker beside the cell: 2 µm and 0.5 µm/m along the beam, 15 µm at 4 m across.
-const TRACKER: TrackerAccuracy = TrackerAccuracy {
-    station: Vector3::new(2.0, -4.0, 1.5),
-    range: 2e-6,
-    range_per_metre: 0.5e-6,
-    angle: 3.75e-6,
-};
+const TRACKER: TrackerAccuracy =
+    TrackerAccuracy { station: Vector3::new(2.0, -4.0, 1.5), range: 2e-6, range_per_metre: 0.5e-6, angle: 3.75e-6 };

@@ -21,18 +21,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         if let Some(most) = most {
             row.case.experiments = row.case.experiments.min(most);
         }
-        let found = coverage(
-            &row.cell,
-            &row.group.postures,
-            &row.case,
-            Control::default(),
-        )?;
-        eprintln!(
-            "{:>3}/{total} {:6.2} % {}",
-            i + 1,
-            100.0 * found.coverage,
-            row.situation
-        );
+        let found = coverage(&row.cell, &row.group.postures, &row.case, Control::default())?;
+        eprintln!("{:>3}/{total} {:6.2} % {}", i + 1, 100.0 * found.coverage, row.situation);
         records.push(record(row, &found));
     }
     let page = page::page(&records);
@@ -49,17 +39,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// The number behind `--experiments`.
 fn most() -> Result<Option<usize>, String> {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    match words
-        .iter()
-        .map(String::as_str)
-        .collect::<Vec<_>>()
-        .as_slice()
-    {
+    match words.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
         [] => Ok(None),
-        ["--experiments", number] => number
-            .parse()
-            .map(Some)
-            .map_err(|_| format!("--experiments {number}: not a number.")),
+        ["--experiments", number] => {
+            number.parse().map(Some).map_err(|_| format!("--experiments {number}: not a number."))
+        }
         _ => Err("The only option is --experiments N.".to_string()),
     }
 }

@@ -14,16 +14,9 @@ pub const BESIDE: &str = "beside";
 
 /// The page, Markdown.
 pub fn page(records: &[Record]) -> String {
-    let of =
-        |table: &str| -> Vec<&Record> { records.iter().filter(|r| r.table == table).collect() };
-    [
-        HEAD.to_string(),
-        exact(&of(EXACT)),
-        two_variance(&of(TWO_VARIANCE)),
-        inexact(&of(INEXACT)),
-        beside(&of(BESIDE)),
-    ]
-    .join("\n")
+    let of = |table: &str| -> Vec<&Record> { records.iter().filter(|r| r.table == table).collect() };
+    [HEAD.to_string(), exact(&of(EXACT)), two_variance(&of(TWO_VARIANCE)), inexact(&of(INEXACT)), beside(&of(BESIDE))]
+        .join("\n")
 }
 
 const HEAD: &str = "\
@@ -51,10 +44,7 @@ Standard errors, the joints one by one and the share of open intervals of each c
 ";
 
 fn exact(records: &[&Record]) -> String {
-    let worst = records
-        .iter()
-        .map(|r| (r.coverage - 0.95).abs())
-        .fold(0.0, f64::max);
+    let worst = records.iter().map(|r| (r.coverage - 0.95).abs()).fold(0.0, f64::max);
     let verdict = if worst <= 0.005 {
         "within half a point, the most this project accepts"
     } else {
@@ -99,11 +89,7 @@ fn inexact(records: &[&Record]) -> String {
     let names = [
         (Intervals::Huber, "Huber's estimator", HUBER),
         (Intervals::NonNegative, "Non-negative fit", NON_NEGATIVE),
-        (
-            Intervals::Prior,
-            "Prior stiffness as further knowledge",
-            PRIOR,
-        ),
+        (Intervals::Prior, "Prior stiffness as further knowledge", PRIOR),
         (Intervals::Bootstrap, "Bootstrap over postures", BOOTSTRAP),
     ];
     let mut out = "## Intervals that are not exact\n\n\
@@ -111,26 +97,14 @@ fn inexact(records: &[&Record]) -> String {
         the fit. Below the table's smallest no coverage is claimed.\n"
         .to_string();
     for (intervals, title, words) in names {
-        let own: Vec<&Record> = records
-            .iter()
-            .copied()
-            .filter(|r| r.intervals == Some(intervals))
-            .collect();
+        let own: Vec<&Record> = records.iter().copied().filter(|r| r.intervals == Some(intervals)).collect();
         let range = |adverse: bool| {
-            let values = || {
-                own.iter()
-                    .filter(|r| r.adverse == adverse)
-                    .map(|r| 100.0 * r.coverage)
-            };
+            let values = || own.iter().filter(|r| r.adverse == adverse).map(|r| 100.0 * r.coverage);
             let low = values().fold(f64::INFINITY, f64::min);
             let high = values().fold(0.0, f64::max);
             format!("{low:.1} to {high:.1} %")
         };
-        let smallest = own
-            .iter()
-            .filter_map(|r| r.degrees_of_freedom)
-            .min()
-            .unwrap_or(0);
+        let smallest = own.iter().filter_map(|r| r.degrees_of_freedom).min().unwrap_or(0);
         // Writing to a string cannot fail.
         let _ = write!(
             out,
@@ -182,12 +156,8 @@ fn table(records: &[&Record]) -> String {
     }
     let mut out = "| simulated |".to_string();
     for &(postures, points) in &sizes {
-        let own = || {
-            records
-                .iter()
-                .filter(|r| (r.postures, r.points) == (postures, points))
-                .map(|r| r.degrees_of_freedom)
-        };
+        let own =
+            || records.iter().filter(|r| (r.postures, r.points) == (postures, points)).map(|r| r.degrees_of_freedom);
         let first = own().next().flatten();
         let dof = match first {
             Some(dof) if own().all(|d| d == first) => format!(", {dof}"),
@@ -200,9 +170,7 @@ fn table(records: &[&Record]) -> String {
         let against = if adverse { "*against*: " } else { "" };
         out += &format!("| {against}{situation} |");
         for &size in &sizes {
-            let found = records
-                .iter()
-                .find(|r| r.situation == situation && (r.postures, r.points) == size);
+            let found = records.iter().find(|r| r.situation == situation && (r.postures, r.points) == size);
             out += &format!(" {} |", found.map(|r| share(r)).unwrap_or_default());
         }
         out.push('\n');

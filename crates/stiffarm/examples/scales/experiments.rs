@@ -20,13 +20,8 @@ use stiffarm::model::robot::find_in_catalogue;
 use stiffarm::plan::select::{StartKind, random_group};
 
 /// The robots: keys of the catalogue, from 10 kg to 500 kg of payload.
-pub const ROBOTS: [&str; 5] = [
-    "comau-nj165-3.0",
-    "kuka-kr240-2",
-    "fanuc-r2000ic165f",
-    "abb-irb4600-60-205",
-    "kuka-kr10r1100sixx",
-];
+pub const ROBOTS: [&str; 5] =
+    ["comau-nj165-3.0", "kuka-kr240-2", "fanuc-r2000ic165f", "abb-irb4600-60-205", "kuka-kr10r1100sixx"];
 
 /// Spread of the prior about the truth, joint by joint (standard deviation of the
 /// logarithm), and its largest factor either way.
@@ -52,14 +47,8 @@ pub enum Kind {
 }
 
 /// All kinds.
-pub const KINDS: [Kind; 6] = [
-    Kind::RopeLoads,
-    Kind::WeightLoads,
-    Kind::RopeAlone,
-    Kind::Sensor,
-    Kind::Cases,
-    Kind::Displacements,
-];
+pub const KINDS: [Kind; 6] =
+    [Kind::RopeLoads, Kind::WeightLoads, Kind::RopeAlone, Kind::Sensor, Kind::Cases, Kind::Displacements];
 
 /// One experiment.
 #[derive(Debug, Clone)]
@@ -136,14 +125,8 @@ fn cell_of(robot: usize, kind: Kind, dice: &mut Dice) -> Cell {
             "kuka-kr240-2" | "kuka-kr10r1100sixx" => [deg(-100.0, -30.0), deg(20.0, 120.0)],
             _ => [deg(-30.0, 50.0), deg(-40.0, 40.0)],
         };
-        cell.bounds = vec![
-            deg(-70.0, 70.0),
-            arm[0],
-            arm[1],
-            deg(-150.0, 150.0),
-            deg(-100.0, 100.0),
-            deg(-170.0, 170.0),
-        ];
+        cell.bounds =
+            vec![deg(-70.0, 70.0), arm[0], arm[1], deg(-150.0, 150.0), deg(-100.0, 100.0), deg(-170.0, 170.0)];
     }
     let size = (reach / 3.0).clamp(0.4, 1.0);
     let tool = &mut cell.setup.tool;
@@ -152,21 +135,12 @@ fn cell_of(robot: usize, kind: Kind, dice: &mut Dice) -> Cell {
         point.position *= size;
     }
     let force = (payload * 9.806_65 * dice.between(0.25, 0.8)).round();
-    let anchor = Vector3::new(
-        reach * dice.between(0.5, 0.9),
-        reach * dice.between(-0.3, 0.3),
-        -reach * dice.between(0.1, 0.3),
-    );
-    let rope = |anchor: Vector3<f64>| Load::Rope {
-        anchor,
-        magnitude: force,
-    };
+    let anchor =
+        Vector3::new(reach * dice.between(0.5, 0.9), reach * dice.between(-0.3, 0.3), -reach * dice.between(0.1, 0.3));
+    let rope = |anchor: Vector3<f64>| Load::Rope { anchor, magnitude: force };
     let down = *cell.setup.robot.gravity_direction();
     cell.setup.load = match kind {
-        Kind::WeightLoads => Load::Weight {
-            magnitude: force,
-            direction: down,
-        },
+        Kind::WeightLoads => Load::Weight { magnitude: force, direction: down },
         Kind::Cases => Load::Cases(
             [("left", 1.0), ("right", -1.0)]
                 .map(|(name, side)| LoadCase {
@@ -199,57 +173,33 @@ pub fn sound(robot: usize, number: u64, kind: Kind, seed: u64) -> Sound {
     let prior = truth.iter().map(|k| k * off(&mut dice)).collect();
     cell.prior = Some(prior);
     let count = 6 + dice.below(15);
-    let postures = random_group(
-        &cell,
-        StartKind::Uniform,
-        count,
-        seed + number,
-        robot as u64,
-    )
-    .expect("postures within the limits");
+    let postures = random_group(&cell, StartKind::Uniform, count, seed + number, robot as u64)
+        .expect("postures within the limits");
     let postures = PostureGroup::from_angles("plan", postures).postures;
     // The arm as it is delivered.
-    let offsets: Vec<f64> = truth
-        .iter()
-        .map(|_| (0.05 * dice.normal()).to_radians())
-        .collect();
+    let offsets: Vec<f64> = truth.iter().map(|_| (0.05 * dice.normal()).to_radians()).collect();
     let driven: Vec<Posture> = postures
         .iter()
-        .map(|p| Posture {
-            name: p.name.clone(),
-            q: p.q.iter().zip(&offsets).map(|(q, o)| q + o).collect(),
-        })
+        .map(|p| Posture { name: p.name.clone(), q: p.q.iter().zip(&offsets).map(|(q, o)| q + o).collect() })
         .collect();
     let mut real = cell.clone();
     for point in &mut real.setup.tool.measuring_points {
         point.position += dice.vector(1e-4);
     }
-    let pose = Isometry3::from_parts(
-        Translation3::from(dice.vector(4.0)),
-        UnitQuaternion::from_scaled_axis(dice.vector(2.0)),
-    );
+    let pose =
+        Isometry3::from_parts(Translation3::from(dice.vector(4.0)), UnitQuaternion::from_scaled_axis(dice.vector(2.0)));
     let is_named = dice.below(2) == 0;
     let nominal = cell.setup.load.size().unwrap_or(0.0);
     let repeats = 1 + dice.below(3);
-    let state = |name: &str, factor: f64| ExperimentState {
-        repeats,
-        ..ExperimentState::new(name, factor)
-    };
+    let state = |name: &str, factor: f64| ExperimentState { repeats, ..ExperimentState::new(name, factor) };
     let named = |prefix: &str, factor: f64, otherwise: &str| {
-        let name = if is_named {
-            format!("{prefix}-{:.0}", nominal * factor)
-        } else {
-            otherwise.to_string()
-        };
+        let name = if is_named { format!("{prefix}-{:.0}", nominal * factor) } else { otherwise.to_string() };
         state(&name, factor)
     };
     let states = match (kind, dice.below(3)) {
-        (Kind::Cases, _) => vec![
-            state("unloaded", 0.0),
-            state("left", 1.0),
-            state("unloaded-2", 0.0),
-            state("right", 1.0),
-        ],
+        (Kind::Cases, _) => {
+            vec![state("unloaded", 0.0), state("left", 1.0), state("unloaded-2", 0.0), state("right", 1.0)]
+        }
         (Kind::RopeAlone | Kind::Displacements, _) => {
             vec![state("unloaded", 0.0), state("loaded", 1.0)]
         }
@@ -261,11 +211,7 @@ pub fn sound(robot: usize, number: u64, kind: Kind, seed: u64) -> Sound {
             named("down", 0.5, "down-half"),
             state("unloaded-2", 0.0),
         ],
-        _ => vec![
-            state("preload", 0.2),
-            named("up", 0.6, "up-some"),
-            named("load", 1.0, "full"),
-        ],
+        _ => vec![state("preload", 0.2), named("up", 0.6, "up-some"), named("load", 1.0, "full")],
     };
     let by_sensor = kind == Kind::Sensor;
     let small = cell.setup.robot.joint_count() as f64;
@@ -280,14 +226,9 @@ pub fn sound(robot: usize, number: u64, kind: Kind, seed: u64) -> Sound {
         },
         joint_tilt: Some(truth.iter().map(|k| 0.1 / k).collect()),
         lost_motion: Some(vec![1e-4 / small; truth.len()]),
-        base_compliance: Some(BaseCompliance {
-            tilt: 0.01 / truth[0],
-            shift: 1e-9,
-        }),
-        tool_weight: by_sensor.then(|| ToolWeight {
-            mass_kg: dice.between(3.0, 30.0),
-            centre: Vector3::new(0.01, 0.0, 0.12),
-        }),
+        base_compliance: Some(BaseCompliance { tilt: 0.01 / truth[0], shift: 1e-9 }),
+        tool_weight: by_sensor
+            .then(|| ToolWeight { mass_kg: dice.between(3.0, 30.0), centre: Vector3::new(0.01, 0.0, 0.12) }),
         sensor_noise: [0.5, 0.1],
         tracker_noise: TrackerNoise::Isotropic,
         posture_common_std: 2e-5,
@@ -295,8 +236,7 @@ pub fn sound(robot: usize, number: u64, kind: Kind, seed: u64) -> Sound {
     };
     let scale = 1.0 + FORCE * dice.normal();
     scale_loads(&mut real.setup.load, 1.0 / scale);
-    let mut table =
-        experiment(&real, &driven, &truth, &options, seed, number).expect("an experiment");
+    let mut table = experiment(&real, &driven, &truth, &options, seed, number).expect("an experiment");
     for (measured, nominal) in table.postures.iter_mut().zip(&postures) {
         measured.posture.q.clone_from(&nominal.q);
         for state in &mut measured.states {

@@ -7,8 +7,7 @@ use stiffarm::measure::screening::{Cause, Evidence, Suspicion, screen, screen_di
 use stiffarm::model::load::Load;
 
 use Plant::{
-    Anchor, Angles, Coordinates, Entry, Forces, LoadingPoint, Moments, Posture, Prior, Table,
-    TableAndCell, Tool,
+    Anchor, Angles, Coordinates, Entry, Forces, LoadingPoint, Moments, Posture, Prior, Table, TableAndCell, Tool,
 };
 
 /// N in a kilogram-force and in a pound-force.
@@ -65,38 +64,18 @@ const fn fault(name: &'static str, kind: Kind, plant: Plant) -> Fault {
 
 /// Every fault.
 pub const FAULTS: [Fault; 33] = [
-    fault(
-        "kg for N, table and cell alike",
-        RopeLoads,
-        TableAndCell(KG),
-    ),
-    fault(
-        "kg for N, the cell's load alone",
-        RopeAlone,
-        TableAndCell(KG),
-    ),
-    fault(
-        "kg for N, displacements",
-        Kind::Displacements,
-        TableAndCell(KG),
-    ),
+    fault("kg for N, table and cell alike", RopeLoads, TableAndCell(KG)),
+    fault("kg for N, the cell's load alone", RopeAlone, TableAndCell(KG)),
+    fault("kg for N, displacements", Kind::Displacements, TableAndCell(KG)),
     fault("kg for N, load_n", RopeLoads, Table(KG)),
     fault("kg for N, load_n of weights", WeightLoads, Table(KG)),
     fault("kg for N, sensor", Sensor, Table(KG)),
     fault("kg for N, sensor's forces alone", Sensor, Forces(KG)),
     fault("kg for N, load cases", Kind::Cases, TableAndCell(KG)),
-    fault(
-        "lbf for N, table and cell alike",
-        RopeLoads,
-        TableAndCell(LBF),
-    ),
+    fault("lbf for N, table and cell alike", RopeLoads, TableAndCell(LBF)),
     fault("lbf for N, load_n", RopeLoads, Table(LBF)),
     fault("lbf for N, sensor", Sensor, Table(LBF)),
-    fault(
-        "kN for N, table and cell alike",
-        WeightLoads,
-        TableAndCell(1e3),
-    ),
+    fault("kN for N, table and cell alike", WeightLoads, TableAndCell(1e3)),
     fault("kN for N, load_n", RopeLoads, Table(1e3)),
     fault("kN for N, sensor", Sensor, Table(1e3)),
     fault("one load, 50 for 500", RopeLoads, Entry(10.0)),
@@ -108,31 +87,11 @@ pub const FAULTS: [Fault; 33] = [
     fault("moments in N·mm", Sensor, Moments(1e3)),
     fault("coordinates in m", RopeLoads, Coordinates(1e3, true)),
     fault("coordinates in inches", Sensor, Coordinates(INCH, true)),
-    fault(
-        "coordinates of one state in inches",
-        RopeLoads,
-        Coordinates(INCH, false),
-    ),
-    fault(
-        "displacements in m",
-        Kind::Displacements,
-        Plant::Displacements(1e3, true),
-    ),
-    fault(
-        "displacements in inches",
-        Kind::Displacements,
-        Plant::Displacements(INCH, true),
-    ),
-    fault(
-        "displacements in µm",
-        Kind::Displacements,
-        Plant::Displacements(1e-3, true),
-    ),
-    fault(
-        "one posture in inches",
-        Kind::Displacements,
-        Plant::Displacements(INCH, false),
-    ),
+    fault("coordinates of one state in inches", RopeLoads, Coordinates(INCH, false)),
+    fault("displacements in m", Kind::Displacements, Plant::Displacements(1e3, true)),
+    fault("displacements in inches", Kind::Displacements, Plant::Displacements(INCH, true)),
+    fault("displacements in µm", Kind::Displacements, Plant::Displacements(1e-3, true)),
+    fault("one posture in inches", Kind::Displacements, Plant::Displacements(INCH, false)),
     fault("tool points in inches", RopeLoads, Tool(INCH)),
     fault("anchor in m", RopeLoads, Anchor(1e3)),
     fault("angles in radians", RopeLoads, Angles(RADIAN)),
@@ -143,21 +102,9 @@ pub const FAULTS: [Fault; 33] = [
 /// Faults beside the list.
 pub const OTHERS: [Fault; 5] = [
     fault("loading point in m", RopeLoads, LoadingPoint(1e3)),
-    fault(
-        "load cases of one posture exchanged",
-        Kind::Cases,
-        Plant::Cases(false),
-    ),
-    fault(
-        "angles of displacements in radians",
-        Kind::Displacements,
-        Angles(RADIAN),
-    ),
-    fault(
-        "prior in N·m per minute of arc",
-        Sensor,
-        Prior(60.0 * RADIAN),
-    ),
+    fault("load cases of one posture exchanged", Kind::Cases, Plant::Cases(false)),
+    fault("angles of displacements in radians", Kind::Displacements, Angles(RADIAN)),
+    fault("prior in N·m per minute of arc", Sensor, Prior(60.0 * RADIAN)),
     fault("prior in N·mm/rad", RopeLoads, Prior(1e-3)),
 ];
 
@@ -199,25 +146,12 @@ impl Fault {
                     .collect();
                 let s = loaded[dice.below(loaded.len())];
                 let state = states[s].state.clone();
-                each_load(sound, |p, at| {
-                    if (p, at) == (posture, s) {
-                        1.0 / f
-                    } else {
-                        1.0
-                    }
-                });
-                Expected {
-                    posture: Some(name),
-                    state: Some(state),
-                    ..expect(Cause::LoadEntry, f)
-                }
+                each_load(sound, |p, at| if (p, at) == (posture, s) { 1.0 / f } else { 1.0 });
+                Expected { posture: Some(name), state: Some(state), ..expect(Cause::LoadEntry, f) }
             }
             Plant::Posture(f) => {
                 each_load(sound, |p, _| if p == posture { 1.0 / f } else { 1.0 });
-                Expected {
-                    posture: Some(name),
-                    ..expect(Cause::LoadEntry, f)
-                }
+                Expected { posture: Some(name), ..expect(Cause::LoadEntry, f) }
             }
             Plant::Moments(f) => {
                 for state in sound.table.postures.iter_mut().flat_map(|p| &mut p.states) {
@@ -244,29 +178,20 @@ impl Fault {
                         }
                     }
                 }
-                Expected {
-                    posture: (!all).then_some(name),
-                    ..expect(Cause::Units, 1.0 / f)
-                }
+                Expected { posture: (!all).then_some(name), ..expect(Cause::Units, 1.0 / f) }
             }
             Plant::Displacements(f, all) => {
                 let measured = sound.displacements.iter_mut().flatten();
                 for own in measured.filter(|m| all || m.posture.name == name) {
                     own.displacements.iter_mut().for_each(|d| d.value /= f);
                 }
-                Expected {
-                    posture: (!all).then_some(name),
-                    ..expect(Cause::DisplacementUnits, f)
-                }
+                Expected { posture: (!all).then_some(name), ..expect(Cause::DisplacementUnits, f) }
             }
             Plant::Tool(f) => {
                 for point in &mut sound.cell.setup.tool.measuring_points {
                     point.position /= f;
                 }
-                Expected {
-                    factor: Some(f),
-                    ..expect(Cause::ToolUnits, f)
-                }
+                Expected { factor: Some(f), ..expect(Cause::ToolUnits, f) }
             }
             Plant::Anchor(f) => {
                 if let Load::Rope { anchor, .. } = &mut sound.cell.setup.load {
@@ -285,10 +210,7 @@ impl Fault {
                 for own in sound.displacements.iter_mut().flatten() {
                     own.posture.q.iter_mut().for_each(|q| *q /= f);
                 }
-                Expected {
-                    factor: None,
-                    ..expect(Cause::Radians, f)
-                }
+                Expected { factor: None, ..expect(Cause::Radians, f) }
             }
             Plant::Prior(f) => {
                 for k in sound.cell.prior.iter_mut().flatten() {
@@ -306,11 +228,7 @@ impl Fault {
                         };
                     }
                 }
-                Expected {
-                    factor: None,
-                    posture: (!all).then_some(name),
-                    ..expect(Cause::ExchangedLoadCases, 1.0)
-                }
+                Expected { factor: None, posture: (!all).then_some(name), ..expect(Cause::ExchangedLoadCases, 1.0) }
             }
         }
     }
@@ -344,11 +262,7 @@ fn each_load(sound: &mut Sound, factor: impl Fn(usize, usize) -> f64) {
 /// Takes the numbers out of the names of states.
 fn unname(sound: &mut Sound) {
     for state in sound.table.postures.iter_mut().flat_map(|p| &mut p.states) {
-        for (prefix, name) in [
-            ("load-", "full"),
-            ("up-", "up-some"),
-            ("down-", "down-some"),
-        ] {
+        for (prefix, name) in [("load-", "full"), ("up-", "up-some"), ("down-", "down-some")] {
             if state.state.starts_with(prefix) {
                 state.state = name.to_string();
             }
@@ -402,20 +316,12 @@ pub fn judge(sound: &Sound, expected: &Expected) -> Judged {
     let (suspicions, findings) = findings(sound);
     let said: Vec<&str> = findings.iter().map(|f| f.sentence.as_str()).collect();
     let place = |s: &Suspicion| {
-        expected
-            .posture
-            .as_ref()
-            .is_none_or(|p| s.postures == [p.clone()])
-            && expected
-                .state
-                .as_ref()
-                .is_none_or(|st| s.states.is_empty() || s.states == [st.clone()])
+        expected.posture.as_ref().is_none_or(|p| s.postures == [p.clone()])
+            && expected.state.as_ref().is_none_or(|st| s.states.is_empty() || s.states == [st.clone()])
     };
     let same = |f: f64| expected.factor.is_none_or(|e| (f / e - 1.0).abs() < 1e-4);
     let right = |s: &&Suspicion| {
-        expected.causes.contains(&s.cause)
-            && place(s)
-            && (expected.factor.is_none() || s.factor.is_some_and(same))
+        expected.causes.contains(&s.cause) && place(s) && (expected.factor.is_none() || s.factor.is_some_and(same))
     };
     let number = |f: f64| match f {
         f if (f - KG).abs() < 1e-3 => "factor 9.81".to_string(),
@@ -426,9 +332,7 @@ pub fn judge(sound: &Sound, expected: &Expected) -> Judged {
         f => format!("factor {f:.0}"),
     };
     let told = expected.factor.map(number).unwrap_or_default();
-    let among = |s: &&Suspicion| {
-        place(s) && s.factor.is_some() && s.alternatives.iter().any(|a| a.ends_with(&told))
-    };
+    let among = |s: &&Suspicion| place(s) && s.factor.is_some() && s.alternatives.iter().any(|a| a.ends_with(&told));
     let first = suspicions.iter().position(|s| right(&s));
     let second = suspicions.iter().position(|s| among(&s));
     let outcome = match (first, second, suspicions.len()) {

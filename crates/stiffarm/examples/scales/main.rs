@@ -16,11 +16,7 @@ use stiffarm::findings::Severity;
 
 fn main() {
     let mut args = std::env::args().skip(1);
-    let mut number = |otherwise: u64| {
-        args.next()
-            .and_then(|text| text.parse().ok())
-            .unwrap_or(otherwise)
-    };
+    let mut number = |otherwise: u64| args.next().and_then(|text| text.parse().ok()).unwrap_or(otherwise);
     let (runs, sounds, seed) = (number(20), number(1000), number(1));
     let only = args.next();
     println!(
@@ -34,14 +30,8 @@ fn main() {
         }
         let judged = planted(fault, runs, seed);
         let count = |of: Outcome| judged.iter().filter(|j| j.outcome == of).count();
-        let [alone, first, among, wrong, silent] = [
-            Outcome::Alone,
-            Outcome::First,
-            Outcome::Among,
-            Outcome::Wrong,
-            Outcome::Silent,
-        ]
-        .map(count);
+        let [alone, first, among, wrong, silent] =
+            [Outcome::Alone, Outcome::First, Outcome::Among, Outcome::Wrong, Outcome::Silent].map(count);
         let by_prior = judged.iter().filter(|j| j.by_prior).count();
         let serious = judged.iter().filter(|j| j.is_serious).count();
         let beside = judged.iter().filter(|j| j.beside > 0).count();
@@ -64,10 +54,7 @@ fn main() {
     println!("\nnamed: {} of {}", total[0], total[1]);
     let alarms = alarms(sounds, seed);
     let of_scale = alarms.iter().filter(|a| a.0).count();
-    println!(
-        "sound experiments: {sounds}, suspected of a scale: {of_scale}, with any finding: {}",
-        alarms.len()
-    );
+    println!("sound experiments: {sounds}, suspected of a scale: {of_scale}, with any finding: {}", alarms.len());
     for (_, alarm) in &alarms {
         println!("- {alarm}");
     }
@@ -75,9 +62,7 @@ fn main() {
 
 /// The fault in `runs` experiments of each robot.
 fn planted(fault: &Fault, runs: u64, seed: u64) -> Vec<Judged> {
-    let all: Vec<(usize, u64)> = (0..runs)
-        .flat_map(|n| (0..ROBOTS.len()).map(move |r| (r, n)))
-        .collect();
+    let all: Vec<(usize, u64)> = (0..runs).flat_map(|n| (0..ROBOTS.len()).map(move |r| (r, n))).collect();
     all.into_par_iter()
         .map(|(robot, n)| {
             let mut experiment = sound(robot, n, fault.kind, seed);

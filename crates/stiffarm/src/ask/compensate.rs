@@ -31,12 +31,7 @@ pub struct Compensated {
 impl Compensated {
     /// Every finding of the result, each once.
     pub fn every_finding(&self) -> Vec<Finding> {
-        each_once(
-            self.compensation
-                .findings
-                .iter()
-                .chain(&self.postures.findings),
-        )
+        each_once(self.compensation.findings.iter().chain(&self.postures.findings))
     }
 }
 
@@ -66,13 +61,7 @@ impl PathOptions {
     ) -> Result<Compensated> {
         let options = self.compensate_options(saved)?;
         let arm = LoadedArm::new(cell, &saved.predictor)?;
-        let mut compensation = compensate_on(
-            (cell, &arm),
-            &saved.predictor,
-            &followed.postures,
-            &options,
-            control,
-        )?;
+        let mut compensation = compensate_on((cell, &arm), &saved.predictor, &followed.postures, &options, control)?;
         let deviation = |i: usize| {
             let point = &compensation.points[i];
             Deviation {
@@ -85,14 +74,9 @@ impl PathOptions {
         let (features, finding) = features((cell, &arm), &followed.postures, tolerance, deviation)?;
         compensation.findings.extend(finding);
         let points = followed.postures.iter().zip(&compensation.points);
-        let points =
-            points.map(|(posture, point)| (posture, point.uncompensated_shift_m, point.band));
+        let points = points.map(|(posture, point)| (posture, point.uncompensated_shift_m, point.band));
         let untold = never_loaded_at_work((cell, &arm), saved, points)?;
         compensation.findings.extend(untold);
-        Ok(Compensated {
-            compensation,
-            postures: followed.summary.clone(),
-            features,
-        })
+        Ok(Compensated { compensation, postures: followed.summary.clone(), features })
     }
 }

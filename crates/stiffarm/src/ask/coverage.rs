@@ -10,11 +10,7 @@ use serde::{Deserialize, Serialize};
 
 /// What is simulated, and how it is identified.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Options")
-)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "Options"))]
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 #[serde(default)]
 pub struct CoverageOptions {
@@ -35,12 +31,7 @@ pub struct CoverageOptions {
 
 impl Default for CoverageOptions {
     fn default() -> Self {
-        CoverageOptions {
-            runs: 10_000,
-            bootstrap: None,
-            seed: 1,
-            fit: FitOptions::default(),
-        }
+        CoverageOptions { runs: 10_000, bootstrap: None, seed: 1, fit: FitOptions::default() }
     }
 }
 
@@ -60,10 +51,7 @@ impl CoverageOptions {
             seed: self.seed,
             resamples: self.bootstrap,
             options: self.fit.options(&cell.setup.robot)?,
-            world: ErrorModel {
-                common_ratio: cell.noise.common_ratio().sqrt(),
-                ..ErrorModel::default()
-            },
+            world: ErrorModel { common_ratio: cell.noise.common_ratio().sqrt(), ..ErrorModel::default() },
         })
     }
 }

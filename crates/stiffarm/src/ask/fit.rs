@@ -14,11 +14,7 @@ use serde::{Deserialize, Serialize};
 /// How the joint stiffness is estimated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(
-    feature = "clap",
-    derive(clap::Args),
-    command(next_help_heading = "Estimator")
-)]
+#[cfg_attr(feature = "clap", derive(clap::Args), command(next_help_heading = "Estimator"))]
 #[serde(default)]
 pub struct FitOptions {
     /// How the joint stiffness is estimated
@@ -26,10 +22,7 @@ pub struct FitOptions {
         value_parser = one_of(&Estimator::ALL, |own| own.as_str().into())))]
     pub estimator: Estimator,
     /// Extra terms: tilt (of all joints), tilt1, …, base, lost (motion of all joints), lost1, …
-    #[cfg_attr(
-        feature = "clap",
-        arg(long, value_name = "NAME,…", value_delimiter = ',')
-    )]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "NAME,…", value_delimiter = ','))]
     pub extra: Vec<String>,
     /// What gives way: joints and base in all directions as far as the data show, or the joint
     /// axes alone [default: mixed, axes with another estimator, noise or extra terms]
@@ -74,10 +67,7 @@ impl FitOptions {
     pub fn options(&self, robot: &Robot) -> Result<IdentifyOptions> {
         let [low, high] = CONFIDENCE;
         if !(low..=high).contains(&self.confidence) {
-            let message = format!(
-                "The confidence must lie between {low} and {high}, got {:?}.",
-                self.confidence
-            );
+            let message = format!("The confidence must lie between {low} and {high}, got {:?}.", self.confidence);
             let error = Error::invalid(message).key("confidence");
             return Err(error.hint("give 0.95 for 95 %"));
         }
@@ -108,12 +98,9 @@ impl FitOptions {
     /// One of them is not as it is by default (its field is the key).
     pub fn refuse(&self) -> Result<()> {
         match given(self)?.into_iter().next() {
-            Some(name) => Err(Error::new(
-                Code::Usage,
-                format!("`{name}` can be used only with `folds`."),
-            )
-            .key(name)
-            .hint("a saved stiffness brings its own estimator, terms and confidence")),
+            Some(name) => Err(Error::new(Code::Usage, format!("`{name}` can be used only with `folds`."))
+                .key(name)
+                .hint("a saved stiffness brings its own estimator, terms and confidence")),
             None => Ok(()),
         }
     }
@@ -124,24 +111,12 @@ impl FitOptions {
 const NOISE: &[Choice<NoiseSource>] = &[
     ("estimated", "From the residuals", NoiseSource::Estimated),
     ("known", "From the cell's [noise]", NoiseSource::Known),
-    (
-        "repeats",
-        "From readings that were repeated",
-        NoiseSource::Repeats,
-    ),
+    ("repeats", "From readings that were repeated", NoiseSource::Repeats),
 ];
 
 /// Where the relative weight of single displacements comes from.
 #[cfg(feature = "clap")]
 const WEIGHTS: &[Choice<Weights>] = &[
-    (
-        "readings",
-        "All readings alike, each as often as it was taken",
-        Weights::Readings,
-    ),
-    (
-        "tracker",
-        "The tracker's range and angle model, [tracker] of the cell",
-        Weights::Tracker,
-    ),
+    ("readings", "All readings alike, each as often as it was taken", Weights::Readings),
+    ("tracker", "The tracker's range and angle model, [tracker] of the cell", Weights::Tracker),
 ];

@@ -123,14 +123,12 @@ impl MapOptions {
         let [roll, pitch, yaw] = self.rpy_deg.unwrap_or(DOWN_DEG).map(deg_to_rad);
         let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
         let direction = match self.direction {
-            Some(direction) => Some(
-                UnitVector3::try_new(Vector3::from(direction), f64::MIN_POSITIVE).ok_or_else(
-                    || {
-                        let message = "The direction must not have length zero.";
-                        Error::invalid(message).key("direction")
-                    },
-                )?,
-            ),
+            Some(direction) => {
+                Some(UnitVector3::try_new(Vector3::from(direction), f64::MIN_POSITIVE).ok_or_else(|| {
+                    let message = "The direction must not have length zero.";
+                    Error::invalid(message).key("direction")
+                })?)
+            }
             None => None,
         };
         let (wrench, _) = self.load(cell, &rotation);
@@ -153,10 +151,8 @@ impl MapOptions {
     /// The load at the tip in base axes, where there is one.
     fn load(&self, cell: &Cell, rotation: &UnitQuaternion<f64>) -> (Option<Wrench>, LoadSource) {
         if let Some(force) = self.force_n {
-            let wrench = Wrench {
-                force: Vector3::from(force),
-                moment: Vector3::from(self.moment_nm.unwrap_or_default()),
-            };
+            let wrench =
+                Wrench { force: Vector3::from(force), moment: Vector3::from(self.moment_nm.unwrap_or_default()) };
             return (Some(wrench), LoadSource::Given);
         }
         match cell.work.process.as_ref().and_then(|p| p.load().at(None)) {
@@ -166,10 +162,7 @@ impl MapOptions {
                     ForceAxes::Workpiece => cell.work.workpiece.rotation,
                     ForceAxes::Base | ForceAxes::Path => UnitQuaternion::identity(),
                 };
-                let wrench = Wrench {
-                    force: turn * load.force,
-                    moment: turn * load.moment,
-                };
+                let wrench = Wrench { force: turn * load.force, moment: turn * load.moment };
                 (Some(wrench), LoadSource::Cell)
             }
             Some(_) => (None, LoadSource::CellAlongPath),

@@ -30,23 +30,14 @@ const WIDEST: f64 = 0.5;
 /// Rounds of the search for a better posture.
 const ROUNDS: u64 = 1;
 /// Findings on what single joints carry and what residuals cannot tell yet: other postures may bring it.
-const MAY_COME: [&str; 5] = [
-    codes::WEAK_JOINT,
-    codes::UNLOADED_JOINT,
-    codes::CORRELATED,
-    codes::POSTURE_NEEDED,
-    codes::RESIDUALS_UNTESTED,
-];
+const MAY_COME: [&str; 5] =
+    [codes::WEAK_JOINT, codes::UNLOADED_JOINT, codes::CORRELATED, codes::POSTURE_NEEDED, codes::RESIDUALS_UNTESTED];
 /// Steps of the angles of a posture that is proposed \[deg\].
 const STEP_DEG: f64 = 0.01;
 
 /// What is asked of a day of measuring.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Options")
-)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "Options"))]
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 #[serde(default)]
 pub struct MeasureOptions {
@@ -64,11 +55,7 @@ pub struct MeasureOptions {
 
 impl Default for MeasureOptions {
     fn default() -> Self {
-        MeasureOptions {
-            until: None,
-            no_search: false,
-            seed: 1,
-        }
+        MeasureOptions { until: None, no_search: false, seed: 1 }
     }
 }
 
@@ -164,10 +151,7 @@ pub struct DeflectionStanding {
 impl Judgement {
     /// Before anything can be said of the stiffness.
     fn not_yet(plan: &[Posture], left: &[Posture]) -> Self {
-        let next = left.first().map(|posture| Planned {
-            name: posture.name.clone(),
-            angles: posture.q.clone(),
-        });
+        let next = left.first().map(|posture| Planned { name: posture.name.clone(), angles: posture.q.clone() });
         Judgement {
             planned: plan.len(),
             left: left.iter().map(|posture| posture.name.clone()).collect(),
@@ -230,14 +214,9 @@ pub fn judge(
     let known: BTreeSet<String> = done.iter().cloned().collect();
     let left = plan.iter().filter(|posture| !known.contains(&posture.name));
     let left: Vec<Posture> = left.cloned().collect();
-    let readings = measured
-        .findings()
-        .filter(|f| f.code != codes::NOT_MEASURED_YET);
+    let readings = measured.findings().filter(|f| f.code != codes::NOT_MEASURED_YET);
     let mut out = Judgement {
-        begun: begun
-            .into_iter()
-            .filter(|name| !known.contains(name))
-            .collect(),
+        begun: begun.into_iter().filter(|name| !known.contains(name)).collect(),
         measured: done,
         readings: readings.cloned().collect(),
         ..Judgement::not_yet(plan, &left)
@@ -285,9 +264,7 @@ fn of_fit(fit: &Fit, so_far: &SoFar<'_>, left: usize) -> Result<Vec<Finding>> {
     let mut estimates = fit.identification()?.estimates.clone();
     estimates.joints = so_far.joints()?;
     let joints = estimates.findings().into_iter();
-    let is_due = |f: &Finding| {
-        f.severity > Severity::Note && (left == 0 || !MAY_COME.contains(&f.code.as_str()))
-    };
+    let is_due = |f: &Finding| f.severity > Severity::Note && (left == 0 || !MAY_COME.contains(&f.code.as_str()));
     // A joint that yields against its torque follows from a set-up that is rejected.
     let diagnosis = so_far.diagnosis.as_ref();
     let is_rejected = diagnosis.is_some_and(|own| own.rejected().is_some());
@@ -307,13 +284,8 @@ fn deflection(fit: &Fit, so_far: &SoFar<'_>, goal: f64) -> Result<DeflectionStan
     // While a joint is open below, nothing is predicted.
     let options = PredictOptions::default();
     let known = so_far.compliance();
-    let predicted =
-        known.and_then(|known| predict(&cell, &known, &tasks, &options, Control::default()));
-    let mut out = DeflectionStanding {
-        largest_m: None,
-        task: String::new(),
-        reached: false,
-    };
+    let predicted = known.and_then(|known| predict(&cell, &known, &tasks, &options, Control::default()));
+    let mut out = DeflectionStanding { largest_m: None, task: String::new(), reached: false };
     let Ok(predicted) = predicted else {
         return Ok(out);
     };
@@ -329,18 +301,8 @@ fn deflection(fit: &Fit, so_far: &SoFar<'_>, goal: f64) -> Result<DeflectionStan
 }
 
 /// A posture that helps much more than the next planned one, with angles that one can type.
-fn better(
-    fit: &Fit,
-    cell: &Cell,
-    left: &[Posture],
-    seed: u64,
-    control: Control<'_>,
-) -> Result<Option<NextPosture>> {
-    let options = GlobalOptions {
-        seed,
-        rounds: Some(ROUNDS),
-        ..GlobalOptions::default()
-    };
+fn better(fit: &Fit, cell: &Cell, left: &[Posture], seed: u64, control: Control<'_>) -> Result<Option<NextPosture>> {
+    let options = GlobalOptions { seed, rounds: Some(ROUNDS), ..GlobalOptions::default() };
     let Ok(planned) = planned_errors(fit, left) else {
         return Ok(None);
     };
@@ -363,36 +325,20 @@ fn begun(measurements: &Measurements) -> Vec<String> {
             let names = postures.map(|posture| posture.posture.name.clone());
             names.filter(|name| table.has_readings_of(name)).collect()
         }
-        Measurements::Displacements(postures) => {
-            postures.iter().map(|p| p.posture.name.clone()).collect()
-        }
+        Measurements::Displacements(postures) => postures.iter().map(|p| p.posture.name.clone()).collect(),
     }
 }
 
 /// `2%` or `0.05mm`.
 #[cfg(feature = "clap")]
 fn goal(text: &str) -> std::result::Result<Goal, String> {
-    let wrong = || {
-        "give a percentage of the stiffness up to 50, such as 2%, or a length, such as 0.05mm"
-            .to_string()
-    };
-    let number = |text: &str| {
-        text.trim()
-            .parse::<f64>()
-            .ok()
-            .filter(|v| *v > 0.0 && v.is_finite())
-    };
+    let wrong = || "give a percentage of the stiffness up to 50, such as 2%, or a length, such as 0.05mm".to_string();
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|v| *v > 0.0 && v.is_finite());
     let text = text.trim();
     if let Some(mm) = text.strip_suffix("mm") {
-        let mm = number(mm)
-            .filter(|mm| (1e-6..=1e3).contains(mm))
-            .ok_or_else(wrong)?;
+        let mm = number(mm).filter(|mm| (1e-6..=1e3).contains(mm)).ok_or_else(wrong)?;
         return Ok(Goal::Deflection(mm_to_m(mm)));
     }
     let percent = text.strip_suffix('%').and_then(number).ok_or_else(wrong)?;
-    if percent <= 100.0 * WIDEST {
-        Ok(Goal::Stiffness(percent / 100.0))
-    } else {
-        Err(wrong())
-    }
+    if percent <= 100.0 * WIDEST { Ok(Goal::Stiffness(percent / 100.0)) } else { Err(wrong()) }
 }

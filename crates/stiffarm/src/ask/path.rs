@@ -91,10 +91,7 @@ impl PathOptions {
         if percent.is_finite() && percent >= 0.0 {
             Ok(percent_to_fraction(percent))
         } else {
-            Err(wrong(
-                "load_uncertainty_percent",
-                format!("The uncertainty must be 0 % or more, got {percent} %."),
-            ))
+            Err(wrong("load_uncertainty_percent", format!("The uncertainty must be 0 % or more, got {percent} %.")))
         }
     }
 
@@ -104,17 +101,10 @@ impl PathOptions {
             return Ok(None);
         };
         let Some(axes) = self.axes else {
-            let error = wrong(
-                "force_n",
-                "The axes of the force are not given.".to_string(),
-            );
+            let error = wrong("force_n", "The axes of the force are not given.".to_string());
             return Err(error.hint("say its axes: `axes` base, tool, workpiece or path"));
         };
-        Ok(Some(TipLoad {
-            force: force.into(),
-            moment: self.moment_nm.unwrap_or_default().into(),
-            axes,
-        }))
+        Ok(Some(TipLoad { force: force.into(), moment: self.moment_nm.unwrap_or_default().into(), axes }))
     }
 
     /// Options of the search for postures; the load given here comes before that of the cell.
@@ -126,24 +116,15 @@ impl PathOptions {
         let joints = cell.setup.robot.joint_count();
         let start = self.near_deg.as_deref();
         if start.is_some_and(|q| q.len() != joints || q.iter().any(|a| !a.is_finite())) {
-            return Err(wrong(
-                "near_deg",
-                format!("The start needs {joints} angles in degrees, one per joint."),
-            ));
+            return Err(wrong("near_deg", format!("The start needs {joints} angles in degrees, one per joint.")));
         }
         if let Some(mm) = self.tolerance_mm
             && !(mm.is_finite() && mm > 0.0)
         {
-            return Err(wrong(
-                "tolerance_mm",
-                format!("The tolerance must be above 0 mm, got {mm} mm."),
-            ));
+            return Err(wrong("tolerance_mm", format!("The tolerance must be above 0 mm, got {mm} mm.")));
         }
         if !(self.max_step_deg.is_finite() && self.max_step_deg > 0.0) {
-            return Err(wrong(
-                "max_step_deg",
-                format!("The step must be above 0°, got {}°.", self.max_step_deg),
-            ));
+            return Err(wrong("max_step_deg", format!("The step must be above 0°, got {}°.", self.max_step_deg)));
         }
         let process = match self.load()? {
             Some(load) => Some(load.into()),

@@ -7,9 +7,7 @@ use crate::findings::Finding;
 use crate::model::cell::Cell;
 use crate::model::inverse::InverseKinematics;
 use crate::model::kinematics::Frames;
-use crate::model::pose::{
-    Configuration, Convention, NamedPose, held_postures, kuka_status, kuka_turn,
-};
+use crate::model::pose::{Configuration, Convention, NamedPose, held_postures, kuka_status, kuka_turn};
 use crate::model::posture::Posture;
 use crate::model::robot::Controller;
 use crate::plan::check::robot_doubts;
@@ -175,16 +173,11 @@ impl PoseOptions {
     /// A maker's convention, where nothing says that the cell's angles are a controller's.
     pub fn of(&self, cell: &Cell) -> Result<PoseKind> {
         let robot = &cell.setup.robot;
-        if self
-            .convention
-            .is_some_and(|asked| asked != Convention::Matrix)
-        {
+        if self.convention.is_some_and(|asked| asked != Convention::Matrix) {
             robot.known_controller()?;
         }
         Ok(PoseKind {
-            convention: self
-                .convention
-                .unwrap_or_else(|| Convention::of(robot.controller())),
+            convention: self.convention.unwrap_or_else(|| Convention::of(robot.controller())),
             frame: self.frame,
             point: self.point,
         })
@@ -214,17 +207,13 @@ impl PoseKind {
     /// the poses do not: so with a robot of one's own, which cannot say it.
     pub fn height_left_out(&self, cell: &Cell) -> Option<f64> {
         let robot = &cell.setup.robot;
-        let counts = robot
-            .controller()
-            .is_some_and(Controller::counts_from_axis_2);
+        let counts = robot.controller().is_some_and(Controller::counts_from_axis_2);
         if self.frame == PoseFrame::Cell || !counts {
             return None;
         }
         let frames = Frames::new(robot, &vec![0.0; robot.joint_count()]);
         let axis = frames.origins().get(1)?;
-        let from_frame = self
-            .frame_in(cell)
-            .inverse_transform_point(&Point3::from(*axis));
+        let from_frame = self.frame_in(cell).inverse_transform_point(&Point3::from(*axis));
         Some(from_frame.z).filter(|height| height.abs() > SAME_HEIGHT)
     }
 
@@ -238,48 +227,32 @@ impl PoseKind {
                  the cell's: z on the pendant is smaller by that.",
                 m_to_mm(height)
             );
-            findings.push(Finding::caution(
-                "pendant-height",
-                "robot.controller",
-                sentence,
-            ));
+            findings.push(Finding::caution("pendant-height", "robot.controller", sentence));
         }
         findings
     }
 
     fn pose(&self, pose: &Isometry3<f64>) -> Pose {
         let p = pose.translation.vector.map(m_to_mm);
-        Pose {
-            position_mm: [p.x, p.y, p.z],
-            orientation: self.convention.shown(&pose.rotation),
-        }
+        Pose { position_mm: [p.x, p.y, p.z], orientation: self.convention.shown(&pose.rotation) }
     }
 
     fn flanges(&self, cell: &Cell, postures: &[Posture]) -> Vec<Isometry3<f64>> {
         let to_frame = self.frame_in(cell).inverse();
         let robot = &cell.setup.robot;
-        postures
-            .iter()
-            .map(|p| to_frame * Frames::new(robot, &p.q).flange())
-            .collect()
+        postures.iter().map(|p| to_frame * Frames::new(robot, &p.q).flange()).collect()
     }
 
     /// Poses of flange and tip at postures of the cell's robot.
     pub fn poses_of(&self, cell: &Cell, postures: &[Posture]) -> Poses {
         let tip = cell.work.tip(&cell.setup.tool);
         let flanges = self.flanges(cell, postures);
-        let listed = postures
-            .iter()
-            .zip(&flanges)
-            .map(|(posture, flange)| PosturePose {
-                posture: describe(cell, posture.name.clone(), &posture.q),
-                flange: self.pose(flange),
-                tip: self.pose(&(flange * tip)),
-            });
-        Poses {
-            postures: listed.collect(),
-            findings: self.doubts(cell),
-        }
+        let listed = postures.iter().zip(&flanges).map(|(posture, flange)| PosturePose {
+            posture: describe(cell, posture.name.clone(), &posture.q),
+            flange: self.pose(flange),
+            tip: self.pose(&(flange * tip)),
+        });
+        Poses { postures: listed.collect(), findings: self.doubts(cell) }
     }
 
     /// The poses as a table of them is written: of the point that is asked for.
@@ -346,10 +319,7 @@ impl PoseKind {
                     all.push(Posture { name, q: q.clone() });
                 }
             }
-            result.poses.push(FoundPose {
-                name: named.name.clone(),
-                postures,
-            });
+            result.poses.push(FoundPose { name: named.name.clone(), postures });
         }
         Ok((result, all))
     }
@@ -371,36 +341,12 @@ fn describe(cell: &Cell, name: String, q: &[f64]) -> Described {
 /// Conventions of orientations.
 #[cfg(feature = "clap")]
 const CONVENTION: &[Choice<Convention>] = &[
-    (
-        "kuka",
-        "A, B, C: turns about z, then y', then x'' (deg)",
-        Convention::Kuka,
-    ),
-    (
-        "abb",
-        "Quaternion q1 to q4, the scalar first",
-        Convention::Abb,
-    ),
-    (
-        "fanuc",
-        "W, P, R: turns about fixed x, then y, then z (deg)",
-        Convention::Fanuc,
-    ),
-    (
-        "comau",
-        "A, E, R: turns about z, then y', then z'' (deg)",
-        Convention::Comau,
-    ),
-    (
-        "yaskawa",
-        "Rx, Ry, Rz: turns about fixed x, then y, then z (deg)",
-        Convention::Yaskawa,
-    ),
-    (
-        "staubli",
-        "Rx, Ry, Rz: turns about x, then y', then z'' (deg)",
-        Convention::Staubli,
-    ),
+    ("kuka", "A, B, C: turns about z, then y', then x'' (deg)", Convention::Kuka),
+    ("abb", "Quaternion q1 to q4, the scalar first", Convention::Abb),
+    ("fanuc", "W, P, R: turns about fixed x, then y, then z (deg)", Convention::Fanuc),
+    ("comau", "A, E, R: turns about z, then y', then z'' (deg)", Convention::Comau),
+    ("yaskawa", "Rx, Ry, Rz: turns about fixed x, then y, then z (deg)", Convention::Yaskawa),
+    ("staubli", "Rx, Ry, Rz: turns about x, then y', then z'' (deg)", Convention::Staubli),
     ("ur", "Rotation vector (rad)", Convention::Ur),
     ("matrix", "Rotation matrix", Convention::Matrix),
 ];
@@ -408,11 +354,7 @@ const CONVENTION: &[Choice<Convention>] = &[
 /// Frames that poses are given in.
 #[cfg(feature = "clap")]
 const FRAME: &[Choice<PoseFrame>] = &[
-    (
-        "controller",
-        "The base frame of the robot's controller, as the pendant counts",
-        PoseFrame::Controller,
-    ),
+    ("controller", "The base frame of the robot's controller, as the pendant counts", PoseFrame::Controller),
     ("cell", "The cell's base frame", PoseFrame::Cell),
 ];
 
@@ -420,9 +362,5 @@ const FRAME: &[Choice<PoseFrame>] = &[
 #[cfg(feature = "clap")]
 const POINT: &[Choice<PosePoint>] = &[
     ("flange", "The flange", PosePoint::Flange),
-    (
-        "tip",
-        "The tip of [work], else the first measuring point in the flange's axes",
-        PosePoint::Tip,
-    ),
+    ("tip", "The tip of [work], else the first measuring point in the flange's axes", PosePoint::Tip),
 ];

@@ -46,11 +46,7 @@ impl Predicted {
 
 /// What is asked of a prediction; by default the equilibrium under the loads at the tip.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Options")
-)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "Options"))]
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 #[serde(default)]
 pub struct PredictOptions {
@@ -63,10 +59,7 @@ pub struct PredictOptions {
     #[cfg_attr(feature = "clap", arg(long))]
     pub cell_load: bool,
     /// With --cell-load: which of several load cases
-    #[cfg_attr(
-        feature = "clap",
-        arg(long, value_name = "NAME", requires = "cell_load")
-    )]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "NAME", requires = "cell_load"))]
     pub load_case: Option<String>,
     /// How the deflection is calculated
     #[cfg_attr(feature = "clap", arg(long, default_value = "equilibrium", value_parser = choice(MODEL)))]
@@ -101,11 +94,8 @@ impl PredictOptions {
             Some(name) => cell.under(name).map_err(|e| e.key("load_case")),
             None if self.cell_load && cell.setup.load.has_cases() => {
                 let names = cell.setup.load.case_names();
-                let message =
-                    "The cell has several load cases, and postures bend under one at a time.";
-                Err(Error::invalid(message)
-                    .key("cell_load")
-                    .hint(format!("add `load_case` with one of them: {names}")))
+                let message = "The cell has several load cases, and postures bend under one at a time.";
+                Err(Error::invalid(message).key("cell_load").hint(format!("add `load_case` with one of them: {names}")))
             }
             None => Ok(cell),
         }
@@ -127,11 +117,7 @@ impl PredictOptions {
     }
 
     fn load_at(&self) -> LoadPoint {
-        if self.cell_load {
-            LoadPoint::LoadingPoint
-        } else {
-            LoadPoint::Tip
-        }
+        if self.cell_load { LoadPoint::LoadingPoint } else { LoadPoint::Tip }
     }
 
     /// Postures and loads along `points`, without them at the tasks of the cell, which is
@@ -158,61 +144,36 @@ impl PredictOptions {
             }
             Some(points) if self.cell_load => (under_cell_load(points, &cell)?, None),
             Some(points) => {
-                let Followed { postures, summary } =
-                    self.path.follow(&cell, predictor, points, control)?;
+                let Followed { postures, summary } = self.path.follow(&cell, predictor, points, control)?;
                 (postures, Some(summary))
             }
         };
-        Ok(Loaded {
-            cell,
-            postures,
-            summary,
-        })
+        Ok(Loaded { cell, postures, summary })
     }
 
     /// Predicts at postures and loads of [`PredictOptions::loaded`].
     ///
     /// # Errors
     /// As [`PredictOptions::at_work`] and [`predict`](crate::work::predict::predict).
-    pub fn predict(
-        &self,
-        loaded: &Loaded,
-        saved: &Saved,
-        control: Control<'_>,
-    ) -> Result<Predicted> {
+    pub fn predict(&self, loaded: &Loaded, saved: &Saved, control: Control<'_>) -> Result<Predicted> {
         let options = self.at_work(saved)?;
         let mut arm = LoadedArm::new(&loaded.cell, &saved.predictor)?;
         if self.cell_load {
             arm = arm.loaded_by(&loaded.cell);
         }
-        let mut prediction = predict_on(
-            (&loaded.cell, &arm),
-            &saved.predictor,
-            &loaded.postures,
-            &options,
-            control,
-        )?;
+        let mut prediction = predict_on((&loaded.cell, &arm), &saved.predictor, &loaded.postures, &options, control)?;
         let deviation = |i: usize| {
             let point = &prediction.points[i];
-            Deviation {
-                shift_m: point.shift_m,
-                half_width_m: point.band.map(|band| band.size_m[3]),
-                residual_m: None,
-            }
+            Deviation { shift_m: point.shift_m, half_width_m: point.band.map(|band| band.size_m[3]), residual_m: None }
         };
         let tolerance = self.path.tolerance_mm.map(mm_to_m);
-        let (features, finding) =
-            features((&loaded.cell, &arm), &loaded.postures, tolerance, deviation)?;
+        let (features, finding) = features((&loaded.cell, &arm), &loaded.postures, tolerance, deviation)?;
         prediction.findings.extend(finding);
         let points = loaded.postures.iter().zip(&prediction.points);
         let points = points.map(|(posture, point)| (posture, point.shift_m, point.band));
         let untold = never_loaded_at_work((&loaded.cell, &arm), saved, points)?;
         prediction.findings.extend(untold);
-        Ok(Predicted {
-            prediction,
-            postures: loaded.summary.clone(),
-            features,
-        })
+        Ok(Predicted { prediction, postures: loaded.summary.clone(), features })
     }
 }
 
@@ -220,12 +181,9 @@ impl PredictOptions {
 fn under_cell_load(points: &[PathPoint], cell: &Cell) -> Result<Vec<LoadedPosture>> {
     let postures = points.iter().map(|point| {
         let PathTarget::Angles(q) = &point.target else {
-            return Err(Error::new(
-                Code::Unsupported,
-                "With the cell's own load the postures must be joint angles.",
-            )
-            .key("cell_load")
-            .hint("give columns q1_deg, q2_deg, …"));
+            return Err(Error::new(Code::Unsupported, "With the cell's own load the postures must be joint angles.")
+                .key("cell_load")
+                .hint("give columns q1_deg, q2_deg, …"));
         };
         let terms = PostureTerms::new(&cell.setup, q, None)?;
         Ok(LoadedPosture {

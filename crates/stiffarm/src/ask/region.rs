@@ -36,11 +36,7 @@ pub enum Steps {
 
 /// The part of the workspace that is asked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-#[cfg_attr(
-    feature = "clap",
-    derive(clap::Args),
-    command(next_help_heading = "Region (base frame)")
-)]
+#[cfg_attr(feature = "clap", derive(clap::Args), command(next_help_heading = "Region (base frame)"))]
 pub struct RegionOptions {
     /// Map a plane: its coordinate, for example z=800 [mm]
     #[cfg_attr(feature = "clap", arg(long, value_name = "AXIS=MM", value_parser = plane))]
@@ -86,11 +82,7 @@ impl Region {
             None => proportional(lower, upper, LINE),
             Some(steps) => counted(lower, upper, steps),
         };
-        Ok(Region {
-            lower,
-            upper,
-            steps,
-        })
+        Ok(Region { lower, upper, steps })
     }
 
     /// The region for the origin of a workpiece: the plane through the given place
@@ -105,11 +97,7 @@ impl Region {
             (lower[2], upper[2]) = (height, height);
         }
         let steps = asked.steps.unwrap_or(Steps::Longest(PLACES));
-        Ok(Region {
-            lower,
-            upper,
-            steps: counted(lower, upper, steps),
-        })
+        Ok(Region { lower, upper, steps: counted(lower, upper, steps) })
     }
 }
 
@@ -120,21 +108,16 @@ fn corners(cell: &Cell, asked: &RegionOptions) -> Result<([f64; 3], [f64; 3])> {
     };
     if let Some(plane) = asked.plane {
         if plane.axis > 2 {
-            let message = format!(
-                "A plane's axis is 0, 1 or 2 for x, y, z; got {}.",
-                plane.axis
-            );
+            let message = format!("A plane's axis is 0, 1 or 2 for x, y, z; got {}.", plane.axis);
             return Err(Error::invalid(message).key("plane"));
         }
         (lower[plane.axis], upper[plane.axis]) = (mm_to_m(plane.mm), mm_to_m(plane.mm));
     }
     for (axis, name) in ["x", "y", "z"].iter().enumerate() {
         if lower[axis] > upper[axis] {
-            return Err(Error::invalid(format!(
-                "Along {name}, `from_mm` must not be above `to_mm`."
-            ))
-            .key("from_mm")
-            .hint("give the lower corner with `from_mm` and the upper one with `to_mm`"));
+            return Err(Error::invalid(format!("Along {name}, `from_mm` must not be above `to_mm`."))
+                .key("from_mm")
+                .hint("give the lower corner with `from_mm` and the upper one with `to_mm`"));
         }
     }
     Ok((lower, upper))
@@ -157,10 +140,7 @@ fn within_reach(cell: &Cell) -> ([f64; 3], [f64; 3]) {
     let low = |v: f64| ((v - reach) / ROUND).floor() * ROUND;
     let high = |v: f64| ((v + reach) / ROUND).ceil() * ROUND;
     let floor = cell.limits.floor.unwrap_or(f64::NEG_INFINITY);
-    (
-        [low(x), low(y), low(z).max(floor)],
-        [high(x), high(y), high(z).max(floor)],
-    )
+    ([low(x), low(y), low(z).max(floor)], [high(x), high(y), high(z).max(floor)])
 }
 
 fn counted(lower: [f64; 3], upper: [f64; 3], steps: Steps) -> [usize; 3] {
@@ -175,11 +155,7 @@ fn proportional(lower: [f64; 3], upper: [f64; 3], longest: usize) -> [usize; 3] 
     let sides: [f64; 3] = std::array::from_fn(|axis| upper[axis] - lower[axis]);
     let most = sides.iter().copied().fold(0.0, f64::max);
     sides.map(|side| {
-        if side > 0.0 && longest > 1 {
-            ((longest - 1) as f64 * side / most).round().max(1.0) as usize + 1
-        } else {
-            1
-        }
+        if side > 0.0 && longest > 1 { ((longest - 1) as f64 * side / most).round().max(1.0) as usize + 1 } else { 1 }
     })
 }
 
@@ -191,23 +167,13 @@ fn plane(text: &str) -> std::result::Result<Plane, String> {
         Some((axis?, mm.trim().parse::<f64>().is_ok().then_some(mm)?))
     });
     let (axis, mm) = parts.ok_or(wanted)?;
-    Ok(Plane {
-        axis,
-        mm: number("mm")(mm)?,
-    })
+    Ok(Plane { axis, mm: number("mm")(mm)? })
 }
 
 #[cfg(feature = "clap")]
 fn steps(text: &str) -> std::result::Result<Steps, String> {
-    let counts: Option<Vec<usize>> = text
-        .split(',')
-        .map(|v| {
-            v.trim()
-                .parse()
-                .ok()
-                .filter(|n| (1..=1_000_000).contains(n))
-        })
-        .collect();
+    let counts: Option<Vec<usize>> =
+        text.split(',').map(|v| v.trim().parse().ok().filter(|n| (1..=1_000_000).contains(n))).collect();
     match counts.as_deref() {
         Some([longest]) => Ok(Steps::Longest(*longest)),
         Some([x, y, z]) => Ok(Steps::Each([*x, *y, *z])),

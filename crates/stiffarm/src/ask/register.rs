@@ -9,11 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// What is asked of a registration.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Options")
-)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "Options"))]
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 pub struct PairOptions {
     /// Standard deviation of each coordinate of a pair, both frames together [mm] [default: from
@@ -21,10 +17,7 @@ pub struct PairOptions {
     #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = above_zero("std_mm")))]
     pub std_mm: Option<f64>,
     /// Points to leave out
-    #[cfg_attr(
-        feature = "clap",
-        arg(long, value_name = "NAME,…", value_delimiter = ',')
-    )]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "NAME,…", value_delimiter = ','))]
     pub exclude: Vec<String>,
 }
 
@@ -35,20 +28,14 @@ impl PairOptions {
     /// A name that no pair has (key `exclude`).
     pub fn kept(&self, pairs: Vec<PointPair>) -> Result<Vec<PointPair>> {
         let is = |pair: &PointPair, name: &String| pair.name == *name;
-        if let Some(name) = self
-            .exclude
-            .iter()
-            .find(|name| !pairs.iter().any(|pair| is(pair, name)))
-        {
+        if let Some(name) = self.exclude.iter().find(|name| !pairs.iter().any(|pair| is(pair, name))) {
             let known: Vec<&str> = pairs.iter().map(|pair| pair.name.as_str()).collect();
             let message = format!("The table has no point \"{name}\".");
             return Err(Error::new(Code::UnknownName, message)
                 .key("exclude")
                 .hint(format!("points: {}", known.join(", "))));
         }
-        let kept = pairs
-            .into_iter()
-            .filter(|pair| !self.exclude.iter().any(|name| is(pair, name)));
+        let kept = pairs.into_iter().filter(|pair| !self.exclude.iter().any(|name| is(pair, name)));
         Ok(kept.collect())
     }
 
@@ -57,10 +44,7 @@ impl PairOptions {
     /// # Errors
     /// As [`register_with`].
     pub fn register(&self, kept: &[PointPair]) -> Result<Registration> {
-        let options = RegisterOptions {
-            std: self.std_mm.map(mm_to_m),
-            weights: Vec::new(),
-        };
+        let options = RegisterOptions { std: self.std_mm.map(mm_to_m), weights: Vec::new() };
         register_with(kept, &options)
     }
 }

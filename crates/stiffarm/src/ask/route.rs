@@ -14,11 +14,7 @@ use serde::{Deserialize, Serialize};
 
 /// How a plan is driven.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Options")
-)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "Options"))]
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 #[serde(default)]
 pub struct DriveOptions {
@@ -43,13 +39,7 @@ pub struct DriveOptions {
 
 impl Default for DriveOptions {
     fn default() -> Self {
-        DriveOptions {
-            keep_order: false,
-            equivalents: false,
-            keep_wrist: false,
-            angle_step_deg: 0.01,
-            seed: 1,
-        }
+        DriveOptions { keep_order: false, equivalents: false, keep_wrist: false, angle_step_deg: 0.01, seed: 1 }
     }
 }
 
@@ -104,11 +94,7 @@ impl Routed {
             findings.extend(robot_doubts(robot));
         }
         findings.extend(remarks(cell, &stops, &route)?);
-        let routed = Routed {
-            posture_names: stops.iter().map(|stop| stop.name.clone()).collect(),
-            route,
-            findings,
-        };
+        let routed = Routed { posture_names: stops.iter().map(|stop| stop.name.clone()).collect(), route, findings };
         Ok((routed, stops))
     }
 }
@@ -116,12 +102,7 @@ impl Routed {
 /// The stops under the names that their postures have in the plan.
 fn stops(plan: &[Posture], route: &Route) -> Vec<Posture> {
     let stops = route.order.iter().zip(&route.postures);
-    stops
-        .map(|(at, q)| Posture {
-            name: plan[*at].name.clone(),
-            q: q.clone(),
-        })
-        .collect()
+    stops.map(|(at, q)| Posture { name: plan[*at].name.clone(), q: q.clone() }).collect()
 }
 
 /// Postures that the cell's bounds or limits forbid.
@@ -131,11 +112,7 @@ fn not_allowed(cell: &Cell, stops: &[Posture]) -> Result<Vec<Finding>> {
         if let Some(why) = forbidden(cell, &stop.q)? {
             let subject = format!("posture {}", stop.name);
             let sentence = format!("posture {} {why}.", stop.name);
-            findings.push(Finding::serious(
-                codes::POSTURE_FORBIDDEN,
-                subject,
-                sentence,
-            ));
+            findings.push(Finding::serious(codes::POSTURE_FORBIDDEN, subject, sentence));
         }
     }
     Ok(findings)

@@ -12,15 +12,11 @@ pub type NotWith = &'static [(&'static str, &'static [&'static str])];
 /// # Errors
 /// Options that JSON cannot hold.
 pub(super) fn given<O: Serialize + Default>(options: &O) -> Result<BTreeSet<String>> {
-    let json = |options: &O| {
-        serde_json::to_value(options).map_err(|e| Error::new(Code::Internal, e.to_string()))
-    };
+    let json = |options: &O| serde_json::to_value(options).map_err(|e| Error::new(Code::Internal, e.to_string()));
     let (own, default) = (json(options)?, json(&O::default())?);
     let fields = own.as_object().into_iter().flatten();
     let changed = fields.filter(|(key, value)| default.get(key) != Some(value));
-    Ok(changed
-        .map(|(key, _)| key.strip_suffix("_s").unwrap_or(key).to_string())
-        .collect())
+    Ok(changed.map(|(key, _)| key.strip_suffix("_s").unwrap_or(key).to_string()).collect())
 }
 
 /// Refuses two of the `given` names that exclude each other.

@@ -72,13 +72,7 @@ pub struct SimulateOptions {
 
 impl Default for SimulateOptions {
     fn default() -> Self {
-        SimulateOptions {
-            runs: None,
-            levels: Vec::new(),
-            elastic: None,
-            seed: 1,
-            errors: ErrorOptions::default(),
-        }
+        SimulateOptions { runs: None, levels: Vec::new(), elastic: None, seed: 1, errors: ErrorOptions::default() }
     }
 }
 
@@ -101,10 +95,7 @@ impl ErrorOptions {
     /// # Errors
     /// A negative value, or one that is not finite (its field is the key).
     pub fn model_errors(&self) -> Result<ModelErrors> {
-        check_not_negative(
-            "force_scale_error_percent",
-            &[self.force_scale_error_percent],
-        )?;
+        check_not_negative("force_scale_error_percent", &[self.force_scale_error_percent])?;
         check_not_negative("force_error_percent", &[self.force_error_percent])?;
         check_not_negative("joint_angle_error_deg", &[self.joint_angle_error_deg])?;
         check_not_negative("loading_point_error_mm", &[self.loading_point_error_mm])?;
@@ -165,11 +156,7 @@ impl SimulateOptions {
     }
 
     fn levels(&self, default: Vec<f64>) -> Result<Vec<f64>> {
-        let levels = if self.levels.is_empty() {
-            default
-        } else {
-            self.levels.clone()
-        };
+        let levels = if self.levels.is_empty() { default } else { self.levels.clone() };
         check_not_negative("levels", &levels)?;
         Ok(levels)
     }
@@ -178,11 +165,7 @@ impl SimulateOptions {
 impl From<&SimulationOptions> for Options {
     /// The options as the result holds them.
     fn from(options: &SimulationOptions) -> Self {
-        Options {
-            levels: options.variance_factors.clone(),
-            runs: options.runs,
-            model_errors: options.model_errors,
-        }
+        Options { levels: options.variance_factors.clone(), runs: options.runs, model_errors: options.model_errors }
     }
 }
 

@@ -74,15 +74,8 @@ impl Validated {
     /// Every finding of the result, each once.
     pub fn every_finding(&self) -> Vec<Finding> {
         let readings = self.readings.iter();
-        let readings =
-            readings.flat_map(|own| own.reduction.findings.iter().chain(&own.screening.findings));
-        each_once(
-            self.validation
-                .findings
-                .iter()
-                .chain(readings)
-                .chain(&self.remarks),
-        )
+        let readings = readings.flat_map(|own| own.reduction.findings.iter().chain(&own.screening.findings));
+        each_once(self.validation.findings.iter().chain(readings).chain(&self.remarks))
     }
 }
 
@@ -106,10 +99,7 @@ pub struct ValidateOptions {
     #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = number("tolerance_mm")))]
     pub tolerance_mm: Option<f64>,
     /// Only these postures
-    #[cfg_attr(
-        feature = "clap",
-        arg(long, value_name = "NAME,…", value_delimiter = ',')
-    )]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "NAME,…", value_delimiter = ','))]
     pub only: Vec<String>,
     /// Without a stiffness: leave out N folds of postures in turn, and predict each from the
     /// others; `all` leaves out one posture at a time
@@ -139,10 +129,9 @@ impl ValidateOptions {
     /// A tolerance that is negative or not finite (key `tolerance_mm`).
     pub fn check(&self) -> Result<()> {
         match self.tolerance_mm {
-            Some(tolerance) if !(tolerance.is_finite() && tolerance >= 0.0) => Err(Error::invalid(
-                format!("The tolerance must be 0 mm or more, got {tolerance}."),
-            )
-            .key("tolerance_mm")),
+            Some(tolerance) if !(tolerance.is_finite() && tolerance >= 0.0) => {
+                Err(Error::invalid(format!("The tolerance must be 0 mm or more, got {tolerance}.")).key("tolerance_mm"))
+            }
             _ => Ok(()),
         }
     }
@@ -152,11 +141,7 @@ impl ValidateOptions {
     /// # Errors
     /// A name that no posture has (key `only`).
     pub fn keep_only(&self, measured: &mut Measured) -> Result<()> {
-        if self.only.is_empty() {
-            Ok(())
-        } else {
-            measured.keep_only(&self.only).map_err(|e| e.key("only"))
-        }
+        if self.only.is_empty() { Ok(()) } else { measured.keep_only(&self.only).map_err(|e| e.key("only")) }
     }
 
     /// Validates a saved stiffness; `cell_hash` is the SHA-256 of the cell's file, where
@@ -182,11 +167,7 @@ impl ValidateOptions {
         remarks.extend(untold);
         remarks.extend(saved.of_another_cell(cell_hash));
         remarks.extend(seen(saved, &validation));
-        Ok(Validated {
-            validation,
-            readings,
-            remarks,
-        })
+        Ok(Validated { validation, readings, remarks })
     }
 
     /// Predicts each posture of `fit` from fits without it, with the elastic model that is
@@ -223,12 +204,7 @@ impl ValidateOptions {
 
     /// The options as the result holds them; `fit` as [`ValidateOptions::by_folds`] gave it.
     pub fn options(&self, fit: Option<FoldOptions>) -> Options {
-        Options {
-            model: self.model,
-            tolerance_mm: self.tolerance_mm,
-            only: self.only.clone(),
-            fit,
-        }
+        Options { model: self.model, tolerance_mm: self.tolerance_mm, only: self.only.clone(), fit }
     }
 }
 
@@ -261,10 +237,7 @@ fn crossed(
         (None, _) => carried(fit)?.ok(),
     };
     Ok(match &mixed {
-        Some(mixed) => (
-            cross_validate_mixed(mixed, count, tolerance)?,
-            ElasticChoice::Mixed,
-        ),
+        Some(mixed) => (cross_validate_mixed(mixed, count, tolerance)?, ElasticChoice::Mixed),
         None => (cross_validate(fit, count, tolerance)?, ElasticChoice::Axes),
     })
 }
@@ -280,26 +253,14 @@ fn untold(cell: &Cell, saved: &Saved, measured: &Measured) -> Result<Option<Find
         return Ok(None);
     };
     let noise = 3.0 * (spread.sigma.powi(2) + spread.shift.powi(2));
-    let each = measured
-        .postures
-        .iter()
-        .filter(|m| !m.displacements.is_empty());
+    let each = measured.postures.iter().filter(|m| !m.displacements.is_empty());
     let work = each.map(|m| {
         let setup = cell.setup.of_state(&m.state)?;
         let terms = m.terms(&setup, m.wrench.as_ref())?;
         let rows = terms.block_with(&cell.setup.robot, &predictor.extra);
-        let squares = m
-            .displacements
-            .iter()
-            .map(|d| d.value.norm_squared())
-            .sum::<f64>();
+        let squares = m.displacements.iter().map(|d| d.value.norm_squared()).sum::<f64>();
         let points = (rows.nrows() / 3) as f64;
-        Ok(WorkRows {
-            squares: squares * points / m.displacements.len() as f64,
-            other: noise * points,
-            rows,
-            terms,
-        })
+        Ok(WorkRows { squares: squares * points / m.displacements.len() as f64, other: noise * points, rows, terms })
     });
     never_loaded(cell, saved, &work.collect::<Result<Vec<_>>>()?)
 }
@@ -319,15 +280,8 @@ fn seen(saved: &Saved, result: &Validation) -> Option<Finding> {
         1 => ("Posture", "its deviations"),
         _ => ("Postures", "their deviations"),
     };
-    let sentence = format!(
-        "{verb} {} took part in the identification: {them} say little.",
-        list(&seen)
-    );
-    Some(Finding::caution(
-        codes::SEEN_POSTURES,
-        "stiffness",
-        sentence,
-    ))
+    let sentence = format!("{verb} {} took part in the identification: {them} say little.", list(&seen));
+    Some(Finding::caution(codes::SEEN_POSTURES, "stiffness", sentence))
 }
 
 /// Whether the same posture was driven to, as far as a controller repeats it.

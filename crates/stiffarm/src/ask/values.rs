@@ -25,9 +25,7 @@ pub fn seed() -> impl Fn(&str) -> Result<u64, String> + Clone {
 }
 
 /// A whole number of a range; one up to the last u64 is said to have no end.
-pub fn within<T: TryFrom<u64>>(
-    range: RangeInclusive<u64>,
-) -> impl Fn(&str) -> Result<T, String> + Clone {
+pub fn within<T: TryFrom<u64>>(range: RangeInclusive<u64>) -> impl Fn(&str) -> Result<T, String> + Clone {
     move |text| {
         let whole = text.parse().ok().filter(|whole| range.contains(whole));
         let found = whole.and_then(|whole| T::try_from(whole).ok());
@@ -45,9 +43,7 @@ pub fn one_of<T: Copy + Send + Sync + 'static>(
 ) -> impl TypedValueParser<Value = T> {
     let names = all.iter().map(|value| shown(*value));
     PossibleValuesParser::new(names).try_map(move |name| {
-        let found = all
-            .iter()
-            .find(|value| shown(**value).matches(&name, false));
+        let found = all.iter().find(|value| shown(**value).matches(&name, false));
         found.copied().ok_or("it is none of these")
     })
 }
@@ -56,9 +52,7 @@ pub fn one_of<T: Copy + Send + Sync + 'static>(
 pub type Choice<T> = (&'static str, &'static str, T);
 
 /// One of these values by its name.
-pub fn choice<T: Copy + Send + Sync + 'static>(
-    all: &'static [Choice<T>],
-) -> impl TypedValueParser<Value = T> {
+pub fn choice<T: Copy + Send + Sync + 'static>(all: &'static [Choice<T>]) -> impl TypedValueParser<Value = T> {
     let shown = |(name, about, _): Choice<T>| PossibleValue::new(name).help(about);
     one_of(all, shown).map(|(.., value)| value)
 }
@@ -124,10 +118,7 @@ pub fn angle_step() -> impl Fn(&str) -> Result<f64, String> + Clone {
         if step == 0.0 || (1e-6..=1.0).contains(&step) {
             Ok(step)
         } else {
-            Err(
-                "give a step from 0.000001 to 1 degree, or 0 to leave the angles as they are"
-                    .to_string(),
-            )
+            Err("give a step from 0.000001 to 1 degree, or 0 to leave the angles as they are".to_string())
         }
     }
 }
@@ -141,41 +132,19 @@ pub fn pause() -> impl Fn(&str) -> Result<Duration, String> + Clone {
 }
 
 /// How displacements are calculated.
-pub const MODEL: &[Choice<Model>] = &[
-    ("linear", "Linear in the load", Model::Linear),
-    (
-        "equilibrium",
-        "Exact static equilibrium",
-        Model::Equilibrium,
-    ),
-];
+pub const MODEL: &[Choice<Model>] =
+    &[("linear", "Linear in the load", Model::Linear), ("equilibrium", "Exact static equilibrium", Model::Equilibrium)];
 
 /// What gives way.
 pub const ELASTIC: &[Choice<ElasticChoice>] = &[
     ("axes", "The joint axes alone", ElasticChoice::Axes),
-    (
-        "mixed",
-        "Joints and base in all directions, as far as the data show",
-        ElasticChoice::Mixed,
-    ),
+    ("mixed", "Joints and base in all directions, as far as the data show", ElasticChoice::Mixed),
 ];
 
 /// Axes of a path's forces.
 pub const AXES: &[Choice<ForceAxes>] = &[
     ("base", "The robot's base", ForceAxes::Base),
-    (
-        "tool",
-        "The tip frame; its z is the tool axis",
-        ForceAxes::Tool,
-    ),
-    (
-        "workpiece",
-        "The workpiece frame of the cell",
-        ForceAxes::Workpiece,
-    ),
-    (
-        "path",
-        "The path: z the tool axis, x the feed direction across it",
-        ForceAxes::Path,
-    ),
+    ("tool", "The tip frame; its z is the tool axis", ForceAxes::Tool),
+    ("workpiece", "The workpiece frame of the cell", ForceAxes::Workpiece),
+    ("path", "The path: z the tool axis, x the feed direction across it", ForceAxes::Path),
 ];

@@ -28,20 +28,13 @@ pub struct ZonesOptions {
 
 impl Default for ZonesOptions {
     fn default() -> Self {
-        ZonesOptions {
-            steps: 41,
-            q_deg: Vec::new(),
-        }
+        ZonesOptions { steps: 41, q_deg: Vec::new() }
     }
 }
 
 /// Options of a result: what was asked, and what else it depends on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Options")
-)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "Options"))]
 pub struct Asked {
     /// What was asked.
     #[serde(flatten)]
@@ -54,17 +47,11 @@ impl ZonesOptions {
     /// The same in SI units.
     pub fn options(&self) -> ZoneOptions {
         let q = self.q_deg.iter().copied().map(deg_to_rad);
-        ZoneOptions {
-            steps: self.steps,
-            q: (!self.q_deg.is_empty()).then(|| q.collect()),
-        }
+        ZoneOptions { steps: self.steps, q: (!self.q_deg.is_empty()).then(|| q.collect()) }
     }
 
     /// What a result in this cell says of them.
     pub fn in_cell(&self, cell: &Cell) -> Asked {
-        Asked {
-            asked: self.clone(),
-            characteristic_length_m: cell.characteristic_length,
-        }
+        Asked { asked: self.clone(), characteristic_length_m: cell.characteristic_length }
     }
 }

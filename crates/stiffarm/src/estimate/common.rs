@@ -70,10 +70,7 @@ impl CommonErrors {
     #[must_use]
     pub fn only(&self, source: &str) -> Self {
         let parts = self.parts.iter().enumerate();
-        let kept: Vec<usize> = parts
-            .filter(|(_, part)| part.source == source)
-            .map(|(i, _)| i)
-            .collect();
+        let kept: Vec<usize> = parts.filter(|(_, part)| part.source == source).map(|(i, _)| i).collect();
         CommonErrors {
             parts: kept.iter().map(|i| self.parts[*i].clone()).collect(),
             mean: self.mean.select_rows(&kept),

@@ -5,8 +5,7 @@ use crate::error::{Code, Error, Result};
 use crate::estimate::common::CommonErrors;
 use crate::estimate::freedom::{SizeDoubt, SpreadQuantiles};
 use crate::estimate::identify::{
-    Estimates, Estimator, Identification, JointEstimate, MeasuredSystem, NoiseSource, Solution,
-    Verdict,
+    Estimates, Estimator, Identification, JointEstimate, MeasuredSystem, NoiseSource, Solution, Verdict,
 };
 use crate::findings::{Finding, Severity, codes, list};
 use crate::model::cell::Cell;
@@ -40,11 +39,7 @@ pub struct Spread {
 
 impl Spread {
     pub(crate) fn quantiles(&self) -> Result<SpreadQuantiles> {
-        SpreadQuantiles::new(
-            self.degrees_of_freedom,
-            self.confidence,
-            self.doubt.as_ref(),
-        )
+        SpreadQuantiles::new(self.degrees_of_freedom, self.confidence, self.doubt.as_ref())
     }
 }
 
@@ -103,17 +98,12 @@ pub(crate) fn open_springs<'a>(springs: impl Iterator<Item = &'a JointEstimate>)
             out.push(Finding::new(code, severity, "stiffness", sentence));
         }
     };
-    add(
-        &negative,
-        codes::STIFFNESS_DOUBTFUL,
-        Severity::Serious,
-        &|names| {
-            format!(
-                "The stiffness cannot be used as it is: the compliance of {names} came out negative beyond what noise explains, \
+    add(&negative, codes::STIFFNESS_DOUBTFUL, Severity::Serious, &|names| {
+        format!(
+            "The stiffness cannot be used as it is: the compliance of {names} came out negative beyond what noise explains, \
              a fault of sign or model. Find it and identify again."
-            )
-        },
-    );
+        )
+    });
     add(&open, "stiffness-open", Severity::Caution, &|names| {
         format!(
             "The readings do not tell the compliance of {names} from none. It counts as it came out, with all of its \
@@ -122,9 +112,7 @@ pub(crate) fn open_springs<'a>(springs: impl Iterator<Item = &'a JointEstimate>)
     });
     let code = "stiffness-undetermined";
     add(&unknown, code, Severity::Caution, &|names| {
-        format!(
-            "The readings say nothing of {names}: nothing can be calculated where the load bends it."
-        )
+        format!("The readings say nothing of {names}: nothing can be calculated where the load bends it.")
     });
     out
 }
@@ -188,10 +176,8 @@ impl IdentifiedCompliance {
     /// # Errors
     /// As [`IdentifiedCompliance::from_estimates`].
     pub fn from_identification(cell: &Cell, result: &Identification) -> Result<Self> {
-        let noise = FittedNoise {
-            residual_std: result.residual_std_m,
-            posture_common_std: result.posture_common_std_m,
-        };
+        let noise =
+            FittedNoise { residual_std: result.residual_std_m, posture_common_std: result.posture_common_std_m };
         IdentifiedCompliance::from_estimates(cell, &result.estimates, noise)
     }
 
@@ -203,10 +189,7 @@ impl IdentifiedCompliance {
     pub fn from_estimates(cell: &Cell, estimates: &Estimates, noise: FittedNoise) -> Result<Self> {
         let springs = cell.setup.robot.spring_count();
         if estimates.joints.len() != springs {
-            let message = format!(
-                "{} estimates for the {springs} joints of the cell.",
-                estimates.joints.len()
-            );
+            let message = format!("{} estimates for the {springs} joints of the cell.", estimates.joints.len());
             return Err(Error::new(Code::Dimension, message));
         }
         let mut undetermined = Vec::new();
@@ -215,11 +198,7 @@ impl IdentifiedCompliance {
         let mut lost = estimates.lost_motion.iter();
         let joints = estimates.joints.iter().map(|joint| joint.compliance);
         let terms = estimates.extra.iter().map(|term| {
-            if term.is_spring() {
-                further.next().and_then(|s| s.compliance)
-            } else {
-                lost.next().and_then(|a| a.angle)
-            }
+            if term.is_spring() { further.next().and_then(|s| s.compliance) } else { lost.next().and_then(|a| a.angle) }
         });
         for (j, value) in joints.chain(terms).enumerate() {
             undetermined.extend(value.is_none().then_some(j));
@@ -230,15 +209,10 @@ impl IdentifiedCompliance {
             let message = "The measurements determine nothing: nothing can be predicted with them.";
             return Err(Error::new(Code::NotIdentifiable, message));
         }
-        let full = estimates.covariance.len() == count
-            && estimates.covariance.iter().all(|row| row.len() == count);
+        let full = estimates.covariance.len() == count && estimates.covariance.iter().all(|row| row.len() == count);
         let open = |i: usize, j: usize| undetermined.contains(&i) || undetermined.contains(&j);
         let entry = |i: usize, j: usize| {
-            if open(i, j) {
-                Some(0.0)
-            } else {
-                estimates.covariance[i][j]
-            }
+            if open(i, j) { Some(0.0) } else { estimates.covariance[i][j] }
         };
         let covariance = (full && (0..count).all(|i| (0..count).all(|j| entry(i, j).is_some())))
             .then(|| DMatrix::from_fn(count, count, |i, j| entry(i, j).unwrap_or(0.0)));
@@ -258,16 +232,14 @@ impl IdentifiedCompliance {
             values: DVector::from_vec(values),
             extra: estimates.extra.clone(),
             // Without a degree of freedom nothing is known of how well.
-            spread: covariance
-                .filter(|_| estimates.interval_degrees_of_freedom != Some(0))
-                .map(|covariance| Spread {
-                    covariance,
-                    sigma,
-                    shift,
-                    degrees_of_freedom: estimates.interval_degrees_of_freedom,
-                    doubt: None,
-                    confidence: estimates.confidence,
-                }),
+            spread: covariance.filter(|_| estimates.interval_degrees_of_freedom != Some(0)).map(|covariance| Spread {
+                covariance,
+                sigma,
+                shift,
+                degrees_of_freedom: estimates.interval_degrees_of_freedom,
+                doubt: None,
+                confidence: estimates.confidence,
+            }),
             common: CommonErrors::default(),
             doubts: open_springs(estimates.joints.iter().chain(&estimates.extra_springs)),
             undetermined,
@@ -275,24 +247,18 @@ impl IdentifiedCompliance {
     }
 
     /// A fit, with the noise that it estimated or took as known.
-    pub(crate) fn from_solution(
-        system: &MeasuredSystem,
-        solution: &Solution,
-        confidence: f64,
-    ) -> Self {
-        let spread = solution
-            .covariance
-            .clone()
-            .zip(solution.sigma)
-            .filter(|_| solution.t_degrees_of_freedom != Some(0))
-            .map(|(covariance, sigma)| Spread {
-                covariance,
-                sigma,
-                shift: sigma * solution.gamma.sqrt(),
-                degrees_of_freedom: solution.t_degrees_of_freedom,
-                doubt: None,
-                confidence,
-            });
+    pub(crate) fn from_solution(system: &MeasuredSystem, solution: &Solution, confidence: f64) -> Self {
+        let spread =
+            solution.covariance.clone().zip(solution.sigma).filter(|_| solution.t_degrees_of_freedom != Some(0)).map(
+                |(covariance, sigma)| Spread {
+                    covariance,
+                    sigma,
+                    shift: sigma * solution.gamma.sqrt(),
+                    degrees_of_freedom: solution.t_degrees_of_freedom,
+                    doubt: None,
+                    confidence,
+                },
+            );
         IdentifiedCompliance {
             values: solution.values.clone(),
             extra: system.extra.clone(),
@@ -308,11 +274,8 @@ impl IdentifiedCompliance {
         if self.extra.is_empty() {
             Ok(self.values.as_slice())
         } else {
-            Err(Error::new(
-                Code::Unsupported,
-                format!("The {model} model holds the axes' springs alone."),
-            )
-            .hint("use the linear model, or identify with --elastic axes and without --extra"))
+            Err(Error::new(Code::Unsupported, format!("The {model} model holds the axes' springs alone."))
+                .hint("use the linear model, or identify with --elastic axes and without --extra"))
         }
     }
 }

@@ -16,21 +16,15 @@ use crate::measure::screening::Screening;
 pub(crate) fn diagnosed(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Diagnosis> {
     let mut out = diagnose_in(fit, mixed)?;
     let of_axes = [codes::RESIDUALS_ABOVE_NOISE, codes::FURTHER_TERM];
-    out.findings
-        .retain(|finding| !(mixed.is_some() && of_axes.contains(&&*finding.code)));
+    out.findings.retain(|finding| !(mixed.is_some() && of_axes.contains(&&*finding.code)));
     if !setup::is_doubtful(fit.measured()) {
-        let outlying: Vec<String> = (out.outliers.found.iter())
-            .filter_map(|outlier| outlier.posture.clone())
-            .collect();
+        let outlying: Vec<String> = (out.outliers.found.iter()).filter_map(|outlier| outlier.posture.clone()).collect();
         out.set_up = setup::set_up(fit, mixed, &outlying)?;
     }
     if out.rejected().is_some() {
         out.findings.retain(|finding| !setup::follows(finding));
     }
-    let found = out
-        .set_up
-        .iter()
-        .filter_map(|set_up| set_up.finding.clone());
+    let found = out.set_up.iter().filter_map(|set_up| set_up.finding.clone());
     out.findings.splice(0..0, found.collect::<Vec<_>>());
     Ok(out)
 }

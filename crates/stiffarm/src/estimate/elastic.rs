@@ -108,8 +108,7 @@ pub fn elastic(fit: &Fit, compare: bool) -> Result<(Elastic, Option<MixedFit>)> 
     let mixed = match carried(fit)? {
         Ok(mixed) => mixed,
         Err(reason) => {
-            out.reasons
-                .push(format!("The joint axes alone predict. {reason}"));
+            out.reasons.push(format!("The joint axes alone predict. {reason}"));
             return Ok((out, None));
         }
     };
@@ -118,10 +117,7 @@ pub fn elastic(fit: &Fit, compare: bool) -> Result<(Elastic, Option<MixedFit>)> 
     out.mixed = Some(mixed.result());
     if compare {
         let rms = |found: Result<Validation>| match found {
-            Ok(found) => Ok(found
-                .unpredicted
-                .is_empty()
-                .then_some(found.component_rms_m)),
+            Ok(found) => Ok(found.unpredicted.is_empty().then_some(found.component_rms_m)),
             Err(error) if error.code() == Code::NotIdentifiable => Ok(None),
             Err(error) => Err(error),
         };
@@ -145,15 +141,10 @@ pub(crate) fn carried(fit: &Fit) -> Result<std::result::Result<MixedFit, String>
 ///
 /// # Errors
 /// As [`elastic`].
-pub(crate) fn carried_near(
-    fit: &Fit,
-    other: Option<&MixedFit>,
-) -> Result<std::result::Result<MixedFit, String>> {
+pub(crate) fn carried_near(fit: &Fit, other: Option<&MixedFit>) -> Result<std::result::Result<MixedFit, String>> {
     let postures = fit.system().blocks.len();
     if postures < FEWEST_POSTURES {
-        return Ok(Err(format!(
-            "Fewer than {FEWEST_POSTURES} postures cannot show what gives way beyond them."
-        )));
+        return Ok(Err(format!("Fewer than {FEWEST_POSTURES} postures cannot show what gives way beyond them.")));
     }
     match MixedFit::near(fit, other) {
         Ok(mixed) => Ok(Ok(mixed)),
@@ -168,10 +159,7 @@ fn reasons(found: &Elastic) -> Vec<String> {
     let ratio = found.likelihood_ratio.unwrap_or(0.0);
     let mut out = Vec::new();
     if ratio == 0.0 {
-        out.push(
-            "The data show nothing that gives way beyond the joint axes: the mixed model is theirs."
-                .to_string(),
-        );
+        out.push("The data show nothing that gives way beyond the joint axes: the mixed model is theirs.".to_string());
     } else if let (Some(axes), Some(mixed)) = (found.axes_rms_m, found.mixed_rms_m) {
         let by = match 1.0 - mixed / axes {
             less if less >= WORTH_SAYING => format!("{} less than", percent(less)),

@@ -29,10 +29,10 @@ const AS_GOOD_AS_DECLARED: f64 = 10.0;
 /// A cell without prior stiffness; a load that is measured; as [`identify`](super::identify::identify()).
 pub fn forecast(cell: &Cell, postures: &[Posture]) -> Result<Forecast> {
     let prior = cell.require_prior()?;
-    let numbered = postures.iter().zip(1..).map(|(posture, number)| Posture {
-        name: i32::to_string(&number),
-        q: posture.q.clone(),
-    });
+    let numbered = postures
+        .iter()
+        .zip(1..)
+        .map(|(posture, number)| Posture { name: i32::to_string(&number), q: posture.q.clone() });
     let numbered: Vec<Posture> = numbered.collect();
     let measured = simulate_measurements(cell, &numbered, prior, Model::Linear, 0, 0)?;
     let fit = Fit::new(cell, measured, &known_noise(&IdentifyOptions::default()))?;
@@ -79,10 +79,7 @@ pub fn forecast_with<Q: AsRef<[f64]>>(
 
 /// Options under which the noise is the cell's.
 fn known_noise(options: &IdentifyOptions) -> IdentifyOptions {
-    IdentifyOptions {
-        noise: NoiseSource::Known,
-        ..options.clone()
-    }
+    IdentifyOptions { noise: NoiseSource::Known, ..options.clone() }
 }
 
 /// σ² of a displacement component \[m²\], and τ²/σ²: declared and seen, weighed by what stands behind them.
@@ -122,11 +119,7 @@ fn stiffness(fit: &Fit, systematic: &SystematicErrors) -> Result<Vec<f64>> {
 /// Adds the ± that `identify` is expected to print of these postures, where there is one.
 pub(crate) fn add_forecast(cell: &Cell, postures: &[Posture], evaluation: &mut GroupEvaluation) {
     let is_plan = postures.len() <= MOST_POSTURES && cell.prior.is_some();
-    evaluation.forecast = if is_plan {
-        forecast(cell, postures).ok()
-    } else {
-        None
-    };
+    evaluation.forecast = if is_plan { forecast(cell, postures).ok() } else { None };
 }
 
 impl Evaluated {

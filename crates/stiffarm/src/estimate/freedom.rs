@@ -69,13 +69,8 @@ struct Quantiles {
 
 impl Quantiles {
     fn new(confidence: f64) -> Result<Self> {
-        let whole: Result<Vec<f64>> = (1..=LOOKED_UP)
-            .map(|n| quantile(Some(n), confidence))
-            .collect();
-        Ok(Quantiles {
-            whole: whole?,
-            normal: quantile(None, confidence)?,
-        })
+        let whole: Result<Vec<f64>> = (1..=LOOKED_UP).map(|n| quantile(Some(n), confidence)).collect();
+        Ok(Quantiles { whole: whole?, normal: quantile(None, confidence)? })
     }
 
     /// Between whole numbers in proportion to 1/ν.
@@ -103,20 +98,13 @@ pub(crate) struct SpreadQuantiles {
 impl SpreadQuantiles {
     /// # Errors
     /// A confidence outside (0, 1); no degree of freedom.
-    pub(crate) fn new(
-        degrees_of_freedom: Option<usize>,
-        confidence: f64,
-        doubt: Option<&SizeDoubt>,
-    ) -> Result<Self> {
+    pub(crate) fn new(degrees_of_freedom: Option<usize>, confidence: f64, doubt: Option<&SizeDoubt>) -> Result<Self> {
         let most = degrees_of_freedom.map_or(f64::INFINITY, |n| n as f64);
         let doubted = match doubt {
             Some(doubt) => Some((most, Quantiles::new(confidence)?, doubt.clone())),
             None => None,
         };
-        Ok(SpreadQuantiles {
-            plain: quantile(degrees_of_freedom, confidence)?,
-            doubted,
-        })
+        Ok(SpreadQuantiles { plain: quantile(degrees_of_freedom, confidence)?, doubted })
     }
 
     /// Of a combination of this variance whose covariances with all unknowns are `with`,

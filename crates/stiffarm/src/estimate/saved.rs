@@ -62,12 +62,7 @@ pub struct SeenLoad {
 impl SeenLoad {
     /// That of a posture `q` under a wrench that acts at `point` of the flange frame \[m\].
     pub(crate) fn new(q: &[f64], point: &Vector3<f64>, wrench: &Wrench) -> Self {
-        SeenLoad {
-            q: q.to_vec(),
-            force_n: wrench.force.into(),
-            moment_nm: wrench.moment.into(),
-            at_m: (*point).into(),
-        }
+        SeenLoad { q: q.to_vec(), force_n: wrench.force.into(), moment_nm: wrench.moment.into(), at_m: (*point).into() }
     }
 }
 
@@ -102,14 +97,7 @@ impl Sealed {
                     .hint("give the cell that it was identified in, or identify on this robot"));
             }
         }
-        let IdentifiedCompliance {
-            values,
-            extra,
-            undetermined,
-            spread,
-            common,
-            doubts: _,
-        } = &self.predictor;
+        let IdentifiedCompliance { values, extra, undetermined, spread, common, doubts: _ } = &self.predictor;
         let count = values.len();
         let square = |m: &DMatrix<f64>, n: usize| m.nrows() == n;
         let fits = count == names.len() + extra.len()
@@ -118,10 +106,7 @@ impl Sealed {
             && common.parts.iter().all(|part| part.change.len() == count)
             && common.mean.len() == common.parts.len()
             && square(&common.covariance, common.parts.len())
-            && self
-                .loads
-                .iter()
-                .all(|load| load.q.len() == robot.joint_count());
+            && self.loads.iter().all(|load| load.q.len() == robot.joint_count());
         let known = spread.as_ref().is_none_or(|spread| {
             let doubt = spread.doubt.as_ref();
             square(&spread.covariance, count)
@@ -145,10 +130,7 @@ impl Sealed {
 /// Where the flange is with every joint at half a radian \[m\].
 pub(crate) fn flange_of(cell: &Cell) -> Vector3<f64> {
     let robot = &cell.setup.robot;
-    Frames::new(robot, &vec![0.5; robot.joint_count()])
-        .flange()
-        .translation
-        .vector
+    Frames::new(robot, &vec![0.5; robot.joint_count()]).flange().translation.vector
 }
 
 /// Names, each once.

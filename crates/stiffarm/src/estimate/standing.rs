@@ -100,13 +100,7 @@ impl<'f> SoFar<'f> {
             let errors = systematic_errors_with(fit, Some(&mixed), off)?;
             Ok((mixed, errors))
         };
-        let mut out = SoFar {
-            fit,
-            axes,
-            mixed: mixed.map(with_errors).transpose()?,
-            diagnosis,
-            now: None,
-        };
+        let mut out = SoFar { fit, axes, mixed: mixed.map(with_errors).transpose()?, diagnosis, now: None };
         if out.is_mixed() {
             out.now = out.of_axes::<Vec<f64>>(&[])?;
         }
@@ -130,10 +124,7 @@ impl<'f> SoFar<'f> {
     pub fn compliance(&self) -> Result<IdentifiedCompliance> {
         let found = match &self.mixed {
             Some((mixed, _)) => mixed.compliance().clone(),
-            None => IdentifiedCompliance::from_identification(
-                self.fit.cell(),
-                self.fit.identification()?,
-            )?,
+            None => IdentifiedCompliance::from_identification(self.fit.cell(), self.fit.identification()?)?,
         };
         Ok(found.with_systematic_errors(self.systematic()))
     }
@@ -159,8 +150,7 @@ impl<'f> SoFar<'f> {
             return Ok(then);
         };
         let narrowed = then.iter().zip(now).zip(&mixed.uncertainty);
-        let narrowed =
-            narrowed.map(|((then, now), mixed)| Some(mixed.total? * ((*then)? / (*now)?).min(1.0)));
+        let narrowed = narrowed.map(|((then, now), mixed)| Some(mixed.total? * ((*then)? / (*now)?).min(1.0)));
         Ok(Some(narrowed.collect()))
     }
 
@@ -191,8 +181,7 @@ impl<'f> SoFar<'f> {
             "Fewer than {FEWEST_POSTURES} postures do not show what gives way beyond the joint axes: until then ± holds only if \
              nothing does, and the goal counts as not reached."
         );
-        (self.missing_postures(left) > 0)
-            .then(|| Finding::note("too-few-postures", "goal", sentence))
+        (self.missing_postures(left) > 0).then(|| Finding::note("too-few-postures", "goal", sentence))
     }
 }
 
@@ -201,11 +190,7 @@ impl<'f> SoFar<'f> {
 ///
 /// # Errors
 /// A decomposition that fails; stopped.
-pub fn standing<Q: AsRef<[f64]>>(
-    so_far: &SoFar<'_>,
-    planned: &[Q],
-    goal: Option<f64>,
-) -> Result<Standing> {
+pub fn standing<Q: AsRef<[f64]>>(so_far: &SoFar<'_>, planned: &[Q], goal: Option<f64>) -> Result<Standing> {
     let (fit, systematic) = (so_far.fit, so_far.systematic());
     let found = fit.identification()?;
     let expected = |count: usize| so_far.expected(&planned[..count]);
@@ -250,8 +235,7 @@ pub fn standing<Q: AsRef<[f64]>>(
     let missing = so_far.missing_postures(planned.len());
     let reached = goal.map(|goal| missing == 0 && largest.is_some_and(|largest| largest <= goal));
     let enough = |all: &Option<Vec<Option<f64>>>| {
-        goal.zip(worst(&|j| of(all, j)))
-            .is_some_and(|(goal, largest)| largest <= goal)
+        goal.zip(worst(&|j| of(all, j))).is_some_and(|(goal, largest)| largest <= goal)
     };
     let mut postures_to_goal = None;
     if reached == Some(false) && enough(&with_all) {
@@ -259,11 +243,7 @@ pub fn standing<Q: AsRef<[f64]>>(
         let (mut too_few, mut count) = (0, planned.len());
         while count - too_few > 1 {
             let middle = too_few.midpoint(count);
-            if enough(&expected(middle)?) {
-                count = middle
-            } else {
-                too_few = middle
-            }
+            if enough(&expected(middle)?) { count = middle } else { too_few = middle }
         }
         postures_to_goal = Some(count.max(missing));
     }
@@ -287,16 +267,9 @@ pub fn standing<Q: AsRef<[f64]>>(
 }
 
 /// Says where the scale of the force alone is beyond the goal: no residual ever shows it.
-fn out_of_reach(
-    systematic: &SystematicErrors,
-    confidence: f64,
-    goal: f64,
-) -> Result<Option<Finding>> {
+fn out_of_reach(systematic: &SystematicErrors, confidence: f64, goal: f64) -> Result<Option<Finding>> {
     let quantile = Level::new(confidence)?.quantile();
-    let scale = systematic
-        .sources
-        .iter()
-        .find(|source| source.name == FORCE_SCALE);
+    let scale = systematic.sources.iter().find(|source| source.name == FORCE_SCALE);
     let Some(scale) = scale.filter(|source| quantile * source.size > goal) else {
         return Ok(None);
     };
@@ -320,10 +293,7 @@ pub fn is_better(found: &NextPosture, planned: &PlannedErrors) -> bool {
     };
     // What no load turns is open either way.
     let pairs = next.iter().zip(&found.after);
-    let all: Option<Vec<f64>> = pairs
-        .filter(|(_, after)| after.is_some())
-        .map(|(own, _)| *own)
-        .collect();
+    let all: Option<Vec<f64>> = pairs.filter(|(_, after)| after.is_some()).map(|(own, _)| *own).collect();
     match all {
         Some(all) => found.expected_error < WORTH_NAMING * super::identify::rms(&all),
         // The planned one leaves a joint undetermined, and this one does not.

@@ -35,18 +35,8 @@ pub struct Finding {
 
 impl Finding {
     /// A finding from its parts.
-    pub fn new(
-        code: &str,
-        severity: Severity,
-        subject: impl Into<String>,
-        sentence: impl Into<String>,
-    ) -> Self {
-        Finding {
-            code: code.to_string(),
-            severity,
-            subject: subject.into(),
-            sentence: sentence.into(),
-        }
+    pub fn new(code: &str, severity: Severity, subject: impl Into<String>, sentence: impl Into<String>) -> Self {
+        Finding { code: code.to_string(), severity, subject: subject.into(), sentence: sentence.into() }
     }
 
     /// What is good to know.

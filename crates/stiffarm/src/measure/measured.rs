@@ -6,14 +6,10 @@ use crate::measure::pending::{not_measured_yet, nothing_measured};
 use crate::measure::reduction::stations;
 use crate::measure::reduction::{ReduceOptions, Reduction, reduce_series};
 use crate::measure::resolution::Resolution;
-use crate::measure::screening::{
-    Cause, Evidence, Screening, Suspicion, screen_displacements, screen_series,
-};
+use crate::measure::screening::{Cause, Evidence, Screening, Suspicion, screen_displacements, screen_series};
 use crate::measure::series::PostureSeries;
 use crate::model::cell::{Cell, Noise};
-use crate::model::measurement::{
-    MeasuredPosture, Measurements, ReadingScatter, ReadingTable, Role,
-};
+use crate::model::measurement::{MeasuredPosture, Measurements, ReadingScatter, ReadingTable, Role};
 use crate::model::observation::ExtraTerm;
 
 /// Readings behind a displacement that was reduced from raw readings: a loaded
@@ -102,11 +98,7 @@ impl Measured {
     pub fn exclude(&mut self, names: &[String]) -> Result<()> {
         self.check_names(names)?;
         self.retain(|name| !names.iter().any(|excluded| excluded == name));
-        if self.postures.is_empty() {
-            Err(all_excluded())
-        } else {
-            Ok(())
-        }
+        if self.postures.is_empty() { Err(all_excluded()) } else { Ok(()) }
     }
 
     fn check_names(&self, names: &[String]) -> Result<()> {
@@ -128,20 +120,14 @@ impl Measured {
 }
 
 /// Refuses names that are not among those of measured postures, `known`.
-pub(crate) fn check_names<'a>(
-    names: &[String],
-    known: impl Iterator<Item = &'a str>,
-) -> Result<()> {
+pub(crate) fn check_names<'a>(names: &[String], known: impl Iterator<Item = &'a str>) -> Result<()> {
     let mut known: Vec<&str> = known.collect();
     let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) else {
         return Ok(());
     };
     known.dedup();
-    Err(Error::new(
-        Code::UnknownName,
-        format!("The measurements have no posture \"{name}\"."),
-    )
-    .hint(format!("measured postures: {}", known.join(", "))))
+    Err(Error::new(Code::UnknownName, format!("The measurements have no posture \"{name}\"."))
+        .hint(format!("measured postures: {}", known.join(", "))))
 }
 
 /// No posture is left.
@@ -151,10 +137,7 @@ pub(crate) fn all_excluded() -> Error {
 
 impl From<Vec<MeasuredPosture>> for Measured {
     fn from(postures: Vec<MeasuredPosture>) -> Self {
-        Measured {
-            postures,
-            ..Measured::default()
-        }
+        Measured { postures, ..Measured::default() }
     }
 }
 
@@ -203,20 +186,12 @@ impl From<&Measured> for Measured {
 ///
 /// # Errors
 /// As [`reduce`](crate::measure::reduction::reduce); where the readings themselves explain the failure, that is said.
-pub fn prepare(
-    cell: &Cell,
-    measurements: impl Into<Measurements>,
-    options: &ReduceOptions,
-) -> Result<Measured> {
+pub fn prepare(cell: &Cell, measurements: impl Into<Measurements>, options: &ReduceOptions) -> Result<Measured> {
     let table = match measurements.into() {
         Measurements::Displacements(postures) => {
             // What cannot be screened is refused where it is used.
             let screening = screen_displacements(cell, &postures).ok();
-            return Ok(Measured {
-                postures,
-                screening,
-                ..Measured::default()
-            });
+            return Ok(Measured { postures, screening, ..Measured::default() });
         }
         Measurements::Readings(table) => table,
     };
@@ -247,11 +222,8 @@ pub fn prepare(
     })?;
     // Rounded coarsely, readings repeat each other without being copied.
     let is_coarse = resolution.as_ref().is_some_and(|rounded| rounded.is_coarse);
-    let follows_rounding =
-        |finding: &Finding| is_coarse && finding.code == codes::IDENTICAL_READINGS;
-    reduction
-        .findings
-        .retain(|finding| !follows(&screening, finding) && !follows_rounding(finding));
+    let follows_rounding = |finding: &Finding| is_coarse && finding.code == codes::IDENTICAL_READINGS;
+    reduction.findings.retain(|finding| !follows(&screening, finding) && !follows_rounding(finding));
     reduction.findings.extend(not_measured_yet(&table));
     let rounded = resolution.as_ref().map(|rounded| rounded.finding.clone());
     reduction.findings.extend(rounded);
@@ -261,13 +233,10 @@ pub fn prepare(
         against_unloaded: std::mem::take(&mut reduction.against_unloaded),
         readings_per_displacement: Some(READINGS),
         resolution_variance: resolution.as_ref().map_or(0.0, |rounded| rounded.variance),
-        scatter: reduction
-            .repeatability
-            .as_ref()
-            .map(|repeats| ReadingScatter {
-                reading_std_m: repeats.std_m,
-                degrees_of_freedom: repeats.degrees_of_freedom,
-            }),
+        scatter: reduction.repeatability.as_ref().map(|repeats| ReadingScatter {
+            reading_std_m: repeats.std_m,
+            degrees_of_freedom: repeats.degrees_of_freedom,
+        }),
         reduction: Some(reduction),
         screening: Some(screening),
     })
@@ -305,7 +274,6 @@ fn screened_alone(
     let own: Vec<PostureSeries<'_>> = own.cloned().collect();
     let found = screen_series(cell, table, &own, None)?;
     let is_common = found.suspicions.iter().zip(&found.findings);
-    let mut is_common =
-        is_common.filter(|(s, f)| s.postures.is_empty() && f.severity == Severity::Serious);
+    let mut is_common = is_common.filter(|(s, f)| s.postures.is_empty() && f.severity == Severity::Serious);
     Ok(is_common.next().is_some().then_some(found))
 }

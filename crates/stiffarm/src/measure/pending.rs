@@ -38,36 +38,19 @@ pub fn not_measured_yet(table: &ReadingTable) -> Option<Finding> {
     }
     let open: Vec<String> = seen
         .iter()
-        .map(|posture| {
-            if table.has_readings_of(posture) {
-                missing(table, posture)
-            } else {
-                (*posture).to_string()
-            }
-        })
+        .map(|posture| if table.has_readings_of(posture) { missing(table, posture) } else { (*posture).to_string() })
         .collect();
-    let left_out: Vec<&str> = table
-        .incomplete
-        .iter()
-        .map(|posture| posture.posture.name.as_str())
-        .collect();
+    let left_out: Vec<&str> = table.incomplete.iter().map(|posture| posture.posture.name.as_str()).collect();
     let left_out = match left_out.as_slice() {
         [] => String::new(),
-        names => format!(
-            " Left out until measured both unloaded and loaded: {}.",
-            shortened(names)
-        ),
+        names => format!(" Left out until measured both unloaded and loaded: {}.", shortened(names)),
     };
     Some(Finding::note(
         codes::NOT_MEASURED_YET,
         "readings",
         format!(
             "Not measured yet: {} {}; {filled} of {rows} rows are filled in.{left_out}",
-            if open.len() == 1 {
-                "posture"
-            } else {
-                "postures"
-            },
+            if open.len() == 1 { "posture" } else { "postures" },
             shortened(&open)
         ),
     ))
@@ -81,27 +64,21 @@ pub(super) fn nothing_measured(table: &ReadingTable) -> Option<Error> {
     let error = match table.filled() {
         0 => Error::new(
             Code::TooFewData,
-            format!(
-                "The sheet is not filled in: all {} rows lack their position.",
-                table.pending.len()
-            ),
+            format!("The sheet is not filled in: all {} rows lack their position.", table.pending.len()),
         ),
-        _ => Error::new(
-            Code::TooFewData,
-            "No posture is measured both unloaded and loaded yet.",
-        ),
+        _ => Error::new(Code::TooFewData, "No posture is measured both unloaded and loaded yet."),
     };
-    Some(error.hint("fill in x, y and z of a posture without the load and under it; rows left empty are not measured yet"))
+    Some(
+        error.hint(
+            "fill in x, y and z of a posture without the load and under it; rows left empty are not measured yet",
+        ),
+    )
 }
 
 /// `3 (loaded; unloaded-2 at 4)`: the states that are missing, with the points where only
 /// some are.
 fn missing(table: &ReadingTable, posture: &str) -> String {
-    let own: Vec<&PendingReading> = table
-        .pending
-        .iter()
-        .filter(|row| row.posture == posture)
-        .collect();
+    let own: Vec<&PendingReading> = table.pending.iter().filter(|row| row.posture == posture).collect();
     let mut states: Vec<&str> = Vec::new();
     for row in &own {
         if !states.contains(&row.state.as_str()) {
@@ -121,10 +98,7 @@ fn missing(table: &ReadingTable, posture: &str) -> String {
 
 fn shortened<S: AsRef<str>>(names: &[S]) -> String {
     let shown = names.len().min(MOST_NAMED);
-    let mut shown: Vec<String> = names[..shown]
-        .iter()
-        .map(|n| n.as_ref().to_string())
-        .collect();
+    let mut shown: Vec<String> = names[..shown].iter().map(|n| n.as_ref().to_string()).collect();
     if names.len() > MOST_NAMED {
         shown.push(format!("{} more", names.len() - MOST_NAMED));
     }

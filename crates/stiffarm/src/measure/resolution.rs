@@ -45,8 +45,7 @@ impl Resolution {
         let readings: Vec<&Reading> = states.flat_map(|state| &state.readings).collect();
         let (step, shown) = step(&readings)?;
         let std = step / 12f64.sqrt();
-        let distance =
-            readings.iter().map(|r| r.position.norm()).sum::<f64>() / readings.len() as f64;
+        let distance = readings.iter().map(|r| r.position.norm()).sum::<f64>() / readings.len() as f64;
         let mut with = cell.clone();
         let own = match &mut with.tracker.accuracy {
             Some(accuracy) => {
@@ -75,12 +74,7 @@ impl Resolution {
         } else {
             Finding::caution(codes::READING_RESOLUTION, "readings", sentence + advice)
         };
-        Some(Resolution {
-            cell: with,
-            is_coarse,
-            variance: std.powi(2),
-            finding,
-        })
+        Some(Resolution { cell: with, is_coarse, variance: std.powi(2), finding })
     }
 }
 

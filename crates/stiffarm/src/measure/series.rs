@@ -3,9 +3,7 @@
 //! posture, the drift between the states without load, and pairs of reference
 //! and load.
 
-use crate::model::measurement::{
-    PostureReadings, Reading, ReadingTable, ReadingTarget, ReferencePart, Role,
-};
+use crate::model::measurement::{PostureReadings, Reading, ReadingTable, ReadingTarget, ReferencePart, Role};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -49,14 +47,7 @@ impl<'a> StateSamples<'a> {
             clock.then(by(0)).then(by(1)).then(by(2))
         });
         let (clock, position) = mean(samples.iter());
-        StateSamples {
-            state,
-            role,
-            readings,
-            samples,
-            clock,
-            position,
-        }
+        StateSamples { state, role, readings, samples, clock, position }
     }
 
     pub(super) fn count(&self) -> usize {
@@ -68,10 +59,7 @@ impl<'a> StateSamples<'a> {
 fn mean<'a>(samples: impl Iterator<Item = &'a Sample> + Clone) -> (f64, Vector3<f64>) {
     let count = samples.clone().count() as f64;
     let clock = samples.clone().map(|s| s.clock).sum::<f64>() / count;
-    (
-        clock,
-        samples.map(|s| s.position).sum::<Vector3<f64>>() / count,
-    )
+    (clock, samples.map(|s| s.position).sum::<Vector3<f64>>() / count)
 }
 
 /// A straight line on the clock through readings that should agree.
@@ -96,9 +84,7 @@ impl Line {
         let samples = of_role.flat_map(|s| &s.samples);
         let (low, high) = samples
             .clone()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| {
-                (low.min(s.clock), high.max(s.clock))
-            });
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s.clock), high.max(s.clock)));
         if low >= high {
             return None;
         }
@@ -110,13 +96,7 @@ impl Line {
             spread += from_mean * from_mean;
             product += (sample.position - position) * from_mean;
         }
-        (spread > 0.0).then(|| Line {
-            rate: product / spread,
-            clock,
-            spread,
-            span: [low, high],
-            role,
-        })
+        (spread > 0.0).then(|| Line { rate: product / spread, clock, spread, span: [low, high], role })
     }
 
     pub(super) fn covers(&self, clock: f64) -> bool {
@@ -168,28 +148,18 @@ impl<'a> Series<'a> {
             let (readings, samples): (Vec<&Reading>, Vec<Sample>) = own
                 .filter(|(reading, _)| reading.target == target)
                 .map(|(reading, clock)| {
-                    let sample = Sample {
-                        clock: *clock,
-                        position: reading.position,
-                    };
+                    let sample = Sample { clock: *clock, position: reading.position };
                     (reading, sample)
                 })
                 .unzip();
             if !samples.is_empty() {
-                states.push(StateSamples::new(
-                    number,
-                    Role::of(&state.state),
-                    readings,
-                    samples,
-                ));
+                states.push(StateSamples::new(number, Role::of(&state.state), readings, samples));
             }
         }
         // Unloaded readings may differ by lost motion, which a preload takes up:
         // they speak of drift only where the preload does not.
-        let line = [reference, Role::Unloaded]
-            .into_iter()
-            .filter_map(|role| Line::through(&states, role))
-            .find(|line| {
+        let line =
+            [reference, Role::Unloaded].into_iter().filter_map(|role| Line::through(&states, role)).find(|line| {
                 let mut loaded = states.iter().filter(|s| s.role == Role::Loaded);
                 loaded.any(|s| line.covers(s.clock))
             });
@@ -206,17 +176,12 @@ impl<'a> Series<'a> {
     /// readings, else against the state nearest on the clock.
     pub(super) fn pair(&self, number: usize, reference: Role) -> Option<Pair> {
         let loaded = self.state(number)?;
-        let references: Vec<&StateSamples<'_>> = self
-            .states
-            .iter()
-            .filter(|s| s.role == reference && s.state != number)
-            .collect();
+        let references: Vec<&StateSamples<'_>> =
+            self.states.iter().filter(|s| s.role == reference && s.state != number).collect();
         let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let Some(line) = self.line.filter(|line| line.covers(loaded.clock)) else {
             let distance = |s: &StateSamples<'_>| (s.clock - loaded.clock).abs();
-            let nearest = references
-                .into_iter()
-                .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+            let nearest = references.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
             return Some(Pair {
                 reference: nearest.position,
                 loaded: loaded.position,
@@ -237,16 +202,8 @@ impl<'a> Series<'a> {
         let total = samples.count() as f64;
         // The mean of the references, and the line's slope from there.
         let part = |s: &StateSamples<'_>| {
-            let of_mean = if s.role == reference && s.state != number {
-                s.count() as f64 / total
-            } else {
-                0.0
-            };
-            let per_clock = if s.role == line.role {
-                away / line.spread
-            } else {
-                0.0
-            };
+            let of_mean = if s.role == reference && s.state != number { s.count() as f64 / total } else { 0.0 };
+            let per_clock = if s.role == line.role { away / line.spread } else { 0.0 };
             let from_line = s.samples.iter().map(|x| x.clock - line.clock);
             let within = s.samples.iter().map(|x| (x.clock - s.clock).powi(2));
             ReferencePart {
@@ -297,11 +254,7 @@ impl<'a> PostureSeries<'a> {
             let mut states = posture.states.iter();
             states.any(|s| Role::of(&s.state) == role && !s.readings.is_empty())
         };
-        let reference = if has(Role::Preload) {
-            Role::Preload
-        } else {
-            Role::Unloaded
-        };
+        let reference = if has(Role::Preload) { Role::Preload } else { Role::Unloaded };
         let mut points = std::collections::BTreeSet::new();
         let mut base = std::collections::BTreeSet::new();
         for reading in posture.states.iter().flat_map(|s| &s.readings) {
@@ -321,14 +274,8 @@ impl<'a> PostureSeries<'a> {
                 .iter()
                 .map(|c| (!c.is_empty()).then(|| c.iter().sum::<f64>() / c.len() as f64))
                 .collect(),
-            points: points
-                .into_iter()
-                .map(|index| (index, series(ReadingTarget::Point(index))))
-                .collect(),
-            base: base
-                .into_iter()
-                .map(|name| (name.clone(), series(ReadingTarget::Base(name))))
-                .collect(),
+            points: points.into_iter().map(|index| (index, series(ReadingTarget::Point(index)))).collect(),
+            base: base.into_iter().map(|name| (name.clone(), series(ReadingTarget::Base(name)))).collect(),
         }
     }
 
@@ -339,10 +286,7 @@ impl<'a> PostureSeries<'a> {
 
     /// The same with differences taken against no load: a preload is then a load like others. Drift stays what it is.
     pub(super) fn against_unloaded(&self) -> Self {
-        PostureSeries {
-            reference: Role::Unloaded,
-            ..self.clone()
-        }
+        PostureSeries { reference: Role::Unloaded, ..self.clone() }
     }
 
     /// Numbers of the states that have displacements against the reference, in the order taken.
@@ -372,20 +316,14 @@ impl<'a> PostureSeries<'a> {
     /// Numbers of the states with the role, in the order taken.
     pub(super) fn states(&self, role: Role) -> impl Iterator<Item = usize> + '_ {
         let states = self.readings.states.iter().enumerate();
-        states
-            .filter(move |(i, s)| Role::of(&s.state) == role && self.state_clocks[*i].is_some())
-            .map(|(i, _)| i)
+        states.filter(move |(i, s)| Role::of(&s.state) == role && self.state_clocks[*i].is_some()).map(|(i, _)| i)
     }
 }
 
 /// Mean of the angles recorded in the states of a role.
 pub(super) fn mean_angles(posture: &PostureReadings, role: Role) -> Option<Vec<f64>> {
-    let recorded: Vec<&Vec<f64>> = posture
-        .states
-        .iter()
-        .filter(|s| Role::of(&s.state) == role)
-        .filter_map(|s| s.angles.as_ref())
-        .collect();
+    let recorded: Vec<&Vec<f64>> =
+        posture.states.iter().filter(|s| Role::of(&s.state) == role).filter_map(|s| s.angles.as_ref()).collect();
     let first = recorded.first()?;
     // A state with another number of angles is refused later, by name.
     if recorded.iter().any(|q| q.len() != first.len()) {

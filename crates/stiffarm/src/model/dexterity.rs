@@ -23,13 +23,9 @@ pub(crate) const SOUND: f64 = 1e4;
 /// Fewer than six joints.
 pub(crate) fn require_six_joints(robot: &Robot) -> Result<()> {
     match robot.joint_count() {
-        n if n < 6 => Err(Error::new(
-            Code::Unsupported,
-            format!(
-                "k(J_N) needs at least 6 joints, and {} has {n}.",
-                robot.name()
-            ),
-        )),
+        n if n < 6 => {
+            Err(Error::new(Code::Unsupported, format!("k(J_N) needs at least 6 joints, and {} has {n}.", robot.name())))
+        }
         _ => Ok(()),
     }
 }
@@ -77,12 +73,7 @@ pub fn condition_number(frames: &Frames, p: &Vector3<f64>, length: f64) -> Optio
 /// ln k(J_N) with its derivatives with respect to θ (added to `gradient`) and
 /// to ln L (returned second). Infinite, with no derivative, at a singularity.
 #[doc(hidden)]
-pub fn log_condition_gradient(
-    frames: &Frames,
-    p: &Vector3<f64>,
-    length: f64,
-    gradient: &mut [f64],
-) -> (f64, f64) {
+pub fn log_condition_gradient(frames: &Frames, p: &Vector3<f64>, length: f64, gradient: &mut [f64]) -> (f64, f64) {
     let n = frames.joint_count();
     let jacobian = normalised_jacobian(frames, p, length);
     let gram: Matrix6<f64> = &jacobian * jacobian.transpose();
@@ -105,17 +96,11 @@ pub fn log_condition_gradient(
         * DMatrix::from_iterator(6, n, jacobian.iter().copied());
     let columns: Vec<Vector3<f64>> = (0..n).map(|i| frames.column(i, p)).collect();
     let part = |row: usize, scale: f64| -> Vec<Vector3<f64>> {
-        (0..n)
-            .map(|i| adjoint.fixed_view::<3, 1>(row, i) * scale)
-            .collect()
+        (0..n).map(|i| adjoint.fixed_view::<3, 1>(row, i) * scale).collect()
     };
     let linear = part(0, 1.0 / length);
     frames.add_column_gradient(&columns, &linear, gradient);
     frames.add_axis_gradient(&part(3, 1.0), gradient);
-    let length_gradient = -columns
-        .iter()
-        .zip(&linear)
-        .map(|(c, a)| c.dot(a))
-        .sum::<f64>();
+    let length_gradient = -columns.iter().zip(&linear).map(|(c, a)| c.dot(a)).sum::<f64>();
     (value, length_gradient)
 }

@@ -64,11 +64,7 @@ impl ElasticSizes {
     /// All sizes times `factor`.
     #[must_use]
     pub fn times(&self, factor: f64) -> Self {
-        ElasticSizes {
-            shift: self.shift * factor,
-            turn: self.turn * factor,
-            coupling: self.coupling * factor,
-        }
+        ElasticSizes { shift: self.shift * factor, turn: self.turn * factor, coupling: self.coupling * factor }
     }
 
     /// What an arm of this length and prior joint stiffness \[N·m/rad\] may be expected
@@ -105,20 +101,12 @@ pub struct KnownElement {
 impl KnownElement {
     /// An element of this stiffness, which may be `factor` times as large or as small (one standard uncertainty).
     pub fn new(term: ExtraTerm, stiffness: f64, factor: f64) -> Self {
-        KnownElement {
-            term,
-            compliance: 1.0 / stiffness,
-            std: (factor - 1.0 / factor) / 2.0 / stiffness,
-        }
+        KnownElement { term, compliance: 1.0 / stiffness, std: (factor - 1.0 / factor) / 2.0 / stiffness }
     }
 
     /// What is not known of it, a random effect.
     pub(crate) fn effect(&self) -> Effect {
-        Effect {
-            term: self.term,
-            class: ElasticClass::Drawing,
-            scale: self.std,
-        }
+        Effect { term: self.term, class: ElasticClass::Drawing, scale: self.std }
     }
 }
 
@@ -197,20 +185,12 @@ pub(crate) fn fitted(
     }
     let tilts = of_joint.iter().enumerate();
     let tilts = tilts.map(|(j, size)| (ExtraTerm::JointTilt(j), *size));
-    all.extend(
-        tilts
-            .chain([(ExtraTerm::BaseTilt, base)])
-            .map(|(term, scale)| Effect {
-                term,
-                class: ElasticClass::Bearing,
-                scale,
-            }),
-    );
-    all.extend(beams(robot).into_iter().map(|term| Effect {
+    all.extend(tilts.chain([(ExtraTerm::BaseTilt, base)]).map(|(term, scale)| Effect {
         term,
-        class: ElasticClass::Beam,
-        scale: 1.0,
+        class: ElasticClass::Bearing,
+        scale,
     }));
+    all.extend(beams(robot).into_iter().map(|term| Effect { term, class: ElasticClass::Beam, scale: 1.0 }));
     for known in drawing {
         all.retain(|effect| effect.term != known.term);
         all.push(known.effect());

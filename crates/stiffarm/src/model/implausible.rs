@@ -33,47 +33,32 @@ pub(crate) const NEAR_TOOL: f64 = 1e-3;
 /// where it does.
 pub fn tool_in_metres(point: &Vector3<f64>) -> Option<String> {
     let distance = point.norm();
-    (distance < NEAR_TOOL).then(|| {
-        format!(
-            "lies {:.3} mm from the flange: is it in metres? The unit is mm.",
-            m_to_mm(distance)
-        )
-    })
+    (distance < NEAR_TOOL)
+        .then(|| format!("lies {:.3} mm from the flange: is it in metres? The unit is mm.", m_to_mm(distance)))
 }
 
 /// Weight of the robot's payload \[N\], where the catalogue knows it.
 pub fn payload_weight(robot: &Robot) -> Option<f64> {
-    let entry = catalogue()
-        .iter()
-        .find(|entry| entry.name == robot.name())?;
+    let entry = catalogue().iter().find(|entry| entry.name == robot.name())?;
     Some(entry.payload_kg()? * GRAVITY)
 }
 
 /// Says that the largest of the loads at the tip, each with its place, cannot be
 /// meant for `robot`, where that is so.
-pub fn load<'a>(
-    robot: &Robot,
-    loads: impl IntoIterator<Item = (&'a str, &'a Wrench)>,
-) -> Option<Finding> {
+pub fn load<'a>(robot: &Robot, loads: impl IntoIterator<Item = (&'a str, &'a Wrench)>) -> Option<Finding> {
     let weight = payload_weight(robot);
     let most = weight.map_or(FORCE, |weight| PAYLOADS * weight);
     let times = |wrench: &Wrench| {
         let (force, moment) = (wrench.force.norm(), wrench.moment.norm());
         (force / most).max(moment / (most * LEVER))
     };
-    let (place, wrench) = loads
-        .into_iter()
-        .max_by(|a, b| times(a.1).total_cmp(&times(b.1)))?;
+    let (place, wrench) = loads.into_iter().max_by(|a, b| times(a.1).total_cmp(&times(b.1)))?;
     // Not written as `<=`: what is no number is not meant either.
     if times(wrench) < 1.0 {
         return None;
     }
     let (force, moment) = (wrench.force.norm(), wrench.moment.norm());
-    let load = if force >= most {
-        format!("{force:.4e} N")
-    } else {
-        format!("{moment:.4e} N·m")
-    };
+    let load = if force >= most { format!("{force:.4e} N") } else { format!("{moment:.4e} N·m") };
     let beside = match weight {
         Some(weight) => format!(
             "the payload of {} weighs {weight:.0} N, and no process pushes with {PAYLOADS} times that",
@@ -91,11 +76,7 @@ pub fn load<'a>(
 /// What of the cell's process can hardly be meant.
 pub fn process(cell: &Cell) -> Vec<Finding> {
     let mut out = Vec::new();
-    let own = cell
-        .work
-        .process
-        .iter()
-        .map(|own| ("work".to_string(), own));
+    let own = cell.work.process.iter().map(|own| ("work".to_string(), own));
     let of_features = cell.work.features.iter().filter_map(|feature| {
         let table = format!("work.feature \"{}\"", feature.name);
         Some((table, feature.process.as_ref()?))
@@ -113,10 +94,7 @@ pub fn process(cell: &Cell) -> Vec<Finding> {
                 continue;
             }
         };
-        let wrench = Wrench {
-            force: given.force,
-            moment: given.moment,
-        };
+        let wrench = Wrench { force: given.force, moment: given.moment };
         let key = format!("{table}.{kind}");
         out.extend(load(&cell.setup.robot, [(key.as_str(), &wrench)]));
     }
@@ -140,11 +118,7 @@ pub fn chips(work: &Work, points: &[PathPoint]) -> Option<Finding> {
          the unit of the feed.",
         first.name
     );
-    Some(Finding::serious(
-        "implausible-cut",
-        "work.milling.spindle_rpm",
-        sentence,
-    ))
+    Some(Finding::serious("implausible-cut", "work.milling.spindle_rpm", sentence))
 }
 
 fn milling(cut: &Milling, table: &str, out: &mut Vec<Finding>) {
@@ -163,18 +137,9 @@ fn milling(cut: &Milling, table: &str, out: &mut Vec<Finding>) {
             ),
         );
     }
-    for (key, length) in [
-        ("axial_depth_mm", cut.axial_depth),
-        ("diameter_mm", cut.diameter),
-    ] {
+    for (key, length) in [("axial_depth_mm", cut.axial_depth), ("diameter_mm", cut.diameter)] {
         if length > CUTTER {
-            add(
-                key,
-                format!(
-                    "{} mm is more than any cutter has on a robot. The unit is mm.",
-                    m_to_mm(length)
-                ),
-            );
+            add(key, format!("{} mm is more than any cutter has on a robot. The unit is mm.", m_to_mm(length)));
         }
     }
 }

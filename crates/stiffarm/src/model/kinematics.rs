@@ -47,11 +47,7 @@ impl Frames {
     /// # Panics
     /// If `theta` does not have one entry per joint.
     pub(crate) fn move_to_serial_angles(&mut self, robot: &Robot, theta: &[f64]) {
-        assert_eq!(
-            theta.len(),
-            robot.joint_count(),
-            "one serial angle per joint"
-        );
+        assert_eq!(theta.len(), robot.joint_count(), "one serial angle per joint");
         self.update_serial(robot, theta.iter().copied());
     }
 
@@ -146,12 +142,8 @@ impl Frames {
     pub fn jacobian(&self, p: &Vector3<f64>) -> Matrix6xX<f64> {
         let mut jacobian = Matrix6xX::zeros(self.joint_count());
         for i in 0..self.joint_count() {
-            jacobian
-                .fixed_view_mut::<3, 1>(0, i)
-                .copy_from(&self.column(i, p));
-            jacobian
-                .fixed_view_mut::<3, 1>(3, i)
-                .copy_from(&self.axes[i]);
+            jacobian.fixed_view_mut::<3, 1>(0, i).copy_from(&self.column(i, p));
+            jacobian.fixed_view_mut::<3, 1>(3, i).copy_from(&self.axes[i]);
         }
         jacobian
     }

@@ -324,9 +324,7 @@ impl LimitMargin {
     pub fn violation(&self) -> String {
         let amount = self.amount(-self.margin);
         let said = self.kind.facts().violation;
-        let said = said
-            .replace("{amount}", &amount)
-            .replace("{point}", &self.point);
+        let said = said.replace("{amount}", &amount).replace("{point}", &self.point);
         match &self.load {
             Some(load) => format!("{said} (load case {load})"),
             None => said,
@@ -336,11 +334,7 @@ impl LimitMargin {
     /// The margin itself in words: `12 mm`, `3.1°`, `4 %`, `0.125 mm` of a displacement.
     pub fn words(&self) -> String {
         // A limit that is met to rounding has no negative room.
-        self.amount(if self.is_violated() {
-            self.margin
-        } else {
-            self.margin.max(0.0)
-        })
+        self.amount(if self.is_violated() { self.margin } else { self.margin.max(0.0) })
     }
 
     fn amount(&self, value: f64) -> String {

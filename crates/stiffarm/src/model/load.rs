@@ -22,18 +22,12 @@ impl Wrench {
     /// Force and moment changed alike: scaled, or turned into other axes.
     #[must_use]
     pub fn map(&self, change: impl Fn(&Vector3<f64>) -> Vector3<f64>) -> Self {
-        Wrench {
-            force: change(&self.force),
-            moment: change(&self.moment),
-        }
+        Wrench { force: change(&self.force), moment: change(&self.moment) }
     }
 
     /// A pure force through the loading point.
     pub fn force(force: impl Into<Vector3<f64>>) -> Self {
-        Wrench {
-            force: force.into(),
-            moment: Vector3::zeros(),
-        }
+        Wrench { force: force.into(), moment: Vector3::zeros() }
     }
 
     /// Whether it loads nothing.
@@ -44,10 +38,7 @@ impl Wrench {
     /// A wrench from its components \[Fx, Fy, Fz, Mx, My, Mz\] \[N; N·m\].
     pub fn from_components(components: [f64; 6]) -> Self {
         let [fx, fy, fz, mx, my, mz] = components;
-        Wrench {
-            force: Vector3::new(fx, fy, fz),
-            moment: Vector3::new(mx, my, mz),
-        }
+        Wrench { force: Vector3::new(fx, fy, fz), moment: Vector3::new(mx, my, mz) }
     }
 
     /// Its components \[Fx, Fy, Fz, Mx, My, Mz\] \[N; N·m\].
@@ -59,10 +50,7 @@ impl Wrench {
     /// The same wrench about another point: M' = M + (from − to) × F.
     #[must_use]
     pub fn moved(&self, from: &Vector3<f64>, to: &Vector3<f64>) -> Self {
-        Wrench {
-            force: self.force,
-            moment: self.moment + (from - to).cross(&self.force),
-        }
+        Wrench { force: self.force, moment: self.moment + (from - to).cross(&self.force) }
     }
 }
 
@@ -139,18 +127,9 @@ impl Load {
                 let unit = (anchor - loading_point).try_normalize(f64::MIN_POSITIVE);
                 Some(Wrench::force(unit.unwrap_or_default() * *magnitude))
             }
-            Load::Weight {
-                magnitude,
-                direction,
-            } => Some(Wrench::force(direction * *magnitude)),
-            Load::Constant {
-                wrench,
-                axes: Axes::Base,
-            } => Some(*wrench),
-            Load::Constant {
-                wrench,
-                axes: Axes::Tool,
-            } => Some(wrench.map(|v| frames.direction(v))),
+            Load::Weight { magnitude, direction } => Some(Wrench::force(direction * *magnitude)),
+            Load::Constant { wrench, axes: Axes::Base } => Some(*wrench),
+            Load::Constant { wrench, axes: Axes::Tool } => Some(wrench.map(|v| frames.direction(v))),
             Load::Measured | Load::Cases(_) => None,
         }
     }
@@ -159,48 +138,28 @@ impl Load {
     /// own up to its size, and turns when the arm moves: a rope pulled with
     /// another force, a wrench in tool axes. `None` where `wrench` keeps its
     /// direction: a weight, a measured wrench.
-    pub(crate) fn following(
-        &self,
-        frames: &Frames,
-        loading_point: &Vector3<f64>,
-        wrench: &Wrench,
-    ) -> Option<Load> {
+    pub(crate) fn following(&self, frames: &Frames, loading_point: &Vector3<f64>, wrench: &Wrench) -> Option<Load> {
         if let Load::Cases(cases) = self {
             // Under a load at a point of its own the wrench has a moment, and matches none.
             let own = cases.iter().filter(|case| case.loading_point.is_none());
-            return own
-                .filter_map(|case| case.load.following(frames, loading_point, wrench))
-                .next();
+            return own.filter_map(|case| case.load.following(frames, loading_point, wrench)).next();
         }
-        if !matches!(
-            self,
-            Load::Rope { .. }
-                | Load::Constant {
-                    axes: Axes::Tool,
-                    ..
-                }
-        ) {
+        if !matches!(self, Load::Rope { .. } | Load::Constant { axes: Axes::Tool, .. }) {
             return None;
         }
         let own = self.wrench(frames, loading_point)?;
         let size = own.force.norm_squared() + own.moment.norm_squared();
         let factor = (own.force.dot(&wrench.force) + own.moment.dot(&wrench.moment)) / size;
-        let off = (wrench.force - own.force * factor).norm_squared()
-            + (wrench.moment - own.moment * factor).norm_squared();
+        let off =
+            (wrench.force - own.force * factor).norm_squared() + (wrench.moment - own.moment * factor).norm_squared();
         let whole = wrench.force.norm_squared() + wrench.moment.norm_squared();
         // Not true for a load of zero either, whose factor is no number.
         if !(off <= SAME_DIRECTION * SAME_DIRECTION * whole && factor.is_finite()) {
             return None;
         }
         Some(match self {
-            Load::Rope { anchor, magnitude } => Load::Rope {
-                anchor: *anchor,
-                magnitude: magnitude * factor,
-            },
-            Load::Constant { wrench, axes } => Load::Constant {
-                wrench: wrench.map(|v| v * factor),
-                axes: *axes,
-            },
+            Load::Rope { anchor, magnitude } => Load::Rope { anchor: *anchor, magnitude: magnitude * factor },
+            Load::Constant { wrench, axes } => Load::Constant { wrench: wrench.map(|v| v * factor), axes: *axes },
             other => other.clone(),
         })
     }

@@ -50,13 +50,7 @@ impl LoadLog {
             sum += (values[0] + values[1]) * (0.5 * (at[1] - at[0]));
             sums.push(sum);
         }
-        LoadLog {
-            by,
-            what,
-            at,
-            values,
-            sums,
-        }
+        LoadLog { by, what, at, values, sums }
     }
 
     /// Gives the points at feed that have no load of their own the mean of the log over half the way to their
@@ -76,7 +70,8 @@ impl LoadLog {
                 self.shown(last),
                 self.shown(end)
             );
-            let hint = "both count from the first point of the path; cut what lies before it, and let the log cover the path";
+            let hint =
+                "both count from the first point of the path; cut what lies before it, and let the log cover the path";
             return Err(Error::new(Code::Conflict, message).hint(hint));
         }
         let rapid: Vec<bool> = points.iter().map(|point| point.rapid).collect();
@@ -89,11 +84,7 @@ impl LoadLog {
             let own = stations[i];
             // A rapid move has the load of none of its ends.
             let to = |is_near: bool, other: usize| {
-                if is_near {
-                    0.5 * (own + stations[other])
-                } else {
-                    own
-                }
+                if is_near { 0.5 * (own + stations[other]) } else { own }
             };
             let from = to(i > 0 && !rapid[i], i.saturating_sub(1));
             let next = (i + 1).min(rapid.len() - 1);
@@ -106,23 +97,10 @@ impl LoadLog {
         Ok(self.findings(end, last, (count, points.len()), largest))
     }
 
-    fn findings(
-        &self,
-        end: f64,
-        last: f64,
-        (count, all): (usize, usize),
-        largest: f64,
-    ) -> Vec<Finding> {
-        let recorded = self
-            .values
-            .iter()
-            .map(|value| value.fixed_rows::<3>(0).norm());
+    fn findings(&self, end: f64, last: f64, (count, all): (usize, usize), largest: f64) -> Vec<Finding> {
+        let recorded = self.values.iter().map(|value| value.fixed_rows::<3>(0).norm());
         let recorded = recorded.fold(0.0, f64::max);
-        let unit = if self.what == Recorded::Power {
-            "W"
-        } else {
-            "N"
-        };
+        let unit = if self.what == Recorded::Power { "W" } else { "N" };
         let sentence = format!(
             "The log gives {count} of {all} points their load, each the mean over half the way to its neighbours: its \
              largest value is {recorded:.0} {unit}, the largest force at a point {largest:.0} N."
@@ -211,22 +189,15 @@ impl LoadLog {
                         "The log has a power, and the cell does not say at which power the force at point {} acts.",
                         point.name
                     );
-                    let hint = "give power_w in [work.force] of the cell: the power of the spindle at which that force acts";
+                    let hint =
+                        "give power_w in [work.force] of the cell: the power of the spindle at which that force acts";
                     return Err(Error::new(Code::MissingKey, message).hint(hint));
                 };
                 let share = power.share(mean[0]);
-                return Ok(TipLoad {
-                    force: load.force * share,
-                    moment: load.moment * share,
-                    ..*load
-                });
+                return Ok(TipLoad { force: load.force * share, moment: load.moment * share, ..*load });
             }
         };
-        Ok(TipLoad {
-            force: mean.fixed_rows::<3>(0).into_owned(),
-            moment: mean.fixed_rows::<3>(3).into_owned(),
-            axes,
-        })
+        Ok(TipLoad { force: mean.fixed_rows::<3>(0).into_owned(), moment: mean.fixed_rows::<3>(3).into_owned(), axes })
     }
 
     fn shown(&self, at: f64) -> String {
@@ -238,15 +209,8 @@ impl LoadLog {
 }
 
 fn no_time(point: &PathPoint) -> Error {
-    let what = if point.rapid {
-        "the rapid move to"
-    } else {
-        "the move to"
-    };
-    let message = format!(
-        "The log counts time, and {what} point {} has no feed.",
-        point.name
-    );
+    let what = if point.rapid { "the rapid move to" } else { "the move to" };
+    let message = format!("The log counts time, and {what} point {} has no feed.", point.name);
     point.at(Error::new(Code::MissingKey, message).hint(
         "give the log the column along_mm, the way of the tip from the first point, in place of time_s; or give the feed",
     ))

@@ -26,30 +26,13 @@ pub struct PostureGroup {
 
 impl PostureGroup {
     /// A group from controller angles \[rad\], postures named `1`, `2`, ….
-    pub fn from_angles(
-        name: impl Into<String>,
-        angles: impl IntoIterator<Item = Vec<f64>>,
-    ) -> Self {
-        let postures = angles
-            .into_iter()
-            .enumerate()
-            .map(|(i, q)| Posture {
-                name: (i + 1).to_string(),
-                q,
-            })
-            .collect();
-        PostureGroup {
-            name: name.into(),
-            postures,
-        }
+    pub fn from_angles(name: impl Into<String>, angles: impl IntoIterator<Item = Vec<f64>>) -> Self {
+        let postures = angles.into_iter().enumerate().map(|(i, q)| Posture { name: (i + 1).to_string(), q }).collect();
+        PostureGroup { name: name.into(), postures }
     }
 
     /// A group from controller angles \[rad\] and the names of its postures; one without a name has its number.
-    pub fn named(
-        name: impl Into<String>,
-        names: &[String],
-        angles: impl IntoIterator<Item = Vec<f64>>,
-    ) -> Self {
+    pub fn named(name: impl Into<String>, names: &[String], angles: impl IntoIterator<Item = Vec<f64>>) -> Self {
         let mut group = PostureGroup::from_angles(name, angles);
         for (posture, name) in group.postures.iter_mut().zip(names) {
             posture.name.clone_from(name);

@@ -21,12 +21,6 @@ pub struct RouteRules {
 
 impl Default for RouteRules {
     fn default() -> Self {
-        RouteRules {
-            joint_speeds: None,
-            speed_share: SPEED_SHARE,
-            start: None,
-            approach: None,
-            load_stays_on: false,
-        }
+        RouteRules { joint_speeds: None, speed_share: SPEED_SHARE, start: None, approach: None, load_stays_on: false }
     }
 }

@@ -52,11 +52,7 @@ pub fn joint_compliance(robot: &Robot, stiffness: &[f64]) -> Result<DMatrix<f64>
     if stiffness.len() != n {
         return Err(Error::new(
             Code::Dimension,
-            format!(
-                "{} stiffness values for the {n} joints of {}.",
-                stiffness.len(),
-                robot.name()
-            ),
+            format!("{} stiffness values for the {n} joints of {}.", stiffness.len(), robot.name()),
         ));
     }
     if let Some(j) = stiffness.iter().position(|k| !(k.is_finite() && *k > 0.0)) {
@@ -86,14 +82,8 @@ pub fn stiffness_correction(terms: &PostureTerms) -> DMatrix<f64> {
     let (force, moment) = (terms.wrench().force, terms.wrench().moment);
     DMatrix::from_fn(n, n, |i, j| {
         // ∂c_i/∂θ_j = z_min × c_max; ∂z_i/∂θ_j = z_j × z_i for j < i.
-        let linear = axes[i.min(j)]
-            .cross(&terms.loading_columns[i.max(j)])
-            .dot(&force);
-        let angular = if j < i {
-            axes[j].cross(&axes[i]).dot(&moment)
-        } else {
-            0.0
-        };
+        let linear = axes[i.min(j)].cross(&terms.loading_columns[i.max(j)]).dot(&force);
+        let angular = if j < i { axes[j].cross(&axes[i]).dot(&moment) } else { 0.0 };
         linear + angular
     })
 }
@@ -154,11 +144,7 @@ pub fn cartesian_stiffness(
     Ok(cartesian_compliance(robot, frames, p, stiffness, correction)?.try_inverse())
 }
 
-fn corrected_compliance(
-    robot: &Robot,
-    stiffness: &[f64],
-    correction: Option<&DMatrix<f64>>,
-) -> Result<DMatrix<f64>> {
+fn corrected_compliance(robot: &Robot, stiffness: &[f64], correction: Option<&DMatrix<f64>>) -> Result<DMatrix<f64>> {
     corrected(&joint_compliance(robot, stiffness)?, correction)
 }
 
@@ -166,10 +152,7 @@ fn corrected_compliance(
 ///
 /// # Errors
 /// K_θ − K_C is singular.
-pub(crate) fn corrected(
-    compliance: &DMatrix<f64>,
-    correction: Option<&DMatrix<f64>>,
-) -> Result<DMatrix<f64>> {
+pub(crate) fn corrected(compliance: &DMatrix<f64>, correction: Option<&DMatrix<f64>>) -> Result<DMatrix<f64>> {
     let Some(correction) = correction else {
         return Ok(compliance.clone());
     };
@@ -232,12 +215,7 @@ impl Equilibrium {
 /// # Errors
 /// As [`joint_compliance`] and [`PostureTerms::new`]; no convergence, which
 /// happens only where the load is of the order that buckles the arm.
-pub fn equilibrium(
-    setup: &Setup,
-    q: &[f64],
-    stiffness: &[f64],
-    wrench: Option<&Wrench>,
-) -> Result<Equilibrium> {
+pub fn equilibrium(setup: &Setup, q: &[f64], stiffness: &[f64], wrench: Option<&Wrench>) -> Result<Equilibrium> {
     let compliance = joint_compliance(&setup.robot, stiffness)?;
     let terms = PostureTerms::new(setup, q, wrench)?;
     let start = setup.robot.serial_angles(q);
@@ -260,10 +238,7 @@ pub(crate) fn equilibrium_from(
     let following = wrench.and_then(|own| setup.load.following(frames, at, own));
     match following {
         Some(load) => {
-            let setup = Setup {
-                load,
-                ..setup.clone()
-            };
+            let setup = Setup { load, ..setup.clone() };
             iterate(&setup, compliance, start, terms, None)
         }
         None => iterate(setup, compliance, start, terms, wrench),
@@ -284,25 +259,17 @@ fn iterate(
         let change = (&next - &deflection).amax();
         deflection = next;
         let theta = start + &deflection;
-        terms
-            .frames
-            .move_to_serial_angles(&setup.robot, theta.as_slice());
+        terms.frames.move_to_serial_angles(&setup.robot, theta.as_slice());
         terms.fill(setup, wrench)?;
         if !change.is_finite() {
             break;
         }
         if change <= EQUILIBRIUM_TOLERANCE + 4.0 * f64::EPSILON * deflection.amax() {
-            return Ok(Equilibrium {
-                terms,
-                deflection,
-                iterations,
-            });
+            return Ok(Equilibrium { terms, deflection, iterations });
         }
     }
-    Err(
-        Error::invalid("The loaded arm has no stable equilibrium near this posture.")
-            .hint("check the load's magnitude and the unit of the joint stiffness (N·m/rad)"),
-    )
+    Err(Error::invalid("The loaded arm has no stable equilibrium near this posture.")
+        .hint("check the load's magnitude and the unit of the joint stiffness (N·m/rad)"))
 }
 
 /// Displacement of a flange-fixed point by the exact equilibrium: difference
@@ -326,11 +293,7 @@ pub fn equilibrium_displacement(
 /// Displacement of a flange-fixed point from one set of frames to another:
 /// \[shift (m); rotation vector (rad)\], base axes. `in_flange` is in flange
 /// axes \[m\].
-pub fn displacement_between(
-    before: &Frames,
-    after: &Frames,
-    in_flange: &Vector3<f64>,
-) -> Vector6<f64> {
+pub fn displacement_between(before: &Frames, after: &Frames, in_flange: &Vector3<f64>) -> Vector6<f64> {
     let shift = after.point(in_flange) - before.point(in_flange);
     let turn = (after.flange().rotation * before.flange().rotation.inverse()).scaled_axis();
     Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
@@ -352,27 +315,13 @@ pub struct SecondOrder {
 ///
 /// # Errors
 /// As [`equilibrium`] and [`cartesian_compliance`].
-pub fn second_order(
-    setup: &Setup,
-    q: &[f64],
-    stiffness: &[f64],
-    wrench: Option<&Wrench>,
-) -> Result<SecondOrder> {
+pub fn second_order(setup: &Setup, q: &[f64], stiffness: &[f64], wrench: Option<&Wrench>) -> Result<SecondOrder> {
     let terms = PostureTerms::new(setup, q, wrench)?;
     let k_c = stiffness_correction(&terms);
     let after = equilibrium(setup, q, stiffness, wrench)?;
-    let mut out = SecondOrder {
-        displacement: Vec::new(),
-        correction: Vec::new(),
-        linearisation: Vec::new(),
-    };
+    let mut out = SecondOrder { displacement: Vec::new(), correction: Vec::new(), linearisation: Vec::new() };
     let norm = |d: Vector6<f64>| d.fixed_rows::<3>(0).norm();
-    for (point, p) in setup
-        .tool
-        .measuring_points
-        .iter()
-        .zip(terms.measuring_points())
-    {
+    for (point, p) in setup.tool.measuring_points.iter().zip(terms.measuring_points()) {
         let linear = linear_displacement(setup, &terms, p, stiffness, None)?;
         let corrected = linear_displacement(setup, &terms, p, stiffness, Some(&k_c))?;
         let exact = displacement_between(terms.frames(), after.frames(), &point.position);

@@ -29,22 +29,13 @@ impl SeriesCompliance {
     ///
     /// # Errors
     /// A stiffness that is not positive.
-    pub fn from_stiffness(
-        origin: Vector3<f64>,
-        translational: [f64; 3],
-        rotational: [f64; 3],
-    ) -> Result<Self> {
+    pub fn from_stiffness(origin: Vector3<f64>, translational: [f64; 3], rotational: [f64; 3]) -> Result<Self> {
         let stiffness = [translational, rotational].concat();
         if stiffness.iter().any(|k| k.is_nan() || *k <= 0.0) {
-            return Err(Error::invalid(
-                "Each stiffness of the series compliance must be above zero.",
-            ));
+            return Err(Error::invalid("Each stiffness of the series compliance must be above zero."));
         }
         let diagonal = Vector6::from_iterator(stiffness.iter().map(|k| 1.0 / k));
-        Ok(SeriesCompliance {
-            origin,
-            matrix: Matrix6::from_diagonal(&diagonal),
-        })
+        Ok(SeriesCompliance { origin, matrix: Matrix6::from_diagonal(&diagonal) })
     }
 }
 
@@ -66,10 +57,7 @@ impl Tool {
     /// The same tool loaded at another point, flange axes \[m\]; `None` changes nothing.
     #[must_use]
     pub(crate) fn loaded_at(&self, point: Option<Vector3<f64>>) -> Self {
-        Tool {
-            loading_point: point.unwrap_or(self.loading_point),
-            ..self.clone()
-        }
+        Tool { loading_point: point.unwrap_or(self.loading_point), ..self.clone() }
     }
 
     /// A rigid tool, points in flange axes \[m\]: where it is loaded, and its
@@ -82,36 +70,18 @@ impl Tool {
         measuring_points: impl IntoIterator<Item = (N, Vector3<f64>)>,
     ) -> Result<Self> {
         let points = measuring_points.into_iter();
-        let measuring_points: Vec<NamedPoint> = points
-            .map(|(name, position)| NamedPoint {
-                name: name.into(),
-                position,
-            })
-            .collect();
+        let measuring_points: Vec<NamedPoint> =
+            points.map(|(name, position)| NamedPoint { name: name.into(), position }).collect();
         let all = measuring_points.iter().map(|p| &p.position);
-        if all
-            .chain([&loading_point])
-            .any(|p| p.iter().any(|v| !v.is_finite()))
-        {
+        if all.chain([&loading_point]).any(|p| p.iter().any(|v| !v.is_finite())) {
             let message = "A point of the tool is not a finite number.";
             return Err(Error::new(Code::NotFinite, message));
         }
-        let twice = |i: usize| {
-            measuring_points[..i]
-                .iter()
-                .any(|p| p.name == measuring_points[i].name)
-        };
+        let twice = |i: usize| measuring_points[..i].iter().any(|p| p.name == measuring_points[i].name);
         if measuring_points.is_empty() || (0..measuring_points.len()).any(twice) {
-            return Err(Error::invalid(
-                "A tool needs at least one measuring point, and each a name of its own.",
-            ));
+            return Err(Error::invalid("A tool needs at least one measuring point, and each a name of its own."));
         }
-        Ok(Tool {
-            loading_point,
-            measuring_points,
-            has_sensor: false,
-            series_compliance: None,
-        })
+        Ok(Tool { loading_point, measuring_points, has_sensor: false, series_compliance: None })
     }
 
     /// The tool centre point: measuring point 1, flange axes \[m\].

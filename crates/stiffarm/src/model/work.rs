@@ -49,10 +49,7 @@ impl RotaryAxis {
             None => (false, name),
         };
         match letter.as_bytes() {
-            [letter @ b'A'..=b'C'] => Some(RotaryAxis {
-                letter: *letter,
-                backwards,
-            }),
+            [letter @ b'A'..=b'C'] => Some(RotaryAxis { letter: *letter, backwards }),
             _ => None,
         }
     }
@@ -64,8 +61,7 @@ impl RotaryAxis {
 
     /// The rotation of the tool in the workpiece at `angle` \[deg\].
     pub fn rotation(self, angle: f64) -> UnitQuaternion<f64> {
-        let axis = [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()]
-            [usize::from(self.letter - b'A')];
+        let axis = [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()][usize::from(self.letter - b'A')];
         let angle = if self.backwards { -angle } else { angle };
         UnitQuaternion::from_axis_angle(&axis, deg_to_rad(angle))
     }
@@ -74,9 +70,7 @@ impl RotaryAxis {
 impl Work {
     /// The tip frame in flange axes \[m\]: z is the tool axis.
     pub fn tip(&self, tool: &Tool) -> Isometry3<f64> {
-        self.tip.unwrap_or_else(|| {
-            Isometry3::from_parts(Translation3::from(tool.tcp()), UnitQuaternion::identity())
-        })
+        self.tip.unwrap_or_else(|| Isometry3::from_parts(Translation3::from(tool.tcp()), UnitQuaternion::identity()))
     }
 
     /// Name of the measuring point that stands for the tip; `None` where the tip is given.
@@ -88,9 +82,8 @@ impl Work {
     /// The tool axis in the workpiece, from the tip to the spindle, at these angles of A, B and C \[deg\].
     pub fn tool_axis(&self, angles: [f64; 3]) -> UnitVector3<f64> {
         let axes = self.rotary.iter().rev();
-        let turned = axes.fold(Vector3::z(), |axis, rotary| {
-            rotary.rotation(angles[usize::from(rotary.letter() - b'A')]) * axis
-        });
+        let turned =
+            axes.fold(Vector3::z(), |axis, rotary| rotary.rotation(angles[usize::from(rotary.letter() - b'A')]) * axis);
         UnitVector3::new_normalize(turned)
     }
 
@@ -98,13 +91,8 @@ impl Work {
     /// the machine; none without such axes.
     pub fn shown_tool_axis(&self) -> Option<Finding> {
         const ANGLES: [f64; 3] = [30.0, 40.0, 70.0];
-        let letters = self
-            .rotary
-            .iter()
-            .map(|axis| usize::from(axis.letter() - b'A'));
-        let words: Vec<String> = letters
-            .map(|axis| format!("{}{}", ['A', 'B', 'C'][axis], ANGLES[axis]))
-            .collect();
+        let letters = self.rotary.iter().map(|axis| usize::from(axis.letter() - b'A'));
+        let words: Vec<String> = letters.map(|axis| format!("{}{}", ['A', 'B', 'C'][axis], ANGLES[axis])).collect();
         if words.is_empty() {
             return None;
         }
@@ -151,11 +139,7 @@ impl Work {
             "{first} {} of the cell {are} not in the path: no point has that load or tolerance.",
             list(&missing)
         );
-        Ok(Some(Finding::caution(
-            "feature-not-in-path",
-            "work.feature",
-            sentence,
-        )))
+        Ok(Some(Finding::caution("feature-not-in-path", "work.feature", sentence)))
     }
 
     /// The process at a point: that of its feature, else that of the whole path.

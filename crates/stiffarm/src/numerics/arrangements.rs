@@ -10,9 +10,8 @@ pub fn choose(count: u64, size: u64) -> u64 {
     if size > count {
         return 0;
     }
-    let all = (0..size.min(count - size)).fold(1_u128, |product, i| {
-        product.saturating_mul(u128::from(count - i)) / u128::from(i + 1)
-    });
+    let all = (0..size.min(count - size))
+        .fold(1_u128, |product, i| product.saturating_mul(u128::from(count - i)) / u128::from(i + 1));
     u64::try_from(all).unwrap_or(u64::MAX)
 }
 
@@ -28,11 +27,7 @@ pub fn set(mut rank: u64, size: u64) -> Vec<usize> {
         }
         while low + 1 < high {
             let middle = u64::midpoint(low, high);
-            *if choose(middle, size) <= rank {
-                &mut low
-            } else {
-                &mut high
-            } = middle;
+            *if choose(middle, size) <= rank { &mut low } else { &mut high } = middle;
         }
         rank -= choose(low, size);
         out.push(low as usize);
@@ -92,14 +87,7 @@ pub fn exchanges_first(count: usize) -> Vec<Vec<usize>> {
 
 /// All signed exchanges of three axes: 24 turns and as many with a mirror.
 pub fn signed_axes() -> impl Iterator<Item = Matrix3<f64>> {
-    const ORDERS: [[usize; 3]; 6] = [
-        [0, 1, 2],
-        [1, 0, 2],
-        [2, 1, 0],
-        [0, 2, 1],
-        [1, 2, 0],
-        [2, 0, 1],
-    ];
+    const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 0, 2], [2, 1, 0], [0, 2, 1], [1, 2, 0], [2, 0, 1]];
     ORDERS.into_iter().flat_map(|order| {
         (0..8_u32).map(move |signs| {
             let sign = |i: usize| if signs >> i & 1 == 1 { -1.0 } else { 1.0 };

@@ -57,10 +57,7 @@ impl<'a> Control<'a> {
     /// The same without progress: for a part of work whose own steps would mislead.
     #[must_use]
     pub fn quiet(self) -> Control<'a> {
-        Control {
-            progress: None,
-            ..self
-        }
+        Control { progress: None, ..self }
     }
 
     /// True when the work should stop.
@@ -73,11 +70,7 @@ impl<'a> Control<'a> {
     /// # Errors
     /// [`Code::Interrupted`] once it should.
     pub fn check(&self) -> Result<()> {
-        if self.stopped() {
-            Err(Error::new(Code::Interrupted, "Interrupted."))
-        } else {
-            Ok(())
-        }
+        if self.stopped() { Err(Error::new(Code::Interrupted, "Interrupted.")) } else { Ok(()) }
     }
 
     /// Reports progress.
@@ -106,10 +99,7 @@ impl Watch {
         stop: impl Fn() -> bool + Send + Sync + 'static,
         progress: impl Fn(&str, usize, usize) + Send + Sync + 'static,
     ) -> Self {
-        Watch {
-            stop: Some(Arc::new(stop)),
-            progress: Some(Arc::new(progress)),
-        }
+        Watch { stop: Some(Arc::new(stop)), progress: Some(Arc::new(progress)) }
     }
 
     /// The same for a function that borrows it.

@@ -66,11 +66,7 @@ impl Level {
                 high = w
             }
             let next = w + missing / slope;
-            w = if low < next && next < high {
-                next
-            } else {
-                0.5 * (low + high)
-            };
+            w = if low < next && next < high { next } else { 0.5 * (low + high) };
         }
         w
     }

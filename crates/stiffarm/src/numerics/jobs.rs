@@ -7,10 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Maps `jobs` on all cores, results in the order of the jobs.
-pub fn in_order<J: Sync, T: Send>(
-    jobs: &[J],
-    run: impl Fn((usize, &J)) -> Result<T> + Sync + Send,
-) -> Result<Vec<T>> {
+pub fn in_order<J: Sync, T: Send>(jobs: &[J], run: impl Fn((usize, &J)) -> Result<T> + Sync + Send) -> Result<Vec<T>> {
     let results: Vec<_> = jobs.iter().map(|_| Mutex::new(None)).collect();
     on_all_cores(jobs.len(), &|i| {
         let result = run((i, &jobs[i]));
@@ -18,9 +15,7 @@ pub fn in_order<J: Sync, T: Send>(
     });
     // The first error by order, whichever thread met one first.
     let results = results.into_iter().map(Mutex::into_inner);
-    results
-        .filter_map(|result| result.unwrap_or_else(PoisonError::into_inner))
-        .collect()
+    results.filter_map(|result| result.unwrap_or_else(PoisonError::into_inner)).collect()
 }
 
 /// One function for all kinds of jobs: compiled anew for each, what distributes them was a twentieth of the library.

@@ -46,9 +46,7 @@ pub mod symmetric {
         let rows: Vec<Vec<f64>> = Vec::deserialize(from)?;
         let count = rows.len();
         if rows.iter().enumerate().all(|(i, row)| row.len() == i + 1) {
-            Ok(DMatrix::from_fn(count, count, |i, j| {
-                rows[i.max(j)][i.min(j)]
-            }))
+            Ok(DMatrix::from_fn(count, count, |i, j| rows[i.max(j)][i.min(j)]))
         } else {
             Err(D::Error::custom("a covariance must be a lower triangle"))
         }

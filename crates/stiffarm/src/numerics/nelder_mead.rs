@@ -38,19 +38,13 @@ pub fn nelder_mead<const N: usize>(
                 *m += c / N as f64;
             }
         }
-        let along = |t: f64| -> [f64; N] {
-            std::array::from_fn(|i| middle[i] + t * (worst.0[i] - middle[i]))
-        };
+        let along = |t: f64| -> [f64; N] { std::array::from_fn(|i| middle[i] + t * (worst.0[i] - middle[i])) };
         let (reflected, count) = at(&along(-1.0));
         spent = count;
         let replacement = if reflected < best.1 {
             let expanded = at(&along(-2.0));
             spent = expanded.1;
-            if expanded.0 < reflected {
-                Some((along(-2.0), expanded.0))
-            } else {
-                Some((along(-1.0), reflected))
-            }
+            if expanded.0 < reflected { Some((along(-2.0), expanded.0)) } else { Some((along(-1.0), reflected)) }
         } else if reflected < simplex[N - 1].1 {
             Some((along(-1.0), reflected))
         } else {

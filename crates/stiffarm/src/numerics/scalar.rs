@@ -10,12 +10,7 @@ const STEPS: usize = 100;
 
 /// Place and value of a minimum of `f` in `low..high`, to `tolerance` (absolute),
 /// from a point `start` inside with its value.
-pub fn minimum(
-    f: impl Fn(f64) -> f64,
-    [mut low, mut high]: [f64; 2],
-    start: (f64, f64),
-    tolerance: f64,
-) -> (f64, f64) {
+pub fn minimum(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2], start: (f64, f64), tolerance: f64) -> (f64, f64) {
     // The best point, the second best, and the one before that.
     let [mut x, mut w, mut v] = [start; 3];
     let (mut step, mut before_last) = (0.0_f64, 0.0_f64);
@@ -51,12 +46,7 @@ pub fn minimum(
             before_last = if x.0 < middle { high - x.0 } else { low - x.0 };
             step = GOLDEN * before_last;
         }
-        let at = x.0
-            + if step.abs() >= least {
-                step
-            } else {
-                least.copysign(step)
-            };
+        let at = x.0 + if step.abs() >= least { step } else { least.copysign(step) };
         let next = (at, f(at));
         if next.1 <= x.1 {
             *if next.0 < x.0 { &mut high } else { &mut low } = x.0;
@@ -100,10 +90,7 @@ pub fn zero(f: impl Fn(f64) -> f64, mut a: (f64, f64), mut b: (f64, f64), tolera
                 (2.0 * half * s, 1.0 - s)
             } else {
                 let (q, r) = (a.1 / c.1, b.1 / c.1);
-                (
-                    s * (2.0 * half * q * (q - r) - (b.0 - a.0) * (r - 1.0)),
-                    (q - 1.0) * (r - 1.0) * (s - 1.0),
-                )
+                (s * (2.0 * half * q * (q - r) - (b.0 - a.0) * (r - 1.0)), (q - 1.0) * (r - 1.0) * (s - 1.0))
             };
             if p > 0.0 {
                 q = -q;
@@ -121,11 +108,7 @@ pub fn zero(f: impl Fn(f64) -> f64, mut a: (f64, f64), mut b: (f64, f64), tolera
             last = half;
         }
         a = b;
-        b.0 += if step.abs() > least {
-            step
-        } else {
-            least.copysign(half)
-        };
+        b.0 += if step.abs() > least { step } else { least.copysign(half) };
         b.1 = f(b.0);
     }
     b.0

@@ -31,17 +31,13 @@ pub(crate) fn spread(bounds: &[[f64; 2]], i: u32) -> Vec<f64> {
 /// A random point of `bounds`.
 pub(crate) fn uniform(bounds: &[[f64; 2]], rng: &mut ChaCha8Rng) -> Vec<f64> {
     let all = bounds.iter();
-    all.map(|b| b[0] + (b[1] - b[0]) * rng.random::<f64>())
-        .collect()
+    all.map(|b| b[0] + (b[1] - b[0]) * rng.random::<f64>()).collect()
 }
 
 /// The random numbers of one run of a simulation. Groups below 2¹⁷, levels
 /// below 2¹⁰ and runs below 2³⁴ never share a stream.
 pub fn run_rng(seed: u64, group: usize, level: usize, run: usize) -> ChaCha8Rng {
-    stream(
-        seed,
-        ((group as u64) << 44) | ((level as u64) << 34) | run as u64,
-    )
+    stream(seed, ((group as u64) << 44) | ((level as u64) << 34) | run as u64)
 }
 
 /// The random numbers of one random initial group.

@@ -78,10 +78,7 @@ impl<'a> ActiveLimits<'a> {
     /// infinite where there is no wrench.
     pub(super) fn violation_at(&mut self, q: &[f64]) -> f64 {
         let margins = &mut self.margins;
-        if margins
-            .evaluate(q, SCENE_DISTANCE, &mut self.values, Slopes::default())
-            .is_err()
-        {
+        if margins.evaluate(q, SCENE_DISTANCE, &mut self.values, Slopes::default()).is_err() {
             return f64::INFINITY;
         }
         self.values.iter().fold(0.0, |v, m| v.max(-m))
@@ -93,17 +90,13 @@ impl<'a> ActiveLimits<'a> {
             return;
         }
         let n = self.cell.bounds.len();
-        self.active
-            .resize(angles.len() / n * self.per_posture, false);
+        self.active.resize(angles.len() / n * self.per_posture, false);
         for (p, q) in angles.chunks_exact(n).enumerate() {
             self.violation_at(q);
             let active = &mut self.active[p * self.per_posture..];
             for (l, (active, margin)) in active.iter_mut().zip(&self.values).enumerate() {
-                let within = if self.margins.is_of_point(l) {
-                    self.distance
-                } else {
-                    SCENE_DISTANCE.min(self.distance)
-                };
+                let within =
+                    if self.margins.is_of_point(l) { self.distance } else { SCENE_DISTANCE.min(self.distance) };
                 *active |= *margin < within;
             }
         }
@@ -112,13 +105,7 @@ impl<'a> ActiveLimits<'a> {
     /// Writes the margins of the active limits at the postures of `angles`
     /// \[rad\] behind the first `before` ones, and the violation of all limits.
     /// The angles are the first of the problem's `variables`.
-    pub(super) fn add_to(
-        &mut self,
-        out: &mut Evaluation,
-        angles: &[f64],
-        before: usize,
-        variables: usize,
-    ) {
+    pub(super) fn add_to(&mut self, out: &mut Evaluation, angles: &[f64], before: usize, variables: usize) {
         if self.per_posture == 0 {
             return;
         }
@@ -128,15 +115,9 @@ impl<'a> ActiveLimits<'a> {
         for (p, q) in angles.chunks_exact(n).enumerate() {
             let own = p * self.per_posture..(p + 1) * self.per_posture;
             let wanted = self.active.get(own).unwrap_or_default();
-            let slopes = Slopes {
-                rows: &mut self.gradients[..wanted.len() * n],
-                wanted,
-            };
+            let slopes = Slopes { rows: &mut self.gradients[..wanted.len() * n], wanted };
             let margins = &mut self.margins;
-            if margins
-                .evaluate(q, SCENE_DISTANCE, &mut self.values, slopes)
-                .is_err()
-            {
+            if margins.evaluate(q, SCENE_DISTANCE, &mut self.values, slopes).is_err() {
                 out.violation = f64::INFINITY;
                 return;
             }
@@ -144,11 +125,7 @@ impl<'a> ActiveLimits<'a> {
                 out.violation = out.violation.max(-margin);
             }
             for (l, _) in wanted.iter().enumerate().filter(|(_, active)| **active) {
-                let guard = if self.margins.is_of_point(l) {
-                    LIMIT_GUARD
-                } else {
-                    SCENE_GUARD
-                };
+                let guard = if self.margins.is_of_point(l) { LIMIT_GUARD } else { SCENE_GUARD };
                 out.margins[at] = self.values[l] - guard;
                 let offset = at * variables + p * n;
                 robot.gradient_to_controller(
@@ -193,11 +170,7 @@ pub(super) fn minimise_within_limits<'a>(
         last.clone_from(&next.last);
         // Go on from the best point inside all limits, if there is one: a
         // search from outside may never come back in.
-        from = if next.merit.is_finite() {
-            next.x.clone()
-        } else {
-            next.last.clone()
-        };
+        from = if next.merit.is_finite() { next.x.clone() } else { next.last.clone() };
         solution = Some(match solution {
             Some(previous) => next.after(previous),
             None => next,

@@ -48,12 +48,7 @@ impl Problem for Dexterity<'_> {
         let mut gradient = vec![0.0; n + 1];
         robot.gradient_to_controller(&theta, &mut gradient[..n]);
         gradient[n] = by_length;
-        Evaluation {
-            objective: value,
-            gradient,
-            merit: value,
-            ..Evaluation::default()
-        }
+        Evaluation { objective: value, gradient, merit: value, ..Evaluation::default() }
     }
 }
 
@@ -81,41 +76,23 @@ pub fn characteristic_length(cell: &Cell) -> Result<CharacteristicLength> {
     let n = robot.joint_count();
     require_six_joints(robot)?;
     let tcp = cell.setup.tool.tcp();
-    let reach: f64 = robot
-        .joints()
-        .iter()
-        .map(|j| j.placement.translation.vector.norm())
-        .sum::<f64>()
+    let reach: f64 = robot.joints().iter().map(|j| j.placement.translation.vector.norm()).sum::<f64>()
         + robot.flange().translation.vector.norm()
         + tcp.norm();
     if reach.is_nan() || reach <= 0.0 {
-        return Err(Error::new(
-            Code::Unsupported,
-            "The chain has no length, so there is no characteristic length.",
-        ));
+        return Err(Error::new(Code::Unsupported, "The chain has no length, so there is no characteristic length."));
     }
     // ln L between a thousandth of the reach and the reach.
     let mut bounds = cell.bounds.clone();
     bounds.push([(1e-3 * reach).ln(), reach.ln()]);
-    let mut problem = Dexterity {
-        cell,
-        bounds,
-        frames: Frames::new(robot, &vec![0.0; n]),
-    };
+    let mut problem = Dexterity { cell, bounds, frames: Frames::new(robot, &vec![0.0; n]) };
     let mut best: Option<(f64, Vec<f64>)> = None;
     for start in 0..STARTS {
         let mut x = spread(&cell.bounds, start);
         x.push((0.3 * reach).ln());
-        let options = Options {
-            max_iterations: 300,
-            ..Options::default()
-        };
+        let options = Options { max_iterations: 300, ..Options::default() };
         let solution = minimise(&mut problem, &x, options, Control::default());
-        if best
-            .as_ref()
-            .is_none_or(|(merit, _)| solution.merit < *merit)
-            && solution.merit.is_finite()
-        {
+        if best.as_ref().is_none_or(|(merit, _)| solution.merit < *merit) && solution.merit.is_finite() {
             best = Some((solution.merit, solution.x));
         }
     }
@@ -126,11 +103,7 @@ pub fn characteristic_length(cell: &Cell) -> Result<CharacteristicLength> {
         )
     })?;
     let length = x.pop().unwrap_or(0.0).exp();
-    Ok(CharacteristicLength {
-        length,
-        condition_number: merit.exp(),
-        posture: x,
-    })
+    Ok(CharacteristicLength { length, condition_number: merit.exp(), posture: x })
 }
 
 /// The cell with its characteristic length, computed where it was left open.

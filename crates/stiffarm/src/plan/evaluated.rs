@@ -39,21 +39,13 @@ impl EvaluatedGroup {
 
     /// The postures with their names.
     pub fn group(&self) -> PostureGroup {
-        PostureGroup::named(
-            &self.evaluation.name,
-            &self.posture_names,
-            self.postures.iter().cloned(),
-        )
+        PostureGroup::named(&self.evaluation.name, &self.posture_names, self.postures.iter().cloned())
     }
 }
 
 /// Options of the result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Options")
-)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "Options"))]
 pub struct EvaluatedOptions {
     /// L of Eq. (20) \[m\]; `null` where k(J_N) does not exist.
     pub characteristic_length_m: Option<f64>,
@@ -62,9 +54,7 @@ pub struct EvaluatedOptions {
 impl EvaluatedOptions {
     /// The options of an evaluation in `cell`.
     pub fn of(cell: &Cell) -> Self {
-        EvaluatedOptions {
-            characteristic_length_m: cell.characteristic_length,
-        }
+        EvaluatedOptions { characteristic_length_m: cell.characteristic_length }
     }
 }
 
@@ -87,17 +77,11 @@ impl Evaluated {
     /// As [`evaluate`].
     pub fn new(cell: &Cell, groups: &[PostureGroup]) -> Result<Self> {
         let (cell, mut left_out) = determinable(cell.clone());
-        let evaluated = groups
-            .iter()
-            .map(|g| EvaluatedGroup::new(&cell, &g.name, &g.postures))
-            .collect::<Result<Vec<_>>>()?;
+        let evaluated =
+            groups.iter().map(|g| EvaluatedGroup::new(&cell, &g.name, &g.postures)).collect::<Result<Vec<_>>>()?;
         left_out.extend(start_touches(&cell));
         left_out.extend(findings(&cell, groups, &evaluated));
-        Ok(Evaluated {
-            joints: cell.setup.robot.spring_names(),
-            findings: left_out,
-            groups: evaluated,
-        })
+        Ok(Evaluated { joints: cell.setup.robot.spring_names(), findings: left_out, groups: evaluated })
     }
 }
 
@@ -127,16 +111,10 @@ fn findings(cell: &Cell, groups: &[PostureGroup], evaluated: &[EvaluatedGroup]) 
         findings.push(Finding::note(code, "cell", sentence));
     };
     if cell.prior.is_none() {
-        lacks(
-            "no-prior",
-            "The cell has no prior stiffness, so there are no expected errors.",
-        );
+        lacks("no-prior", "The cell has no prior stiffness, so there are no expected errors.");
     }
     if cell.tasks.is_empty() {
-        lacks(
-            "no-tasks",
-            "The cell has no [[task]], so there is no task index.",
-        );
+        lacks("no-tasks", "The cell has no [[task]], so there is no task index.");
     }
     findings
 }

@@ -37,13 +37,7 @@ pub enum StartKind {
 ///
 /// # Errors
 /// No posture inside the limits was found.
-pub fn random_group(
-    cell: &Cell,
-    kind: StartKind,
-    count: usize,
-    seed: u64,
-    stream: u64,
-) -> Result<Vec<Vec<f64>>> {
+pub fn random_group(cell: &Cell, kind: StartKind, count: usize, seed: u64, stream: u64) -> Result<Vec<Vec<f64>>> {
     let n = cell.setup.robot.joint_count();
     let mut rng = group_rng(seed, stream);
     let mut margins = cell.posture_margins()?;

@@ -175,11 +175,9 @@ pub fn zones(cell: &Cell, options: &ZoneOptions, control: Control<'_>) -> Result
     let mut q = held(cell, options)?;
     let steps = options.steps;
     if !(STEPS[0]..=STEPS[1]).contains(&steps) {
-        return Err(Error::invalid(format!(
-            "A map has {} to {} steps per axis, not {steps}.",
-            STEPS[0], STEPS[1]
-        ))
-        .key("steps"));
+        return Err(
+            Error::invalid(format!("A map has {} to {} steps per axis, not {steps}.", STEPS[0], STEPS[1])).key("steps")
+        );
     }
     let [q2, q3] = MAPPED.map(|joint| axis(cell.bounds[joint], steps));
     let inside = |joint: usize, angles: &[f64]| -> Vec<f64> {
@@ -226,9 +224,7 @@ pub fn zones(cell: &Cell, options: &ZoneOptions, control: Control<'_>) -> Result
     });
     let names = MAPPED.map(|j| robot.joints()[j].name.clone());
     let held = q.iter().enumerate();
-    let held = held
-        .map(|(j, q)| (!MAPPED.contains(&j)).then_some(*q))
-        .collect();
+    let held = held.map(|(j, q)| (!MAPPED.contains(&j)).then_some(*q)).collect();
     Ok(Zones {
         joints: names,
         held,
@@ -251,9 +247,7 @@ fn axis(range: [f64; 2], steps: usize) -> Vec<f64> {
     let [low, high] = range.map(rad_to_shortest_deg);
     let at = |i: usize| low + (high - low) * i as f64 / (steps - 1) as f64;
     // Adding zero turns −0 into 0.
-    (0..steps)
-        .map(|i| deg_to_rad((at(i) * 1e9).round() / 1e9 + 0.0))
-        .collect()
+    (0..steps).map(|i| deg_to_rad((at(i) * 1e9).round() / 1e9 + 0.0)).collect()
 }
 
 /// Angles of all joints \[rad\], those of the map at their lower bounds.
@@ -267,15 +261,10 @@ fn held(cell: &Cell, options: &ZoneOptions) -> Result<Vec<f64>> {
         None => {
             return Err(Error::new(
                 Code::MissingKey,
-                format!(
-                    "Dumas' choice of the held angles is for six joints, and {} has {n}.",
-                    robot.name()
-                ),
+                format!("Dumas' choice of the held angles is for six joints, and {} has {n}.", robot.name()),
             )
             .key("q_deg")
-            .hint(format!(
-                "give the angles of all {n} joints (those of joints 2 and 3 are replaced by the map's)"
-            )));
+            .hint(format!("give the angles of all {n} joints (those of joints 2 and 3 are replaced by the map's)")));
         }
     };
     check_angles(robot, &q).map_err(|error| error.key("q_deg"))?;
@@ -318,11 +307,7 @@ fn values(cell: &Cell, terms: &PostureTerms) -> Result<Option<Values>> {
         let change = (with - without).fixed_rows::<3>(from).norm();
         change / without.fixed_rows::<3>(from).norm()
     };
-    let values = Values {
-        dexterity: 1.0 / condition,
-        translation: deviation(0),
-        rotation: deviation(3),
-    };
+    let values = Values { dexterity: 1.0 / condition, translation: deviation(0), rotation: deviation(3) };
     let all = [values.dexterity, values.translation, values.rotation];
     Ok(all.iter().all(|v| v.is_finite()).then_some(values))
 }
@@ -331,11 +316,7 @@ fn values(cell: &Cell, terms: &PostureTerms) -> Result<Option<Values>> {
 pub(crate) fn range(values: impl IntoIterator<Item = f64>) -> Option<MapRange> {
     let mut values: Vec<f64> = values.into_iter().collect();
     values.sort_by(f64::total_cmp);
-    Some(MapRange {
-        smallest: *values.first()?,
-        median: at_share(&values, 0.5)?,
-        largest: *values.last()?,
-    })
+    Some(MapRange { smallest: *values.first()?, median: at_share(&values, 0.5)?, largest: *values.last()? })
 }
 
 /// The value that this share of ascending `values` does not exceed.
@@ -356,9 +337,7 @@ fn best_zone(grid: &[Vec<Option<Values>>]) -> Option<(Values, Vec<(usize, usize)
     let translation = at_share(&sorted(|v| v.translation), UNTOUCHED)?;
     let rotation = at_share(&sorted(|v| v.rotation), UNTOUCHED)?;
     let good = |(r, c): (usize, usize)| {
-        grid[r][c].filter(|v| {
-            v.dexterity >= dexterous && v.translation <= translation && v.rotation <= rotation
-        })
+        grid[r][c].filter(|v| v.dexterity >= dexterous && v.translation <= translation && v.rotation <= rotation)
     };
     let places = (0..grid.len()).flat_map(|r| (0..grid[r].len()).map(move |c| (r, c)));
     let candidates = places.filter_map(|place| Some((place, good(place)?)));
@@ -371,12 +350,7 @@ fn best_zone(grid: &[Vec<Option<Values>>]) -> Option<(Values, Vec<(usize, usize)
     let mut next = 0;
     while let Some(&(r, c)) = places.get(next) {
         next += 1;
-        let beside = [
-            (r.wrapping_sub(1), c),
-            (r + 1, c),
-            (r, c.wrapping_sub(1)),
-            (r, c + 1),
-        ];
+        let beside = [(r.wrapping_sub(1), c), (r + 1, c), (r, c.wrapping_sub(1)), (r, c + 1)];
         for (r, c) in beside {
             let inside = r < grid.len() && c < grid[r].len();
             if inside && !seen[r][c] && good((r, c)).is_some() {
@@ -390,7 +364,5 @@ fn best_zone(grid: &[Vec<Option<Values>>]) -> Option<(Values, Vec<(usize, usize)
 
 /// Smallest and largest of `angles` at the places that are asked for.
 fn ends(angles: &[f64], places: impl Iterator<Item = usize>) -> [f64; 2] {
-    places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], i| {
-        [low.min(angles[i]), high.max(angles[i])]
-    })
+    places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], i| [low.min(angles[i]), high.max(angles[i])])
 }

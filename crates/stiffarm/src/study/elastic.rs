@@ -28,16 +28,12 @@ pub(super) fn beyond_axes(
 ) -> Result<ElasticSimulation> {
     let of = |wanted: Index| STUDY_INDICES.iter().find(|(index, _)| *index == wanted);
     let wanted = [of(Index::Novel), of(Index::ExpectedError)];
-    let names: Vec<&str> = std::iter::once(INITIAL_GROUP)
-        .chain(wanted.into_iter().flatten().map(|(_, name)| *name))
-        .collect();
+    let names: Vec<&str> =
+        std::iter::once(INITIAL_GROUP).chain(wanted.into_iter().flatten().map(|(_, name)| *name)).collect();
     let known = groups.iter().filter(|g| names.contains(&g.name.as_str()));
     let mut all: Vec<PostureGroup> = known.cloned().collect();
     if let Some(initial) = groups.iter().find(|g| g.name == INITIAL_GROUP) {
-        let search = Options {
-            max_iterations: options.max_iterations,
-            ..Options::default()
-        };
+        let search = Options { max_iterations: options.max_iterations, ..Options::default() };
         let start = &initial.postures;
         // Without noise the index does not exist.
         match select_from(cell, Index::Prediction, start, search, control) {

@@ -42,10 +42,7 @@ pub const STUDY_INDICES: [(Index, &str); 4] = [
 /// (fewer than six joints) there is no k(J_N), and only the expected error is left.
 pub fn study_indices(cell: &Cell) -> Vec<(Index, &'static str)> {
     let dexterity = cell.characteristic_length.is_some();
-    STUDY_INDICES
-        .into_iter()
-        .filter(|(index, _)| dexterity || !index.uses_dexterity())
-        .collect()
+    STUDY_INDICES.into_iter().filter(|(index, _)| dexterity || !index.uses_dexterity()).collect()
 }
 
 /// Name of the initial group.
@@ -163,10 +160,7 @@ impl Study {
     /// Every finding of the result, each once.
     pub fn every_finding(&self) -> Vec<Finding> {
         let elastic = self.elastic.iter().flat_map(|own| &own.findings);
-        let validated = self
-            .groups
-            .iter()
-            .filter_map(|group| group.validation.as_ref());
+        let validated = self.groups.iter().filter_map(|group| group.validation.as_ref());
         let validated = validated.flat_map(|own| &own.findings);
         let all = elastic.chain(&self.findings).chain(validated);
         each_once(all.chain(&self.simulation.findings))
@@ -197,19 +191,11 @@ impl Study {
 /// # Errors
 /// A cell without prior stiffness, a group or load that cannot be used, or an
 /// interruption.
-pub fn study(
-    cell: &Cell,
-    initial: &PostureGroup,
-    options: &StudyOptions,
-    control: Control<'_>,
-) -> Result<Study> {
+pub fn study(cell: &Cell, initial: &PostureGroup, options: &StudyOptions, control: Control<'_>) -> Result<Study> {
     let (cell, mut findings) = determinable(with_characteristic_length(cell.clone())?);
     let cell = &cell;
     let prior = cell.require_prior()?.to_vec();
-    let select_options = Options {
-        max_iterations: options.max_iterations,
-        ..Options::default()
-    };
+    let select_options = Options { max_iterations: options.max_iterations, ..Options::default() };
 
     // Section III.B: Groups 2 and 3 start from Group 1; so do the further indices.
     let indices = study_indices(cell);
@@ -222,22 +208,10 @@ pub fn study(
         ));
     }
     let selections: Vec<Result<Selection>> = in_order(&indices, |(_, (index, _))| {
-        Ok(select_from(
-            cell,
-            *index,
-            &initial.postures,
-            select_options,
-            control,
-        ))
+        Ok(select_from(cell, *index, &initial.postures, select_options, control))
     })?;
     control.report("selecting from Group 1", 1, 1);
-    let mut named = vec![(
-        None,
-        PostureGroup {
-            name: INITIAL_GROUP.to_string(),
-            ..initial.clone()
-        },
-    )];
+    let mut named = vec![(None, PostureGroup { name: INITIAL_GROUP.to_string(), ..initial.clone() })];
     for ((index, name), selection) in indices.iter().zip(selections) {
         match selection {
             Ok(selection) => {
@@ -248,25 +222,14 @@ pub fn study(
             Err(error) if !error.code().is_internal() => findings.push(Finding::serious(
                 "no-selection",
                 index.as_str(),
-                format!(
-                    "Under the {} index no group was found: {}",
-                    index.as_str().replace('_', "-"),
-                    error.message()
-                ),
+                format!("Under the {} index no group was found: {}", index.as_str().replace('_', "-"), error.message()),
             )),
             Err(error) => return Err(error),
         }
     }
     let mut groups = Vec::with_capacity(named.len());
     for (g, (selection, group)) in named.iter().enumerate() {
-        groups.push(study_group(
-            cell,
-            selection.clone(),
-            group,
-            &prior,
-            options.simulation.seed,
-            g,
-        )?);
+        groups.push(study_group(cell, selection.clone(), group, &prior, options.simulation.seed, g)?);
     }
     let simulated: Vec<PostureGroup> = named
         .iter()
@@ -275,30 +238,14 @@ pub fn study(
         .map(|((_, group), _)| group.clone())
         .collect();
     // So many runs are a matter of milliseconds: an interruption waits for them.
-    let patient = if options.simulation.runs <= SOON_MADE {
-        Control {
-            stop: None,
-            ..control
-        }
-    } else {
-        control
-    };
+    let patient = if options.simulation.runs <= SOON_MADE { Control { stop: None, ..control } } else { control };
     let simulation = simulate(cell, &simulated, &options.simulation, patient)?;
     let beyond_axes = match options.elastic {
         ElasticChoice::Axes => None,
         _ => Some(elastic::beyond_axes(cell, &simulated, options, control)?),
     };
-    let classical_q1 = match named
-        .iter()
-        .find(|(s, _)| s.as_ref().is_some_and(|s| s.index == Index::Classical))
-    {
-        Some((_, group)) => starts::q1_range(
-            cell,
-            group,
-            options.q1_draws,
-            options.simulation.seed,
-            control,
-        )?,
+    let classical_q1 = match named.iter().find(|(s, _)| s.as_ref().is_some_and(|s| s.index == Index::Classical)) {
+        Some((_, group)) => starts::q1_range(cell, group, options.q1_draws, options.simulation.seed, control)?,
         None => None,
     };
     let starts = starts::other_starts(
@@ -341,10 +288,7 @@ fn study_group(
     stream: usize,
 ) -> Result<StudyGroup> {
     let evaluation = match &selection {
-        Some(selection) => GroupEvaluation {
-            name: group.name.clone(),
-            ..selection.evaluation.clone()
-        },
+        Some(selection) => GroupEvaluation { name: group.name.clone(), ..selection.evaluation.clone() },
         None => evaluate(cell, &group.name, &group.postures)?,
     };
     let determined = evaluation.undetermined_joints.is_empty();
@@ -360,25 +304,16 @@ fn study_group(
     let mut identification = None;
     let mut validation = None;
     if determined {
-        let measured = simulate_measurements(
-            cell,
-            &group.postures,
-            truth,
-            Model::Linear,
-            seed,
-            2 * stream,
-        )?;
+        let measured = simulate_measurements(cell, &group.postures, truth, Model::Linear, seed, 2 * stream)?;
         let options = IdentifyOptions {
             // The simulated noise is what the cell says, as in the paper.
             estimator: Estimator::Weighted,
             ..IdentifyOptions::default()
         };
         let result = identify(cell, &measured, &options)?;
-        if let (Some(stiffness), false) = (result.estimates.stiffness(), cell.validation.is_empty())
-        {
+        if let (Some(stiffness), false) = (result.estimates.stiffness(), cell.validation.is_empty()) {
             // One set of validation readings judges every group.
-            let held_out =
-                simulate_measurements(cell, &cell.validation, truth, Model::Linear, seed, 1)?;
+            let held_out = simulate_measurements(cell, &cell.validation, truth, Model::Linear, seed, 1)?;
             validation = Some(validate(cell, &stiffness, &held_out, Model::Linear, None)?);
         }
         identification = Some(result);
@@ -428,8 +363,6 @@ fn bound_beside_expectation(
     let sigma = cell.noise.displacement_std();
     let lambda = psi.tr_mul(&(&psi * &h)).norm();
     let bound = error_bound(condition, 0.0, sigma * psi.norm() / lambda)?;
-    let trace = crate::numerics::information::Factor::new(&psi)?
-        .inverse_information()
-        .trace();
+    let trace = crate::numerics::information::Factor::new(&psi)?.inverse_information().trace();
     Ok((bound, sigma * trace.sqrt() / h.norm()))
 }

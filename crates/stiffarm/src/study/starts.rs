@@ -79,10 +79,7 @@ pub(super) fn other_starts(
     control: Control<'_>,
 ) -> Result<StartsStudy> {
     let per_kind = [starts.div_ceil(2), starts / 2];
-    let kinds = [
-        (StartKind::Uniform, "random"),
-        (StartKind::SmallWrist, "small wrist angles"),
-    ];
+    let kinds = [(StartKind::Uniform, "random"), (StartKind::SmallWrist, "small wrist angles")];
     let mut jobs = Vec::new();
     for (k, (kind, _)) in kinds.iter().enumerate() {
         for s in 0..per_kind[k] {
@@ -110,19 +107,11 @@ pub(super) fn other_starts(
                 Ok(selection) => selection.evaluation.mean_expected_deviation(),
                 // A start from which no determined group inside the limits is
                 // reached counts as not improved.
-                Err(error)
-                    if matches!(error.code(), Code::NotIdentifiable | Code::InvalidValue) =>
-                {
-                    None
-                }
+                Err(error) if matches!(error.code(), Code::NotIdentifiable | Code::InvalidValue) => None,
                 Err(error) => return Err(error),
             });
         }
-        control.report(
-            "other initial groups",
-            done.fetch_add(1, Ordering::Relaxed) + 1,
-            total,
-        );
+        control.report("other initial groups", done.fetch_add(1, Ordering::Relaxed) + 1, total);
         Ok(Some(row))
     })?;
     let mut rest = outcomes.as_slice();
@@ -150,30 +139,18 @@ fn summarise(kind: &str, studied: &[(Index, &str)], outcomes: &[Vec<Option<f64>>
             IndexOverStarts {
                 index,
                 median: (!known.is_empty()).then(|| quantile_of(&known, 0.5)),
-                improved: outcomes
-                    .iter()
-                    .filter(|o| badness(o[r]) < badness(o[0]))
-                    .count(),
+                improved: outcomes.iter().filter(|o| badness(o[r]) < badness(o[0])).count(),
                 mean_expected_deviation: values,
             }
         })
         .collect();
     let position = |index: Index| studied.iter().position(|(i, _)| *i == index).map(|p| p + 1);
-    let paper_order_held =
-        position(Index::Classical)
-            .zip(position(Index::Novel))
-            .map(|(classical, novel)| {
-                let held = |o: &&Vec<Option<f64>>| {
-                    badness(o[novel]) < badness(o[0]) && badness(o[novel]) < badness(o[classical])
-                };
-                outcomes.iter().filter(held).count()
-            });
-    StartsOfKind {
-        kind: kind.to_string(),
-        count: outcomes.len(),
-        rows,
-        paper_order_held,
-    }
+    let paper_order_held = position(Index::Classical).zip(position(Index::Novel)).map(|(classical, novel)| {
+        let held =
+            |o: &&Vec<Option<f64>>| badness(o[novel]) < badness(o[0]) && badness(o[novel]) < badness(o[classical]);
+        outcomes.iter().filter(held).count()
+    });
+    StartsOfKind { kind: kind.to_string(), count: outcomes.len(), rows, paper_order_held }
 }
 
 impl Q1Range {
@@ -199,12 +176,7 @@ pub(super) fn q1_range(
         return Ok(None);
     }
     let bound = cell.bounds[0];
-    let mut range = Q1Range {
-        draws: 0,
-        undetermined: 0,
-        mean_expected_deviation: Vec::new(),
-        quantiles: None,
-    };
+    let mut range = Q1Range { draws: 0, undetermined: 0, mean_expected_deviation: Vec::new(), quantiles: None };
     let mut rng = run_rng(seed, 1 << 17, 0, 0);
     let mut angles: Vec<Vec<f64>> = group.postures.iter().map(|p| p.q.clone()).collect();
     while range.draws < draws && !control.stopped() {

@@ -36,10 +36,7 @@ fn missing(study: &Study) -> Vec<String> {
     let tried: usize = study.starts.kinds.iter().map(|kind| kind.count).sum();
     if tried < study.options.starts {
         let left = study.options.starts - tried;
-        out.push(format!(
-            "{left} of {} other initial groups",
-            study.options.starts
-        ));
+        out.push(format!("{left} of {} other initial groups", study.options.starts));
     }
     if out.is_empty() {
         // Stopped in the last moment.
@@ -55,10 +52,7 @@ pub(super) fn conclude(study: &mut Study) {
         findings.push(Finding::caution(
             "interrupted",
             "study",
-            format!(
-                "The study was stopped before its end. Missing: {}.",
-                list(&missing(study))
-            ),
+            format!("The study was stopped before its end. Missing: {}.", list(&missing(study))),
         ));
     }
 
@@ -106,12 +100,7 @@ pub(super) fn conclude(study: &mut Study) {
             k => format!(" {k} of them leave a joint undetermined."),
         };
         let spread = range.quantiles.map_or(" does not exist".to_string(), |q| {
-            format!(
-                " runs from {} to {} (median {})",
-                percent(q[0]),
-                percent(q[4]),
-                percent(q[2])
-            )
+            format!(" runs from {} to {} (median {})", percent(q[0]), percent(q[4]), percent(q[2]))
         });
         findings.push(Finding::caution(
             "classical-q1",
@@ -162,16 +151,8 @@ pub(super) fn conclude(study: &mut Study) {
         ));
     }
 
-    let share = study
-        .groups
-        .iter()
-        .map(|g| g.correction_share_m)
-        .fold(0.0, f64::max);
-    let linear = study
-        .groups
-        .iter()
-        .map(|g| g.linearisation_m)
-        .fold(0.0, f64::max);
+    let share = study.groups.iter().map(|g| g.correction_share_m).fold(0.0, f64::max);
+    let linear = study.groups.iter().map(|g| g.linearisation_m).fold(0.0, f64::max);
     findings.push(Finding::new(
         "model-order",
         if linear > study.noise_std_m { Severity::Caution } else { Severity::Note },
@@ -194,16 +175,8 @@ pub(super) fn conclude(study: &mut Study) {
             Some((g.name.clone(), mean(&values)))
         })
         .collect();
-    if let Some(expected) = study
-        .groups
-        .iter()
-        .find_map(|g| g.validation.as_ref())
-        .map(|v| v.noise_expectation_m)
-    {
-        let list: Vec<String> = validated
-            .iter()
-            .map(|(n, v)| format!("{n} {:.4} mm", 1e3 * v))
-            .collect();
+    if let Some(expected) = study.groups.iter().find_map(|g| g.validation.as_ref()).map(|v| v.noise_expectation_m) {
+        let list: Vec<String> = validated.iter().map(|(n, v)| format!("{n} {:.4} mm", 1e3 * v)).collect();
         findings.push(Finding::note(
             "validation-limit",
             "Eq. (22)",
@@ -238,28 +211,13 @@ fn recommendation(study: &Study) -> (Option<Index>, Option<Finding>) {
         .filter(|g| g.name != group.name)
         .filter_map(|g| {
             let other = deviation(g)?;
-            Some(format!(
-                "{} {} ({:.1} times)",
-                g.name,
-                percent(other),
-                other / value
-            ))
+            Some(format!("{} {} ({:.1} times)", g.name, percent(other), other / value))
         })
         .collect();
-    let against = if others.is_empty() {
-        String::new()
-    } else {
-        format!(", against {}", others.join(", "))
-    };
-    let start_is_better = study
-        .groups
-        .first()
-        .and_then(deviation)
-        .is_some_and(|start| start < value);
+    let against = if others.is_empty() { String::new() } else { format!(", against {}", others.join(", ")) };
+    let start_is_better = study.groups.first().and_then(deviation).is_some_and(|start| start < value);
     let advice = match (start_is_better, study.interrupted) {
-        (true, _) => {
-            "Group 1 is better still: it lies outside the bounds or limits, or the searches were cut short."
-        }
+        (true, _) => "Group 1 is better still: it lies outside the bounds or limits, or the searches were cut short.",
         (false, true) => "The searches were cut short, so this may change.",
         (false, false) => "Select with it.",
     };
@@ -269,30 +227,13 @@ fn recommendation(study: &Study) -> (Option<Index>, Option<Finding>) {
         words(index),
         percent(value),
     );
-    let severity = if start_is_better {
-        Severity::Caution
-    } else {
-        Severity::Note
-    };
-    (
-        Some(index),
-        Some(Finding::new(
-            "recommended-index",
-            severity,
-            index.as_str(),
-            sentence,
-        )),
-    )
+    let severity = if start_is_better { Severity::Caution } else { Severity::Note };
+    (Some(index), Some(Finding::new("recommended-index", severity, index.as_str(), sentence)))
 }
 
 /// Whether the paper's ordering of its three groups holds.
 fn paper_order(study: &Study) -> Option<Finding> {
-    let find = |index: Index| {
-        study
-            .groups
-            .iter()
-            .find(|g| g.selection.as_ref().is_some_and(|s| s.index == index))
-    };
+    let find = |index: Index| study.groups.iter().find(|g| g.selection.as_ref().is_some_and(|s| s.index == index));
     let start = deviation(study.groups.first()?);
     let classical = deviation(find(Index::Classical)?);
     let novel = deviation(find(Index::Novel)?);
@@ -307,11 +248,7 @@ fn paper_order(study: &Study) -> Option<Finding> {
     let show = |v: Option<f64>| v.map_or("undetermined".to_string(), percent);
     Some(Finding::new(
         "paper-order",
-        if held {
-            Severity::Note
-        } else {
-            Severity::Caution
-        },
+        if held { Severity::Note } else { Severity::Caution },
         INITIAL_GROUP,
         format!(
             "The paper's ordering of the groups {} here: the paper finds Group 3 (novel) better than Group 1 and Group 2 \
@@ -330,11 +267,7 @@ fn paper_order(study: &Study) -> Option<Finding> {
 /// Names the groups whose mean rests on joints beyond the first order.
 fn first_order_means(study: &Study) -> Option<Finding> {
     let beyond = |g: &StudyGroup| -> Vec<&str> {
-        let errors = g
-            .evaluation
-            .relative_standard_error
-            .iter()
-            .zip(&study.joints);
+        let errors = g.evaluation.relative_standard_error.iter().zip(&study.joints);
         errors
             .filter(|(error, _)| error.is_some_and(|e| e > FIRST_ORDER_LIMIT))
             .map(|(_, joint)| joint.as_str())
@@ -369,17 +302,10 @@ fn other_starts(kind: &StartsOfKind) -> Finding {
         .filter_map(|row| {
             let name = words(row.index?);
             let median = row.median.map_or("none determined".to_string(), percent);
-            Some(format!(
-                "{name} {} of {} (median {median})",
-                row.improved, kind.count
-            ))
+            Some(format!("{name} {} of {} (median {median})", row.improved, kind.count))
         })
         .collect();
-    let start = kind
-        .rows
-        .first()
-        .and_then(|r| r.median)
-        .map_or("undetermined".to_string(), percent);
+    let start = kind.rows.first().and_then(|r| r.median).map_or("undetermined".to_string(), percent);
     let order = kind.paper_order_held.map_or(String::new(), |held| {
         format!(
             " The paper's ordering, novel better than both its start and the classical group, held for {held} of {}.",

@@ -145,10 +145,7 @@ pub fn shortest(value: f64, there: fn(f64) -> f64, back: fn(f64) -> f64) -> f64 
         let others = [near, near.next_up(), near.next_down()];
         // `near` is within rounding of each number that will do. One of fewer than
         // 14 digits is therefore what 14 digits round to: no need to try them.
-        (13..16)
-            .filter_map(rounded)
-            .chain(others)
-            .find(|number| back(*number) == target)
+        (13..16).filter_map(rounded).chain(others).find(|number| back(*number) == target)
     };
     let number = find(value).or_else(|| find(back(there(value))));
     // Adding zero turns −0 into 0.
@@ -214,10 +211,7 @@ pub mod degrees {
     ///
     /// # Errors
     /// What the serializer reports.
-    pub fn serialize<T: Angles + Serialize, S: Serializer>(
-        angles: &T,
-        serializer: S,
-    ) -> Result<S::Ok, S::Error> {
+    pub fn serialize<T: Angles + Serialize, S: Serializer>(angles: &T, serializer: S) -> Result<S::Ok, S::Error> {
         angles.converted(rad_to_shortest_deg).serialize(serializer)
     }
 
@@ -242,10 +236,7 @@ pub mod degrees {
         ///
         /// # Errors
         /// What the serializer reports.
-        pub fn serialize<T: Angles + Serialize, S: Serializer>(
-            angles: &T,
-            serializer: S,
-        ) -> Result<S::Ok, S::Error> {
+        pub fn serialize<T: Angles + Serialize, S: Serializer>(angles: &T, serializer: S) -> Result<S::Ok, S::Error> {
             angles.converted(rad_to_deg).serialize(serializer)
         }
     }

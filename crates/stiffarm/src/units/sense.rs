@@ -24,20 +24,8 @@ pub struct Sense {
     pub limit: f64,
 }
 
-const fn sense(
-    suffix: &'static str,
-    quantity: &'static str,
-    unit: &'static str,
-    smallest: f64,
-    limit: f64,
-) -> Sense {
-    Sense {
-        suffix,
-        quantity,
-        unit,
-        smallest,
-        limit,
-    }
+const fn sense(suffix: &'static str, quantity: &'static str, unit: &'static str, smallest: f64, limit: f64) -> Sense {
+    Sense { suffix, quantity, unit, smallest, limit }
 }
 
 #[rustfmt::skip]

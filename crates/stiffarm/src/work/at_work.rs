@@ -31,18 +31,12 @@ impl AtWork {
     pub fn new(cell: &Cell, tip: &Isometry3<f64>) -> Self {
         let mut setup = cell.setup.clone();
         if cell.work.tip.is_some() {
-            setup.tool.measuring_points.push(NamedPoint {
-                name: "tip".to_string(),
-                position: tip.translation.vector,
-            });
+            setup.tool.measuring_points.push(NamedPoint { name: "tip".to_string(), position: tip.translation.vector });
         }
         AtWork {
             setup,
             robot: cell.robot_within_bounds(),
-            limits: Limits {
-                rope_length: None,
-                ..cell.limits.clone()
-            },
+            limits: Limits { rope_length: None, ..cell.limits.clone() },
             scene: cell.scene.at_work(),
         }
     }
@@ -93,20 +87,9 @@ impl AtWork {
 
     /// What [`AtWork::outside`] says: `joint 4 would leave the cell's bounds by 3.1°`.
     pub fn outside_words(&self, (joint, excess): (usize, f64)) -> String {
-        let (bounded, machine) = (
-            &self.robot.joints()[joint],
-            &self.setup.robot.joints()[joint],
-        );
-        let of = if bounded.limits == machine.limits {
-            "its limits"
-        } else {
-            "the cell's bounds"
-        };
-        format!(
-            "{} would leave {of} by {:.1}°",
-            bounded.name,
-            rad_to_deg(excess)
-        )
+        let (bounded, machine) = (&self.robot.joints()[joint], &self.setup.robot.joints()[joint]);
+        let of = if bounded.limits == machine.limits { "its limits" } else { "the cell's bounds" };
+        format!("{} would leave {of} by {:.1}°", bounded.name, rad_to_deg(excess))
     }
 
     /// Why `q` is not allowed, as a clause, if it is not.
@@ -152,9 +135,7 @@ pub(super) fn forbidden(at_work: &AtWork, postures: &[LoadedPosture]) -> Result<
     let Some((posture, violated)) = first else {
         return Ok(None);
     };
-    let line = posture
-        .line
-        .map_or_else(String::new, |line| format!(" (line {line})"));
+    let line = posture.line.map_or_else(String::new, |line| format!(" (line {line})"));
     let sentence = format!(
         "{count} of {of} postures {} forbidden by the cell's shapes or limits; the first is point {}{line}: {}.",
         if count == 1 { "is" } else { "are" },

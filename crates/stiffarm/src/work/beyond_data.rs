@@ -25,8 +25,7 @@ pub(crate) fn beyond_data(subject: &str, points: &[(f64, f64)], seen: Seen) -> V
             return;
         }
         let share = percent(beyond as f64 / points.len() as f64);
-        let sentence =
-            format!("{share} of the points {what}: the model is trusted beyond its data there.");
+        let sentence = format!("{share} of the points {what}: the model is trusted beyond its data there.");
         out.push(Finding::caution(code, subject, sentence));
     };
     let slack = |seen: f64| seen * (1.0 + ROUNDING);
@@ -34,19 +33,14 @@ pub(crate) fn beyond_data(subject: &str, points: &[(f64, f64)], seen: Seen) -> V
         tell(
             BEYOND[0],
             points.iter().filter(|(size, _)| *size > seen).count(),
-            format!(
-                "bend by more than any displacement that the identification has seen ({})",
-                length(seen)
-            ),
+            format!("bend by more than any displacement that the identification has seen ({})", length(seen)),
         );
     }
     if let Some(seen) = seen.force.map(slack) {
         tell(
             BEYOND[1],
             points.iter().filter(|(_, force)| *force > seen).count(),
-            format!(
-                "are under a larger force than any that the identification has seen ({seen:.0} N)"
-            ),
+            format!("are under a larger force than any that the identification has seen ({seen:.0} N)"),
         );
     }
     out

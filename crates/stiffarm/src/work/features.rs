@@ -78,10 +78,7 @@ impl Verdict {
     }
 
     fn of(deviation: f64, half_width: f64, tolerance: f64) -> Self {
-        match (
-            deviation + half_width <= tolerance,
-            deviation - half_width > tolerance,
-        ) {
+        match (deviation + half_width <= tolerance, deviation - half_width > tolerance) {
             (true, _) => Verdict::Passes,
             (_, true) => Verdict::Fails,
             _ => Verdict::Open,
@@ -110,10 +107,7 @@ pub(crate) fn features(
     let mut groups: Vec<(Arc<str>, Vec<usize>)> = Vec::new();
     let mut places: HashMap<Arc<str>, usize> = HashMap::new();
     for i in (0..postures.len()).filter(|i| !postures[*i].wrench.is_zero()) {
-        let name = postures[i]
-            .feature
-            .clone()
-            .unwrap_or_else(|| Arc::from("path"));
+        let name = postures[i].feature.clone().unwrap_or_else(|| Arc::from("path"));
         let place = *places.entry(name.clone()).or_insert(groups.len());
         if place == groups.len() {
             groups.push((name, Vec::new()));
@@ -162,9 +156,7 @@ pub(crate) fn features(
             compensated_m: left,
             tolerance_m: tolerance,
             verdict: tolerance.map(|own| Verdict::of(across_max_m, half_width.unwrap_or(0.0), own)),
-            compensated_verdict: tolerance
-                .zip(left)
-                .map(|(own, left)| Verdict::of(left, 0.0, own)),
+            compensated_verdict: tolerance.zip(left).map(|(own, left)| Verdict::of(left, 0.0, own)),
         }
     });
     let features: Vec<Feature> = groups.collect();
@@ -176,16 +168,10 @@ pub(crate) fn features(
 fn judged(features: &[Feature]) -> Option<Finding> {
     let is_out = |feature: &&Feature| match feature.compensated_verdict {
         Some(verdict) => verdict != Verdict::Passes,
-        None => feature
-            .verdict
-            .is_some_and(|verdict| verdict != Verdict::Passes),
+        None => feature.verdict.is_some_and(|verdict| verdict != Verdict::Passes),
     };
     let out: Vec<&Feature> = features.iter().filter(is_out).collect();
-    let named: Vec<String> = out
-        .iter()
-        .take(NAMED)
-        .map(|feature| feature.sentence())
-        .collect();
+    let named: Vec<String> = out.iter().take(NAMED).map(|feature| feature.sentence()).collect();
     let more = match out.len().saturating_sub(NAMED) {
         0 => String::new(),
         more => format!("; and {more} more"),
@@ -194,34 +180,21 @@ fn judged(features: &[Feature]) -> Option<Finding> {
     let sentence = match (out.len(), count) {
         (0, _) => {
             let tolerances = features.iter().filter_map(|feature| feature.tolerance_m);
-            let (low, high) = (
-                tolerances.clone().reduce(f64::min)?,
-                tolerances.reduce(f64::max)?,
-            );
+            let (low, high) = (tolerances.clone().reduce(f64::min)?, tolerances.reduce(f64::max)?);
             let tolerance = if low == high {
                 format!("tolerance of {}", length(low))
             } else {
                 format!("tolerances of {} to {}", length(low), length(high))
             };
-            let compensated = features
-                .iter()
-                .all(|own| own.tolerance_m.is_none() || own.compensated_verdict.is_some());
-            let words = if compensated {
-                "Compensated, the"
-            } else {
-                "The"
-            };
+            let compensated = features.iter().all(|own| own.tolerance_m.is_none() || own.compensated_verdict.is_some());
+            let words = if compensated { "Compensated, the" } else { "The" };
             let sentence = format!("{words} path keeps to its {tolerance}.");
             return Some(Finding::note("tolerance", "path", sentence));
         }
-        (1, 1) => format!(
-            "It does not surely keep to its tolerance: {}.",
-            named.join("; ")
-        ),
-        (some, _) => format!(
-            "{some} of {count} features do not surely keep to their tolerance: {}{more}.",
-            named.join("; ")
-        ),
+        (1, 1) => format!("It does not surely keep to its tolerance: {}.", named.join("; ")),
+        (some, _) => {
+            format!("{some} of {count} features do not surely keep to their tolerance: {}{more}.", named.join("; "))
+        }
     };
     Some(Finding::caution("tolerance", "path", sentence))
 }
@@ -235,13 +208,8 @@ impl Feature {
         };
         let allowed = self.tolerance_m.map(|own| format!(" of {}", length(own)));
         let verdict = self.verdict.map(|verdict| format!(", {}", verdict.word()));
-        let left = self
-            .compensated_m
-            .map(|left| format!("; compensated {}", length(left)));
-        let parts = [allowed, verdict, left]
-            .into_iter()
-            .flatten()
-            .collect::<String>();
+        let left = self.compensated_m.map(|left| format!("; compensated {}", length(left)));
+        let parts = [allowed, verdict, left].into_iter().flatten().collect::<String>();
         format!("{}: {deviation}{parts}", self.name)
     }
 }

@@ -23,18 +23,11 @@ pub(crate) fn never_loaded_at_work<'a>(
     saved: &Saved,
     points: impl Iterator<Item = (&'a LoadedPosture, [f64; 3], Option<TipBand>)>,
 ) -> Result<Option<Finding>> {
-    let Some(spread) = saved
-        .predictor
-        .spread
-        .as_ref()
-        .filter(|own| own.doubt.is_some())
-    else {
+    let Some(spread) = saved.predictor.spread.as_ref().filter(|own| own.doubt.is_some()) else {
         return Ok(None);
     };
     let loaded = points.filter(|(posture, ..)| posture.wrench != Wrench::force(Vector3::zeros()));
-    let all: Vec<_> = loaded
-        .filter_map(|(posture, shift, band)| Some((posture, shift, band?)))
-        .collect();
+    let all: Vec<_> = loaded.filter_map(|(posture, shift, band)| Some((posture, shift, band?))).collect();
     let work = all.iter().step_by(all.len().div_ceil(POINTS).max(1));
     let work = work.map(|(posture, shift, band)| {
         let terms = arm.terms(&posture.q, &posture.wrench)?;

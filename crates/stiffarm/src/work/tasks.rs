@@ -14,15 +14,10 @@ use nalgebra::Isometry3;
 pub fn tasks(cell: &Cell) -> Result<(Isometry3<f64>, Vec<LoadedPosture>)> {
     let tasks = cell.require_tasks().map_err(|e| {
         let hint = "give a path, or add [[task]] to the cell";
-        Error::new(e.code(), "No path is given, and the cell has no tasks.")
-            .key("task")
-            .hint(hint)
+        Error::new(e.code(), "No path is given, and the cell has no tasks.").key("task").hint(hint)
     })?;
     if let Some(other) = tasks.iter().find(|task| task.tip != tasks[0].tip) {
-        let message = format!(
-            "The tasks \"{}\" and \"{}\" have different tips.",
-            tasks[0].name, other.name
-        );
+        let message = format!("The tasks \"{}\" and \"{}\" have different tips.", tasks[0].name, other.name);
         return Err(Error::new(Code::Unsupported, message)
             .key("task")
             .hint("give each as a path of its own, with tip_mm in [work]"));

@@ -37,10 +37,7 @@ fn undetermined(cell: &Cell) -> (Vec<String>, Vec<String>) {
     let names = checked.joints.iter().filter(|j| !j.determined);
     let group = random_group(cell, StartKind::Uniform, 30, 5, 0).unwrap();
     let evaluated = evaluate(cell, "many", &group).unwrap();
-    (
-        names.map(|j| j.name.clone()).collect(),
-        evaluated.undetermined_joints,
-    )
+    (names.map(|j| j.name.clone()).collect(), evaluated.undetermined_joints)
 }
 
 #[test]
@@ -49,12 +46,7 @@ fn the_built_in_cells_are_usable() {
         let checked = check(&builtin::cell(name).unwrap()).unwrap();
         assert!(!checked.is_serious(), "{name}: {:#?}", checked.findings);
         assert!(checked.joints.iter().all(|j| j.determined), "{name}");
-        assert_eq!(
-            found(&checked, "suspicious-unit").len(),
-            0,
-            "{name}: {:#?}",
-            checked.findings
-        );
+        assert_eq!(found(&checked, "suspicious-unit").len(), 0, "{name}: {:#?}", checked.findings);
         assert_eq!(checked.postures_sampled, SAMPLES as usize);
     }
     let checked = check(&comau()).unwrap();
@@ -64,17 +56,12 @@ fn the_built_in_cells_are_usable() {
     assert!((0.2..0.35).contains(&share), "{share}");
     the(&checked, "one-reading", "One reading");
     let joint = &checked.joints[1];
-    assert!(
-        joint.largest_torque_nm.unwrap() > 500.0 && joint.largest_displacement_m.unwrap() > 1e-4
-    );
+    assert!(joint.largest_torque_nm.unwrap() > 500.0 && joint.largest_displacement_m.unwrap() > 1e-4);
 }
 
 #[test]
 fn joints_that_no_posture_determines() {
-    let on_axis = comau_with(
-        "loading_point_mm = [200, 0, 250]",
-        "loading_point_mm = [0, 0, 250]",
-    );
+    let on_axis = comau_with("loading_point_mm = [200, 0, 250]", "loading_point_mm = [0, 0, 250]");
     let hanging = changed(comau(), |cell| {
         cell.setup.load = hanging(500.0);
         cell.limits.rope_length = None;
@@ -90,17 +77,11 @@ fn joints_that_no_posture_determines() {
         assert_eq!(finding.subject, joint);
         assert_eq!(finding.severity, Severity::Caution);
         let (checked, evaluated) = undetermined(cell);
-        assert_eq!(
-            (&checked[..], &evaluated),
-            (&[joint.to_string()][..], &checked)
-        );
+        assert_eq!((&checked[..], &evaluated), (&[joint.to_string()][..], &checked));
     }
     // Hanging from a wall, the same weight excites every joint.
     let mut cell = hanging;
-    cell.setup.load = Load::Weight {
-        magnitude: 500.0,
-        direction: Vector3::x(),
-    };
+    cell.setup.load = Load::Weight { magnitude: 500.0, direction: Vector3::x() };
     assert!(check(&cell).unwrap().joints.iter().all(|j| j.determined));
 }
 
@@ -115,11 +96,7 @@ fn reflectors_on_the_last_axis() {
     cell.setup.tool.measuring_points.truncate(2);
     cell.setup.tool.measuring_points[0].position = Vector3::new(0.0, 0.0, 0.3);
     let checked = check(&cell).unwrap();
-    the(
-        &checked,
-        codes::JOINT_LEFT_OUT,
-        "every measuring point lies on its axis",
-    );
+    the(&checked, codes::JOINT_LEFT_OUT, "every measuring point lies on its axis");
     assert_eq!(found(&checked, "blind-point").len(), 0);
 }
 
@@ -128,10 +105,7 @@ fn a_load_of_nothing_and_a_moment_about_nothing() {
     let mut cell = comau();
     cell.limits.rope_length = None;
     let zero = Vector3::zeros();
-    let constant = |force, moment| Load::Constant {
-        wrench: Wrench { force, moment },
-        axes: Axes::Tool,
-    };
+    let constant = |force, moment| Load::Constant { wrench: Wrench { force, moment }, axes: Axes::Tool };
     cell.setup.load = constant(zero, zero);
     let checked = check(&cell).unwrap();
     let dark = found(&checked, "undetermined-joint");
@@ -147,56 +121,26 @@ fn a_load_of_nothing_and_a_moment_about_nothing() {
 #[test]
 fn measured_forces_on_the_last_axis_are_a_caution() {
     let mut cell = builtin::cell("fanuc-r2000ic").unwrap();
-    assert!(
-        check(&cell)
-            .unwrap()
-            .joints
-            .iter()
-            .all(|j| j.largest_torque_nm.is_none())
-    );
+    assert!(check(&cell).unwrap().joints.iter().all(|j| j.largest_torque_nm.is_none()));
     cell.setup.tool.loading_point = Vector3::new(0.0, 0.0, 0.3);
     let checked = check(&cell).unwrap();
-    let finding = the(
-        &checked,
-        "undetermined-joint",
-        "no force at the loading point",
-    );
-    assert_eq!(
-        (finding.subject.as_str(), finding.severity),
-        ("joint 6", Severity::Caution)
-    );
+    let finding = the(&checked, "undetermined-joint", "no force at the loading point");
+    assert_eq!((finding.subject.as_str(), finding.severity), ("joint 6", Severity::Caution));
 }
 
 #[test]
 fn a_joint_that_drowns_in_the_noise() {
-    let cell = comau_with(
-        "loading_point_mm = [200, 0, 250]",
-        "loading_point_mm = [2, 0, 250]",
-    );
-    let finding = the(
-        &check(&cell).unwrap(),
-        "weak-joint",
-        "moves no measuring point",
-    );
-    assert_eq!(
-        (finding.subject.as_str(), finding.severity),
-        ("joint 6", Severity::Caution)
-    );
+    let cell = comau_with("loading_point_mm = [200, 0, 250]", "loading_point_mm = [2, 0, 250]");
+    let finding = the(&check(&cell).unwrap(), "weak-joint", "moves no measuring point");
+    assert_eq!((finding.subject.as_str(), finding.severity), ("joint 6", Severity::Caution));
 }
 
 #[test]
 fn limits_that_nothing_or_little_meets() {
-    let cell = comau_with(
-        "box_min_mm = [900, -1900, 300]",
-        "box_min_mm = [2990, -1900, 2990]",
-    );
+    let cell = comau_with("box_min_mm = [900, -1900, 300]", "box_min_mm = [2990, -1900, 2990]");
     let checked = check(&cell).unwrap();
     assert_eq!(checked.postures_within_limits, 0);
-    the(
-        &checked,
-        "unreachable-limits",
-        "violated most often: the box for tool points and flange",
-    );
+    the(&checked, "unreachable-limits", "violated most often: the box for tool points and flange");
     assert!(checked.is_serious());
     // The load is looked at all the same.
     assert!(checked.joints.iter().all(|j| j.determined));
@@ -229,12 +173,7 @@ fn slips_of_the_unit() {
     let elastic = "[elastic]\nshift_std_m_per_n = 9e-5\nturn_std_rad_per_nm = 1.4e-7\n\
                    coupling_std_rad_per_n = 7.6e-8\n[noise]";
     let mut slips = table(SLIPS);
-    slips.push([
-        "[noise]",
-        elastic,
-        "elastic.shift_std_m_per_n",
-        "millimetres",
-    ]);
+    slips.push(["[noise]", elastic, "elastic.shift_std_m_per_n", "millimetres"]);
     for [from, to, key, words] in slips {
         let checked = check(&comau_with(from, to)).unwrap();
         let finding = the(&checked, "suspicious-unit", words);
@@ -253,39 +192,19 @@ fn work_that_cannot_be_meant_is_serious() {
         let kept = cut.lines().filter(|l| !l.starts_with(key));
         format!("{}\n{line}\n", kept.collect::<Vec<_>>().join("\n"))
     };
-    let task = |force: &str| {
-        format!(
-            "[[task]]\nq_deg = [0, 0, -90, 0, 30, 0]\nforce_n = {force}\ntip_mm = [0, 0, 300]\n"
-        )
-    };
+    let task =
+        |force: &str| format!("[[task]]\nq_deg = [0, 0, -90, 0, 30, 0]\nforce_n = {force}\ntip_mm = [0, 0, 300]\n");
     let cases = [
         (task("[200000, 0, 0]"), "task[1].force_n", "2.0000e5 N"),
-        (
-            "[work.force]\nforce_n = [0, 0, 20000]\naxes = \"base\"\n".to_string(),
-            "work.force",
-            "weighs 1618 N",
-        ),
-        (
-            cut("k_tc_n_per_mm2 = 0.8"),
-            "work.milling.k_tc_n_per_mm2",
-            "0.8 N/mm²",
-        ),
-        (
-            cut("axial_depth_mm = 400"),
-            "work.milling.axial_depth_mm",
-            "400 mm",
-        ),
-        (
-            "[work]\nworkpiece_mm = [1.2, 0, 0.8]\n".to_string(),
-            "work.workpiece_mm",
-            "1.442 mm from the base's origin",
-        ),
+        ("[work.force]\nforce_n = [0, 0, 20000]\naxes = \"base\"\n".to_string(), "work.force", "weighs 1618 N"),
+        (cut("k_tc_n_per_mm2 = 0.8"), "work.milling.k_tc_n_per_mm2", "0.8 N/mm²"),
+        (cut("axial_depth_mm = 400"), "work.milling.axial_depth_mm", "400 mm"),
+        ("[work]\nworkpiece_mm = [1.2, 0, 0.8]\n".to_string(), "work.workpiece_mm", "1.442 mm from the base's origin"),
     ];
     let text = builtin::cell_text("comau").unwrap();
     // Tasks and work of the built-in cell make room.
     let end = text.find("[[task]]").unwrap();
-    let before =
-        |work: &str| parse_cell(&format!("{}\n{work}", &text[..end]), "cell.toml").unwrap();
+    let before = |work: &str| parse_cell(&format!("{}\n{work}", &text[..end]), "cell.toml").unwrap();
     assert!(!check(&before(&cut("teeth = 4"))).unwrap().is_serious());
     assert!(!check(&before(&task("[300, 0, 0]"))).unwrap().is_serious());
     for (work, subject, words) in cases {
@@ -308,16 +227,8 @@ fn a_box_in_metres_is_named_beside_what_it_does() {
     );
     let checked = check(&cell).unwrap();
     assert_eq!(checked.findings[0].severity, Severity::Serious);
-    the(
-        &checked,
-        "unreachable-limits",
-        "Of 256 postures spread over the bounds none meet every limit",
-    );
-    the(
-        &checked,
-        "suspicious-unit",
-        "3.80 mm long: is it in metres?",
-    );
+    the(&checked, "unreachable-limits", "Of 256 postures spread over the bounds none meet every limit");
+    the(&checked, "suspicious-unit", "3.80 mm long: is it in metres?");
 }
 
 /// The nose of a spindle has a flat end, as the pictures draw it: 100 mm before a table are 100 mm.
@@ -343,10 +254,7 @@ fn a_spindle_is_judged_as_it_is_drawn() {
     );
     let cell = parse_cell(&(text.to_string() + &table), "cell.toml").unwrap();
     let named = cell.posture_margins().unwrap().named(&q).unwrap();
-    let own = named
-        .iter()
-        .find(|m| m.point == "spindle and new table")
-        .unwrap();
+    let own = named.iter().find(|m| m.point == "spindle and new table").unwrap();
     let apart = own.margin + cell.scene.clearance();
     assert!((apart - 0.1).abs() < 1e-9, "{apart}");
 }
@@ -357,20 +265,14 @@ fn a_spindle_is_judged_as_it_is_drawn() {
 fn a_fence_before_the_tracker_is_blamed_not_the_box() {
     let text = include_str!("../cells/comau-shapes.toml");
     let fence = |name: &str, at: &str, size: &str| {
-        format!(
-            "\n[[obstacle]]\nname = \"{name}\"\nkind = \"box\"\ncenter_mm = [{at}]\nsize_mm = [{size}]\n"
-        )
+        format!("\n[[obstacle]]\nname = \"{name}\"\nkind = \"box\"\ncenter_mm = [{at}]\nsize_mm = [{size}]\n")
     };
-    let fence = fence("fence", "4600, 1200, 1500", "400, 3000, 3000")
-        + &fence("screen", "1500, 3600, 1800", "3000, 400, 3000");
+    let fence =
+        fence("fence", "4600, 1200, 1500", "400, 3000, 3000") + &fence("screen", "1500, 3600, 1800", "3000, 400, 3000");
     let cell = parse_cell(&(text.to_string() + &fence), "cell.toml").unwrap();
     let checked = check(&cell).unwrap();
     assert_eq!(checked.postures_within_limits, 0);
-    the(
-        &checked,
-        "unreachable-limits",
-        "violated most often: the tracker's line of sight (100 %)",
-    );
+    the(&checked, "unreachable-limits", "violated most often: the tracker's line of sight (100 %)");
 }
 
 #[test]
@@ -381,8 +283,7 @@ fn shapes_too_large_are_named_with_the_way_to_leave_them_out() {
     assert!(apart.contains(torques));
     let text = apart.replace(torques, "[9000, 16000, 12000, 3000, 2500, 1200]");
     let checked = check(&parse_cell(&text, "cell.toml").unwrap()).unwrap();
-    let most =
-        "violated most often: the distance between shapes (85 %, most often link 2 and base)";
+    let most = "violated most often: the distance between shapes (85 %, most often link 2 and base)";
     the(&checked, "unreachable-limits", most);
     let way = "Without the distance between shapes 19 postures would do. Shapes drawn too large may be left out: \
                `ignore` in [clearance] names their pairs.";
@@ -396,11 +297,7 @@ fn bounds_in_radians() {
         *bounds = bounds.map(f64::to_radians);
     }
     let checked = check(&cell).unwrap();
-    assert!(
-        found(&checked, "suspicious-unit")
-            .iter()
-            .any(|f| f.subject == "bounds.q_deg")
-    );
+    assert!(found(&checked, "suspicious-unit").iter().any(|f| f.subject == "bounds.q_deg"));
 }
 
 #[test]
@@ -413,27 +310,15 @@ fn what_is_missing_or_contradicts() {
     the(&checked, "no-prior", "no prior joint stiffness");
     the(&checked, "sensor-compliance", "its compliance is not given");
     assert_eq!(found(&checked, "one-reading").len(), 0);
-    assert!(
-        checked
-            .joints
-            .iter()
-            .all(|j| j.largest_displacement_m.is_none())
-    );
+    assert!(checked.joints.iter().all(|j| j.largest_displacement_m.is_none()));
 
     let mut q = vec![0.0; 6];
     q[2] = -1.5;
     q[1] = 3.0;
-    cell.validation = vec![Posture {
-        name: "V9".to_string(),
-        q,
-    }];
+    cell.validation = vec![Posture { name: "V9".to_string(), q }];
     cell.bounds[0][1] = 4.0;
     let checked = check(&cell).unwrap();
-    the(
-        &checked,
-        "validation-outside-machine-limits",
-        "V9 has joint 2 at 171.88733853924697°",
-    );
+    the(&checked, "validation-outside-machine-limits", "V9 has joint 2 at 171.88733853924697°");
     let finding = the(&checked, "bounds-outside-machine-limits", "joint 1");
     assert_eq!(finding.subject, "bounds.q_deg[1]");
     cell.validation[0].q[1] = cell.setup.robot.joints()[1].limits[1];
@@ -471,10 +356,6 @@ fn two_stories_of_one_noise_are_told() {
     for (range, angle) in [(10.0, 3.0), (5.0, 1.0), (7.0, 5.0)] {
         assert!(found(&tracker(range, angle), "two-noises").is_empty());
     }
-    the(
-        &tracker(40.0, 20.0),
-        "two-noises",
-        "[tracker] by 0.040 mm at 2 m",
-    );
+    the(&tracker(40.0, 20.0), "two-noises", "[tracker] by 0.040 mm at 2 m");
     the(&tracker(0.5, 0.2), "two-noises", "0.4 µm at 2 m");
 }

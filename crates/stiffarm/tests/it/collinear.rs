@@ -10,11 +10,7 @@ fn cell(beside: f64) -> Cell {
     let quarter = FRAC_PI_2;
     let turns = [-quarter, quarter, quarter, -quarter, -quarter, quarter, 0.0];
     let lengths = [0.36, 0.0, 0.42, 0.0, 0.4, 0.0, 0.126];
-    let rows: Vec<[f64; 4]> = turns
-        .iter()
-        .zip(lengths)
-        .map(|(alpha, d)| [*alpha, 0.0, d, 0.0])
-        .collect();
+    let rows: Vec<[f64; 4]> = turns.iter().zip(lengths).map(|(alpha, d)| [*alpha, 0.0, d, 0.0]).collect();
     let mut cell = reference_cell();
     cell.setup.robot = chain("seven joints", DhConvention::Standard, &rows);
     cell.setup.load = hanging(120.0);
@@ -51,10 +47,7 @@ fn measured(cell: &Cell, spread: f64) -> Vec<MeasuredPosture> {
             // Out of the plane: along y of joint 2's axis.
             let across = terms.frames().axes()[1] * (3e-7 * force);
             let shift = moved.fixed_rows::<3>(0) + across + dice.noise(sigma);
-            let posture = Posture {
-                name: (p + 1).to_string(),
-                q: q.clone(),
-            };
+            let posture = Posture { name: (p + 1).to_string(), q: q.clone() };
             out.push(MeasuredPosture {
                 state: format!("{force} N"),
                 wrench: Some(wrench),
@@ -70,10 +63,7 @@ fn found(cell: &Cell, spread: f64) -> Identification {
 }
 
 fn set(names: &[&str], determined: usize) -> CollinearSet {
-    CollinearSet {
-        unknowns: names.iter().map(|n| n.to_string()).collect(),
-        determined,
-    }
+    CollinearSet { unknowns: names.iter().map(|n| n.to_string()).collect(), determined }
 }
 
 #[test]
@@ -87,21 +77,12 @@ fn a_joint_without_load_has_no_interval_and_collinear_joints_are_named() {
         assert_eq!(joint.verdict, Verdict::Undetermined, "{joint:?}");
         assert_eq!((joint.interval, joint.stiffness), ([None, None], None));
     }
-    assert_eq!(
-        result.estimates.undetermined_joints,
-        ["joint 1", "joint 3", "joint 5", "joint 7"]
-    );
-    assert_eq!(
-        result.estimates.collinear,
-        [set(&["joint 2", "joint 4", "joint 6"], 2)]
-    );
+    assert_eq!(result.estimates.undetermined_joints, ["joint 1", "joint 3", "joint 5", "joint 7"]);
+    assert_eq!(result.estimates.collinear, [set(&["joint 2", "joint 4", "joint 6"], 2)]);
     // Nothing speaks of units.
     assert_eq!(implausible_scale(&cell, result), None);
     let diagnosis = diagnose(&fit).unwrap();
-    let unloaded = diagnosis
-        .findings
-        .iter()
-        .filter(|f| f.code == "unloaded-joint");
+    let unloaded = diagnosis.findings.iter().filter(|f| f.code == "unloaded-joint");
     let unloaded: Vec<_> = unloaded.collect();
     let names: Vec<&str> = unloaded.iter().map(|f| f.subject.as_str()).collect();
     assert_eq!(names, ["joint 1", "joint 3", "joint 5", "joint 7"]);
@@ -133,8 +114,7 @@ fn units_are_suspected_where_the_joints_are_known() {
     let truth = cell.require_prior().unwrap();
     let postures = PostureGroup::from_angles("", group1());
     let model = Model::Linear;
-    let mut measured =
-        simulate_measurements(&cell, &postures.postures, truth, model, 1, 0).unwrap();
+    let mut measured = simulate_measurements(&cell, &postures.postures, truth, model, 1, 0).unwrap();
     for displacement in measured.iter_mut().flat_map(|m| &mut m.displacements) {
         displacement.value *= 1e3;
     }

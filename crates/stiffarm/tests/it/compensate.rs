@@ -6,16 +6,10 @@ use crate::common::random_group;
 use stiffarm::work::compensate::{CompensateOptions, command, compensate};
 
 fn load(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
-    Wrench {
-        force: dice.direction() * force,
-        moment: dice.direction() * moment,
-    }
+    Wrench { force: dice.direction() * force, moment: dice.direction() * moment }
 }
 
-fn with_terms(
-    predictor: &IdentifiedCompliance,
-    terms: &[(ExtraTerm, f64)],
-) -> IdentifiedCompliance {
+fn with_terms(predictor: &IdentifiedCompliance, terms: &[(ExtraTerm, f64)]) -> IdentifiedCompliance {
     let values = predictor.values.iter().copied();
     let all = values.chain(terms.iter().map(|(_, value)| *value));
     IdentifiedCompliance {
@@ -40,9 +34,7 @@ fn mirrored(arm: &LoadedArm, nominal: &[f64], wrench: &Wrench, times: usize) -> 
     for _ in 0..times {
         let loaded = arm.deflect(&q, wrench).unwrap().after;
         aim = Isometry3::from_parts(
-            Translation3::from(
-                aim.translation.vector + target.translation.vector - loaded.translation.vector,
-            ),
+            Translation3::from(aim.translation.vector + target.translation.vector - loaded.translation.vector),
             target.rotation * loaded.rotation.inverse() * aim.rotation,
         );
         for _ in 0..20 {
@@ -53,12 +45,7 @@ fn mirrored(arm: &LoadedArm, nominal: &[f64], wrench: &Wrench, times: usize) -> 
             let terms = arm.terms(&q, wrench).unwrap();
             let jacobian = terms.frames().jacobian(&terms.measuring_points()[0]);
             let in_q = jacobian * arm.robot().coupling();
-            let step = in_q
-                .fixed_view::<6, 6>(0, 0)
-                .into_owned()
-                .lu()
-                .solve(&error)
-                .unwrap();
+            let step = in_q.fixed_view::<6, 6>(0, 0).into_owned().lu().solve(&error).unwrap();
             for (angle, change) in q.iter_mut().zip(step.iter()) {
                 *angle += change;
             }
@@ -102,11 +89,7 @@ fn arrives_for_any_arm_and_with_all_that_gives_way_beyond_the_joints() {
                 Some(SeriesCompliance::from_stiffness(origin, [1e7; 3], [3e5; 3]).unwrap());
             predictor = with_terms(
                 &predictor,
-                &[
-                    (ExtraTerm::JointTilt(2), 2e-7),
-                    (ExtraTerm::BaseTilt, 1e-8),
-                    (ExtraTerm::LostMotion(1), 5e-5),
-                ],
+                &[(ExtraTerm::JointTilt(2), 2e-7), (ExtraTerm::BaseTilt, 1e-8), (ExtraTerm::LostMotion(1), 5e-5)],
             );
         }
         let arm = LoadedArm::new(&cell, &predictor).unwrap();
@@ -122,21 +105,13 @@ fn arrives_for_any_arm_and_with_all_that_gives_way_beyond_the_joints() {
         let found = command(&arm, &q, &wrench).unwrap();
         let (shift, turn) = gap(&found.nominal, &found.loaded);
         most = most.max(shift).max(turn);
-        assert!(
-            shift < 1e-11 && turn < 1e-11,
-            "round {round}: {shift:e} m, {turn:e} rad"
-        );
+        assert!(shift < 1e-11 && turn < 1e-11, "round {round}: {shift:e} m, {turn:e} rad");
     }
     println!("largest gap {most:e}");
 }
 
 /// Displacements that an arm with these values would show, with noise.
-fn measured(
-    cell: &Cell,
-    truth: &IdentifiedCompliance,
-    group: &[Vec<f64>],
-    dice: &mut Dice,
-) -> Vec<MeasuredPosture> {
+fn measured(cell: &Cell, truth: &IdentifiedCompliance, group: &[Vec<f64>], dice: &mut Dice) -> Vec<MeasuredPosture> {
     let sigma = cell.noise.displacement_std();
     let postures = group.iter().enumerate();
     postures
@@ -145,21 +120,13 @@ fn measured(
             let points = cell.setup.tool.measuring_points.iter().enumerate();
             let displacements = points.map(|(point, measuring)| {
                 let mut view = cell.clone();
-                view.work.tip = Some(Isometry3::from_parts(
-                    measuring.position.into(),
-                    UnitQuaternion::identity(),
-                ));
-                let arm = LoadedArm::new(&view, truth)
-                    .unwrap()
-                    .loaded_at(cell.setup.tool.loading_point);
+                view.work.tip = Some(Isometry3::from_parts(measuring.position.into(), UnitQuaternion::identity()));
+                let arm = LoadedArm::new(&view, truth).unwrap().loaded_at(cell.setup.tool.loading_point);
                 let bent = arm.deflect(q, at_loading.wrench()).unwrap();
                 let shift: Vector3<f64> = bent.displacement.fixed_rows::<3>(0).into_owned();
                 Displacement::new(point, shift + dice.noise(sigma))
             });
-            let posture = Posture {
-                name: format!("P{}", i + 1),
-                q: q.clone(),
-            };
+            let posture = Posture { name: format!("P{}", i + 1), q: q.clone() };
             MeasuredPosture::new(posture, displacements.collect())
         })
         .collect()
@@ -219,23 +186,14 @@ fn with_noise_only_the_path_error_falls_fiftyfold() {
         let (before, after) = errors(&cell, &truth, &model, &work);
         factors.push(before / after);
         // What the command says to expect is what comes, within the scatter.
-        let said = compensate(
-            &cell,
-            &model,
-            &work,
-            &CompensateOptions::default(),
-            Control::default(),
-        );
+        let said = compensate(&cell, &model, &work, &CompensateOptions::default(), Control::default());
         let said = said.unwrap();
         assert!(said.residual_max_m < 1e-13);
         let expected = said.expected_factor.unwrap();
         assert!((0.2..5.0).contains(&(expected / (before / after))));
     }
     factors.sort_by(f64::total_cmp);
-    println!(
-        "factors: smallest {:.0}, median {:.0}, largest {:.0}",
-        factors[0], factors[25], factors[49]
-    );
+    println!("factors: smallest {:.0}, median {:.0}, largest {:.0}", factors[0], factors[25], factors[49]);
     assert!(factors[0] >= 50.0);
 }
 
@@ -261,10 +219,7 @@ fn with_other_elements_in_the_truth_the_factor_falls_and_the_diagnosis_says_so()
     assert!(before / after < 30.0 && before / after > 1.0);
     let diagnosis = diagnose(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
     for finding in &diagnosis.findings {
-        println!(
-            "{:?} {}: {}",
-            finding.severity, finding.code, finding.sentence
-        );
+        println!("{:?} {}: {}", finding.severity, finding.code, finding.sentence);
     }
     let noise = diagnosis.noise.as_ref().unwrap();
     println!("{noise:?}");
@@ -328,10 +283,7 @@ fn warns_where_a_correction_is_less_than_its_uncertainty_or_beyond_the_data() {
         }),
     );
     assert_eq!(codes, ["correction-within-uncertainty", "beyond-measured"]);
-    let (forced, codes) = run(
-        &model,
-        with(|o: &mut CompensateOptions| o.loaded_up_to = Some(1.0)),
-    );
+    let (forced, codes) = run(&model, with(|o: &mut CompensateOptions| o.loaded_up_to = Some(1.0)));
     assert_eq!(codes[1], "beyond-load");
     assert!(forced.objections().any(|f| f.code == "beyond-load"));
     model.spread = None;

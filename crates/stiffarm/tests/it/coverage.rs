@@ -11,8 +11,7 @@ use crate::common::random_group;
 use crate::common::runs::{fewest, wider};
 use stiffarm::error::Result;
 use stiffarm::estimate::coverage::{
-    Coverage, CoverageCase, ErrorModel, Intervals, Outliers, Record, Truth, coverage, measured,
-    records,
+    Coverage, CoverageCase, ErrorModel, Intervals, Outliers, Record, Truth, coverage, measured, records,
 };
 use stiffarm::estimate::simulate::ModelErrors;
 use stiffarm::model::measurement::ReadingScatter;
@@ -32,13 +31,7 @@ fn postures(count: usize) -> Vec<Posture> {
 }
 
 fn case(estimator: Estimator, experiments: usize) -> CoverageCase {
-    CoverageCase {
-        options: by(estimator),
-        world: ErrorModel::default(),
-        resamples: None,
-        experiments,
-        seed: 11,
-    }
+    CoverageCase { options: by(estimator), world: ErrorModel::default(), resamples: None, experiments, seed: 11 }
 }
 
 fn count(cell: &Cell, postures: &[Posture], case: &CoverageCase) -> Coverage {
@@ -77,10 +70,8 @@ fn exact_intervals_cover_at_3_6_12_and_66_degrees_of_freedom() {
 
         let mut repeats = ordinary.clone();
         repeats.options.noise = NoiseSource::Repeats;
-        repeats.options.scatter = Some(ReadingScatter {
-            reading_std_m: cell.noise.reading_variance.sqrt(),
-            degrees_of_freedom: dof,
-        });
+        repeats.options.scatter =
+            Some(ReadingScatter { reading_std_m: cell.noise.reading_variance.sqrt(), degrees_of_freedom: dof });
         let found = count(&cell, &postures, &repeats);
         assert_eq!(found.degrees_of_freedom, Some(dof));
         assert_exact(&found, &format!("repeats, {dof}"));
@@ -90,21 +81,12 @@ fn exact_intervals_cover_at_3_6_12_and_66_degrees_of_freedom() {
         weighted.world.common_ratio = 1.0;
         let mut informed = cell.clone();
         informed.noise.posture_common_std = informed.noise.displacement_std();
-        assert_exact(
-            &count(&informed, &postures, &weighted),
-            &format!("weighted, {dof}"),
-        );
+        assert_exact(&count(&informed, &postures, &weighted), &format!("weighted, {dof}"));
         weighted.options.noise = NoiseSource::Known;
-        assert_exact(
-            &count(&informed, &postures, &weighted),
-            &format!("weighted and known, {dof}"),
-        );
+        assert_exact(&count(&informed, &postures, &weighted), &format!("weighted and known, {dof}"));
         let mut three = case(Estimator::Weighted, experiments);
         three.world.load_states = vec![0.4, 1.0, -0.7];
-        assert_exact(
-            &count(&cell, &postures, &three),
-            &format!("three loads, {dof}"),
-        );
+        assert_exact(&count(&cell, &postures, &three), &format!("three loads, {dof}"));
     }
 }
 
@@ -149,17 +131,11 @@ fn what_the_model_leaves_out_is_missed() {
     lost.world.lost_motion_rad = 3e-4;
     assert!(count(&cell(4), &postures, &lost).coverage < 0.5);
     let mut scale = case(Estimator::Ordinary, experiments);
-    scale.world.model_errors = ModelErrors {
-        force_scale: 0.2,
-        ..ModelErrors::default()
-    };
+    scale.world.model_errors = ModelErrors { force_scale: 0.2, ..ModelErrors::default() };
     assert!(count(&cell(4), &postures, &scale).coverage < 0.5);
     // Gross errors spoil least squares by wide intervals, and Huber's less.
     let mut gross = case(Estimator::Ordinary, experiments);
-    gross.world.outliers = Some(Outliers {
-        share: 0.05,
-        size: 30.0,
-    });
+    gross.world.outliers = Some(Outliers { share: 0.05, size: 30.0 });
     let wide = count(&cell(4), &postures, &gross);
     gross.options.estimator = Estimator::Huber;
     let robust = count(&cell(4), &postures, &gross);
@@ -189,11 +165,7 @@ fn the_prior_helps_where_it_is_true_and_harms_where_not() {
         off.coverage,
         drawn.coverage
     );
-    let free = count(
-        &noisy,
-        &postures,
-        &case(Estimator::TwoVariance, experiments),
-    );
+    let free = count(&noisy, &postures, &case(Estimator::TwoVariance, experiments));
     assert!(drawn.relative_half_width < free.relative_half_width);
 }
 
@@ -225,11 +197,7 @@ fn a_bootstrap_is_counted_like_the_others() {
     assert_eq!(found.degrees_of_freedom, Some(30));
     // Between the half that no interval could miss and what it cannot exceed.
     let slack = slack(found.standard_error, runs(20), 60);
-    assert!(
-        (0.75 - slack..0.99 + slack).contains(&found.coverage),
-        "{}",
-        found.coverage
-    );
+    assert!((0.75 - slack..0.99 + slack).contains(&found.coverage), "{}", found.coverage);
     case.resamples = Some(10);
     let few = coverage(&cell(4), &postures(12), &case, Control::default()).unwrap_err();
     assert_eq!(few.code(), Code::InvalidValue);
@@ -249,18 +217,12 @@ fn counts_do_not_depend_on_threads_or_on_later_experiments() {
     for case in [&plain, &bootstrap] {
         let one = with(1, case);
         assert_eq!(one, with(3, case));
-        let other = CoverageCase {
-            seed: 12,
-            ..case.clone()
-        };
+        let other = CoverageCase { seed: 12, ..case.clone() };
         assert_ne!(one, with(1, &other));
     }
     // Counts of more experiments contain those of fewer.
     let held = |experiments| {
-        let case = CoverageCase {
-            experiments,
-            ..plain.clone()
-        };
+        let case = CoverageCase { experiments, ..plain.clone() };
         let found = count(&cell(4), &postures, &case);
         (found.joints[0].coverage * experiments as f64).round() as i64
     };
@@ -317,17 +279,12 @@ fn cases_that_make_no_sense_are_refused() {
 #[test]
 fn the_page_shows_the_embedded_table() {
     let page = include_str!("../../../../docs/coverage.md");
-    assert_eq!(
-        page::page(records()),
-        page,
-        "run: cargo run --release -p stiffarm --example coverage"
-    );
+    assert_eq!(page::page(records()), page, "run: cargo run --release -p stiffarm --example coverage");
 }
 
 #[test]
 fn the_table_holds_what_is_promised() {
-    let of =
-        |table: &str| -> Vec<&Record> { records().iter().filter(|r| r.table == table).collect() };
+    let of = |table: &str| -> Vec<&Record> { records().iter().filter(|r| r.table == table).collect() };
     let exact = of(page::EXACT);
     for dof in [3, 6, 12, 66] {
         let own = exact.iter().filter(|r| r.degrees_of_freedom == Some(dof));
@@ -335,12 +292,7 @@ fn the_table_holds_what_is_promised() {
     }
     for r in exact {
         assert!(r.experiments >= 50_000);
-        assert!(
-            (r.coverage - 0.95).abs() <= 0.005,
-            "{}: {}",
-            r.situation,
-            r.coverage
-        );
+        assert!((r.coverage - 0.95).abs() <= 0.005, "{}: {}", r.situation, r.coverage);
     }
     let two = of(page::TWO_VARIANCE);
     for r in &two {
@@ -349,31 +301,18 @@ fn the_table_holds_what_is_promised() {
     }
     for (number, ratio) in [(6, 0), (6, 1), (6, 3), (12, 0), (12, 1), (12, 3)] {
         let ends = format!("τ/σ = {ratio}");
-        let own = two
-            .iter()
-            .filter(|r| r.postures == number && r.situation.ends_with(&ends));
+        let own = two.iter().filter(|r| r.postures == number && r.situation.ends_with(&ends));
         assert!(own.count() >= 2, "{number} {ratio}");
     }
 }
 
 #[test]
 fn the_nearest_row_not_above_speaks_and_none_below_the_table() {
-    for intervals in [
-        Intervals::Huber,
-        Intervals::NonNegative,
-        Intervals::Prior,
-        Intervals::Bootstrap,
-    ] {
-        let rows: Vec<&Record> = records()
-            .iter()
-            .filter(|r| r.intervals == Some(intervals) && !r.adverse)
-            .collect();
+    for intervals in [Intervals::Huber, Intervals::NonNegative, Intervals::Prior, Intervals::Bootstrap] {
+        let rows: Vec<&Record> = records().iter().filter(|r| r.intervals == Some(intervals) && !r.adverse).collect();
         let mut known: Vec<usize> = rows.iter().filter_map(|r| r.degrees_of_freedom).collect();
         known.sort_unstable();
-        assert!(
-            known.len() >= 2 && known.len() == rows.len(),
-            "{intervals:?}"
-        );
+        assert!(known.len() >= 2 && known.len() == rows.len(), "{intervals:?}");
         let smallest = known[0];
         assert!(measured(intervals, 0).is_none());
         assert!(measured(intervals, smallest - 1).is_none());
@@ -382,10 +321,7 @@ fn the_nearest_row_not_above_speaks_and_none_below_the_table() {
             for dof in [pair[0], pair[1] - 1] {
                 let found = measured(intervals, dof).unwrap();
                 assert_eq!(found.degrees_of_freedom, pair[0]);
-                let row = rows
-                    .iter()
-                    .find(|r| r.degrees_of_freedom == Some(pair[0]))
-                    .unwrap();
+                let row = rows.iter().find(|r| r.degrees_of_freedom == Some(pair[0])).unwrap();
                 assert_eq!(
                     (found.coverage, found.standard_error, found.experiments),
                     (row.coverage, row.standard_error, row.experiments)

@@ -30,12 +30,7 @@ fn a_push_of_another_size_keeps_acting_along_its_line() {
 /// Three load states without noise, by the linear model.
 fn silent(force: ForceRecord) -> Experiment {
     Experiment {
-        states: states(&[
-            ("unloaded", 0.0, 1),
-            ("half", 0.5, 1),
-            ("full", 1.0, 1),
-            ("unloaded-2", 0.0, 1),
-        ]),
+        states: states(&[("unloaded", 0.0, 1), ("half", 0.5, 1), ("full", 1.0, 1), ("unloaded-2", 0.0, 1)]),
         force,
         model: DisplacementModel::Linear,
         ..Experiment::default()
@@ -51,10 +46,7 @@ fn a_pushed_experiment_gives_the_stiffness_back() {
         let table = experiment(&cell, &postures, &truth, &silent(force), 1, 0).unwrap();
         if force == ForceRecord::Load {
             let mut states = table.postures.iter().flat_map(|p| &p.states);
-            assert!(
-                states.all(|s| s.load.unwrap() >= 0.0),
-                "a table holds sizes"
-            );
+            assert!(states.all(|s| s.load.unwrap() >= 0.0), "a table holds sizes");
         }
         let reduced = reduce(&cell, &table, &ReduceOptions::default()).unwrap();
         let found = identify(&cell, &reduced.measured, &IdentifyOptions::default()).unwrap();
@@ -79,10 +71,8 @@ fn readings_of_a_push_raise_no_alarm_and_a_reversed_one_does() {
             reports_by_robot: false,
             mirrored: None,
         });
-        let done = Experiment {
-            base_reflectors: vec![named("base", [0.4, 0.3, 0.1])],
-            ..Experiment::as_measured(&cell)
-        };
+        let done =
+            Experiment { base_reflectors: vec![named("base", [0.4, 0.3, 0.1])], ..Experiment::as_measured(&cell) };
         let table = experiment(&cell, &postures, &truth, &done, 3, 0).unwrap();
         let screened = screen(&cell, &table, None).unwrap();
         assert_eq!(screened.findings.iter().find(serious), None);
@@ -92,9 +82,7 @@ fn readings_of_a_push_raise_no_alarm_and_a_reversed_one_does() {
         let mut pulls = cell.clone();
         *rope_force(&mut pulls) *= -1.0;
         let said = if sensor {
-            reduce(&pulls, &table, &ReduceOptions::default())
-                .unwrap()
-                .findings
+            reduce(&pulls, &table, &ReduceOptions::default()).unwrap().findings
         } else {
             screen(&pulls, &table, None).unwrap().findings
         };
@@ -120,16 +108,10 @@ fn limits_call_it_by_its_name() {
         cell.limits.rope_length = Some([5.0, 6.0]);
         let terms = PostureTerms::new(&cell.setup, &group1()[0], None).unwrap();
         let least = cell.margins().smallest(&terms).unwrap();
-        assert_eq!(
-            (least.kind, least.point.as_str()),
-            (LimitKind::RopeLength, name)
-        );
+        assert_eq!((least.kind, least.point.as_str()), (LimitKind::RopeLength, name));
         let words = least.violation();
         assert!(words.starts_with(&format!("has its {name} ")), "{words}");
-        assert!(
-            words.ends_with(&format!("beyond the {name}'s length")),
-            "{words}"
-        );
+        assert!(words.ends_with(&format!("beyond the {name}'s length")), "{words}");
     }
 }
 
@@ -149,9 +131,7 @@ fn cells_say_how_it_acts() {
         let magnitude = 500.0 * sign;
         assert_eq!(line, Load::Rope { anchor, magnitude });
         for (name, axes) in [("base", Axes::Base), ("tool", Axes::Tool)] {
-            let guided = load(&format!(
-                "acts = '{acts}'\ndirection = [0, 3, -4]\naxes = '{name}'"
-            ));
+            let guided = load(&format!("acts = '{acts}'\ndirection = [0, 3, -4]\naxes = '{name}'"));
             let wrench = Wrench::force([0.0, 300.0 * sign, -400.0 * sign]);
             assert_eq!(guided, Load::Constant { wrench, axes });
         }

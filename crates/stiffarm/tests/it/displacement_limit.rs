@@ -88,13 +88,7 @@ fn every_other_choice_keeps_to_it() {
         let start = random_group(&default_cell(), StartKind::Uniform, 6, 5, stream).unwrap();
         assert!(all(&cell, &start).iter().any(|d| *d > RANGE[1]));
         let options = LocalOptions::default();
-        let led = select_from(
-            &cell,
-            Index::ExpectedError,
-            &start,
-            options,
-            Control::default(),
-        );
+        let led = select_from(&cell, Index::ExpectedError, &start, options, Control::default());
         if let Ok(led) = led {
             keeps(&cell, &led.group, RANGE);
             found += 1;
@@ -109,8 +103,7 @@ fn a_load_chosen_with_the_postures_keeps_to_it() {
     let cell = cell(RANGE);
     let mut options = rounds(1);
     options.load.anchor = Some([Vector3::new(1.0, -0.8, 0.0), Vector3::new(2.6, 0.8, 0.0)]);
-    options.load.loading_point =
-        Some([Vector3::new(0.1, -0.1, 0.15), Vector3::new(0.3, 0.1, 0.35)]);
+    options.load.loading_point = Some([Vector3::new(0.1, -0.1, 0.15), Vector3::new(0.3, 0.1, 0.35)]);
     let plan = select(&cell, Index::ExpectedError, 6, &options, Control::default()).unwrap();
     let chosen = plan.load.clone().unwrap();
     let mut moved = cell.clone();
@@ -127,14 +120,7 @@ fn prices_and_certificate_know_it() {
     let plan = select(&cell, Index::ExpectedError, 6, &options, Control::default()).unwrap();
     keeps(&cell, &plan.group, [1e-4, 6e-4]);
     let control = Control::default();
-    let prices = limit_prices(
-        &cell,
-        Index::ExpectedError,
-        6,
-        &options,
-        plan.value,
-        control,
-    );
+    let prices = limit_prices(&cell, Index::ExpectedError, 6, &options, plan.value, control);
     let prices = prices.unwrap();
     let of = |kind| prices.iter().find(|p| p.kind == kind).unwrap().price;
     assert!(of(LimitKind::LargestDisplacement) > 0.1, "{prices:?}");
@@ -155,20 +141,11 @@ fn prices_and_certificate_know_it() {
 #[test]
 fn where_nothing_can_meet_it_the_error_names_it() {
     let too_far = cell([0.05, 0.06]);
-    let error = select(
-        &too_far,
-        Index::ExpectedError,
-        6,
-        &rounds(1),
-        Control::default(),
-    );
+    let error = select(&too_far, Index::ExpectedError, 6, &rounds(1), Control::default());
     let error = error.unwrap_err();
     assert_eq!(error.code(), Code::InvalidValue);
     let said = format!("{error}");
-    assert!(
-        said.contains("the smallest displacement under the load"),
-        "{said}"
-    );
+    assert!(said.contains("the smallest displacement under the load"), "{said}");
     let seen = obstruction(&too_far).unwrap();
     assert_eq!(seen.feasible, 0);
     let (kinds, left) = seen.relief.unwrap();
@@ -199,16 +176,8 @@ fn cells_give_it_with_a_prior_and_a_known_load() {
     assert_eq!(cell.limit_kinds(), [LimitKind::LargestDisplacement]);
     assert!(cell.scene.at_work().is_empty());
     for (text, code, words) in [
-        (
-            text(rope, ""),
-            Code::MissingKey,
-            "needs a prior joint stiffness",
-        ),
-        (
-            text("kind = 'measured'", prior),
-            Code::Conflict,
-            "needs a load that is known",
-        ),
+        (text(rope, ""), Code::MissingKey, "needs a prior joint stiffness"),
+        (text("kind = 'measured'", prior), Code::Conflict, "needs a load that is known"),
     ] {
         let error = parse(&text).unwrap_err();
         assert_eq!(error.code(), code);

@@ -11,15 +11,7 @@ fn exact_measurements(cell: &Cell, postures: &[Vec<f64>]) -> Vec<MeasuredPosture
     let mut quiet = cell.clone();
     quiet.noise.reading_variance = 0.0;
     let truth = cell.require_prior().unwrap();
-    simulate_measurements(
-        &quiet,
-        &numbered(postures.to_vec()),
-        truth,
-        Deflection::Linear,
-        1,
-        0,
-    )
-    .unwrap()
+    simulate_measurements(&quiet, &numbered(postures.to_vec()), truth, Deflection::Linear, 1, 0).unwrap()
 }
 
 fn assert_only_classical(found: &GroupEvaluation) {
@@ -37,11 +29,7 @@ fn assert_undetermined(cell: &Cell, postures: &[Vec<f64>], joints: &[&str]) {
     let blind = |name: &String| joints.contains(&name.as_str());
     let names = cell.setup.robot.spring_names();
     for (j, name) in names.iter().enumerate() {
-        assert_eq!(
-            found.relative_standard_error[j].is_none(),
-            blind(name),
-            "{name}"
-        );
+        assert_eq!(found.relative_standard_error[j].is_none(), blind(name), "{name}");
         assert_eq!(found.expected_deviation[j].is_none(), blind(name), "{name}");
     }
     let expected: Vec<f64> = found.expected_deviation.iter().flatten().copied().collect();
@@ -66,11 +54,7 @@ fn assert_undetermined(cell: &Cell, postures: &[Vec<f64>], joints: &[&str]) {
     let options = SimulationOptions::default();
     // The others are simulated, and the finding says which are not.
     let simulated = simulate(cell, &[group], &options, Control::default()).unwrap();
-    let named: Vec<&str> = simulated
-        .findings
-        .iter()
-        .map(|f| f.subject.as_str())
-        .collect();
+    let named: Vec<&str> = simulated.findings.iter().map(|f| f.subject.as_str()).collect();
     assert_eq!(named, joints);
     assert!(!simulated.joints.iter().any(blind));
     let levels = &simulated.groups[0].levels;
@@ -107,16 +91,8 @@ fn vertical_load_on_a_floor_mounted_robot_leaves_joint_1_undetermined() {
     cell.setup.load = hanging(500.0);
     assert_undetermined(&cell, &group1(), &["joint 1"]);
     // On the wall it works.
-    cell.setup.load = Load::Weight {
-        magnitude: 500.0,
-        direction: Vector3::x(),
-    };
-    assert!(
-        evaluate(&cell, "wall", &group1())
-            .unwrap()
-            .undetermined_joints
-            .is_empty()
-    );
+    cell.setup.load = Load::Weight { magnitude: 500.0, direction: Vector3::x() };
+    assert!(evaluate(&cell, "wall", &group1()).unwrap().undetermined_joints.is_empty());
 }
 
 #[test]
@@ -130,23 +106,14 @@ fn equal_postures_with_one_point_name_what_they_cannot_tell() {
     assert_only_classical(&found);
     let measured = exact_measurements(&cell, &postures);
     let result = identify(&cell, &measured, &IdentifyOptions::default()).unwrap();
-    assert_eq!(
-        result.estimates.undetermined_joints,
-        found.undetermined_joints
-    );
+    assert_eq!(result.estimates.undetermined_joints, found.undetermined_joints);
     assert_eq!(result.estimates.degrees_of_freedom, 18 - 3);
     // Rounding must not pose as information anywhere in what is shown.
-    for json in [
-        serde_json::to_value(&found).unwrap(),
-        serde_json::to_value(&result).unwrap(),
-    ] {
+    for json in [serde_json::to_value(&found).unwrap(), serde_json::to_value(&result).unwrap()] {
         let mut numbers = Vec::new();
         all_numbers(&json, &mut numbers);
         assert!(numbers.len() > 6);
-        assert!(
-            numbers.iter().all(|v| v.is_finite() && v.abs() < 1e9),
-            "{numbers:?}"
-        );
+        assert!(numbers.iter().all(|v| v.is_finite() && v.abs() < 1e9), "{numbers:?}");
     }
 }
 
@@ -158,24 +125,9 @@ fn one_posture_with_one_point_is_answered() {
     let found = evaluate(&cell, "one", &one).unwrap();
     assert!(!found.undetermined_joints.is_empty());
     assert!(found.indices.classical.is_some() && found.indices.condition.is_none());
-    let result = identify(
-        &cell,
-        exact_measurements(&cell, &one),
-        &IdentifyOptions::default(),
-    )
-    .unwrap();
-    assert_eq!(
-        (
-            result.estimates.rows,
-            result.estimates.degrees_of_freedom,
-            result.residual_std_m
-        ),
-        (3, 0, None)
-    );
-    assert_eq!(
-        result.estimates.undetermined_joints,
-        found.undetermined_joints
-    );
+    let result = identify(&cell, exact_measurements(&cell, &one), &IdentifyOptions::default()).unwrap();
+    assert_eq!((result.estimates.rows, result.estimates.degrees_of_freedom, result.residual_std_m), (3, 0, None));
+    assert_eq!(result.estimates.undetermined_joints, found.undetermined_joints);
     let error = local(&cell, Index::D, &one).unwrap_err();
     assert_eq!(error.code(), Code::NotIdentifiable);
     // The classical index asks nothing of Ψ.
@@ -199,9 +151,8 @@ fn angles_and_numbers_that_are_not_finite_are_errors() {
     let cell = reference_cell();
     let truth = cell.require_prior().unwrap().to_vec();
     let options = IdentifyOptions::default();
-    let identified = |measured: &[MeasuredPosture], options: &IdentifyOptions| {
-        identify(&cell, measured, options).unwrap_err()
-    };
+    let identified =
+        |measured: &[MeasuredPosture], options: &IdentifyOptions| identify(&cell, measured, options).unwrap_err();
     let exact = exact_measurements(&cell, &group1());
     let control = Control::default();
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
@@ -258,9 +209,7 @@ fn a_load_that_buckles_the_arm_is_said_so() {
     let mut cell = reference_cell();
     cell.setup.load = hanging(5e7);
     let truth = cell.require_prior().unwrap().to_vec();
-    let error = equilibrium(&cell.setup, &group1()[0], &truth, None)
-        .map(|_| ())
-        .unwrap_err();
+    let error = equilibrium(&cell.setup, &group1()[0], &truth, None).map(|_| ()).unwrap_err();
     assert_eq!(error.code(), Code::InvalidValue);
     assert!(error.message().contains("equilibrium"), "{error}");
 }
@@ -273,23 +222,13 @@ fn short_chains_have_no_condition_number_and_say_so() {
     let postures = dice.postures(5, 6);
     let found = evaluate(&cell, "", &postures).unwrap();
     assert!(found.k_jn.iter().all(Option::is_none));
-    assert_eq!(
-        (
-            found.indices.classical,
-            found.indices.novel,
-            found.indices.scaled
-        ),
-        (None, None, None)
-    );
+    assert_eq!((found.indices.classical, found.indices.novel, found.indices.scaled), (None, None, None));
     assert!(found.indices.condition.is_some() && found.indices.expected_error.is_some());
     for index in [Index::Classical, Index::Novel, Index::Scaled] {
         let error = IndexFunction::new(&cell, index, 6).map(|_| ()).unwrap_err();
         assert_eq!(error.code(), Code::Unsupported);
     }
-    assert_eq!(
-        characteristic_length(&cell).unwrap_err().code(),
-        Code::Unsupported
-    );
+    assert_eq!(characteristic_length(&cell).unwrap_err().code(), Code::Unsupported);
 }
 
 #[test]
@@ -299,9 +238,8 @@ fn the_displacement_of_a_rigid_body_is_one_twist() {
     let truth = cell.require_prior().unwrap();
     for q in group1() {
         let terms = PostureTerms::new(&cell.setup, &q, None).unwrap();
-        let at = |p: &Vector3<f64>| -> Vector6<f64> {
-            linear_displacement(&cell.setup, &terms, p, truth, None).unwrap()
-        };
+        let at =
+            |p: &Vector3<f64>| -> Vector6<f64> { linear_displacement(&cell.setup, &terms, p, truth, None).unwrap() };
         let [a, b] = [0, 2].map(|i| terms.measuring_points()[i]);
         let (first, second) = (at(&a), at(&b));
         let turn = first.fixed_rows::<3>(3).into_owned();

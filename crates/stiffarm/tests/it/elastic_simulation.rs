@@ -1,9 +1,7 @@
 //! Simulated identifications of an arm that gives way beyond its joint axes.
 
 use crate::common::prelude::*;
-use stiffarm::estimate::simulate::{
-    ElasticLevel, ElasticSimulation, ElasticSimulationOptions, simulate_elastic,
-};
+use stiffarm::estimate::simulate::{ElasticLevel, ElasticSimulation, ElasticSimulationOptions, simulate_elastic};
 use stiffarm::model::elastic::{ElasticSizes, ElasticSource};
 
 fn groups() -> Vec<PostureGroup> {
@@ -75,14 +73,9 @@ fn springs_make_the_axes_err_and_the_mixed_model_as_much_as_the_index_says() {
     };
     let [none, some, all] = [0.0, 0.1, 1.0].map(axes);
     let errors = [&none, &some, &all].map(|outcome| outcome.prediction_rms_m);
-    assert!(
-        2.0 * errors[0] < errors[1] && 2.0 * errors[1] < errors[2],
-        "{errors:?}"
-    );
+    assert!(2.0 * errors[0] < errors[1] && 2.0 * errors[1] < errors[2], "{errors:?}");
     // The intervals of the axes know nothing of springs.
-    let holds = |outcome: &stiffarm::estimate::simulate::ElasticModelOutcome| {
-        outcome.mean_interval_share().unwrap()
-    };
+    let holds = |outcome: &stiffarm::estimate::simulate::ElasticModelOutcome| outcome.mean_interval_share().unwrap();
     assert!(holds(&none) > 0.88, "{}", holds(&none));
     assert!(holds(&all) < 0.85, "{}", holds(&all));
     assert!(none.band_share.unwrap() > 0.85 && all.band_share.unwrap() < 0.7);
@@ -96,11 +89,7 @@ fn springs_make_the_axes_err_and_the_mixed_model_as_much_as_the_index_says() {
     // Entries around zero are not what arms have: 24 runs of six postures.
     let shares = (mixed.band_share.unwrap(), holds(mixed));
     assert!(shares.0 > 0.8 && shares.1 > 0.8, "{shares:?}");
-    assert!(
-        found.verdict().contains("with the mixed model"),
-        "{}",
-        found.verdict()
-    );
+    assert!(found.verdict().contains("with the mixed model"), "{}", found.verdict());
 }
 
 #[test]
@@ -112,9 +101,7 @@ fn a_stopped_simulation_keeps_its_runs_and_wrong_requests_are_refused() {
     assert!(found.interrupted && level(&found).runs == 3);
 
     let code = |cell: &Cell, groups: &[PostureGroup], options: &ElasticSimulationOptions| {
-        simulate_elastic(cell, groups, options, Control::default())
-            .unwrap_err()
-            .code()
+        simulate_elastic(cell, groups, options, Control::default()).unwrap_err().code()
     };
     let none = options(ElasticChoice::Axes, 0);
     assert_eq!(code(&cell(1.0), &groups(), &none), Code::InvalidValue);

@@ -19,10 +19,7 @@ fn names_that_begin_with_what_was_typed_come_before_near_ones() {
         let error = Robot::from_catalogue(name).unwrap_err();
         error.hint_text().unwrap().to_string()
     };
-    assert_eq!(
-        said("KUKA-KR210-R"),
-        "did you mean \"kuka-kr210-r2700-2\" or \"kuka-kr210-r3100-2\"?"
-    );
+    assert_eq!(said("KUKA-KR210-R"), "did you mean \"kuka-kr210-r2700-2\" or \"kuka-kr210-r3100-2\"?");
     // Half of the letters are another name.
     assert_eq!(did_you_mean("foo", ["o1", "novel"]), None);
     assert_eq!(said("kuka-kr24-2"), "did you mean \"kuka-kr240-2\"?");
@@ -37,10 +34,7 @@ fn display_has_place_key_and_hint() {
         .file("cell.toml")
         .key("bß")
         .hint("did you mean \"b\"?");
-    assert_eq!(
-        error.to_string(),
-        "cell.toml:2:1: bß: unknown key \"bß\".\n  hint: did you mean \"b\"?"
-    );
+    assert_eq!(error.to_string(), "cell.toml:2:1: bß: unknown key \"bß\".\n  hint: did you mean \"b\"?");
 }
 
 #[test]
@@ -65,10 +59,7 @@ fn hidden_characters_are_shown_in_letters() {
     assert_eq!(visible("Ψ·H ä 漢 é 👍"), "Ψ·H ä 漢 é 👍");
     assert_eq!(visible("a\u{1b}[31m\n\t"), "a\\u{1b}[31m\\n\\t");
     for c in "\0\u{7f}\u{85}\u{9b}\u{200b}\u{2028}\u{202e}\u{2066}\u{feff}\u{e0041}".chars() {
-        assert_eq!(
-            visible(&c.to_string()),
-            format!("\\u{{{:x}}}", u32::from(c))
-        );
+        assert_eq!(visible(&c.to_string()), format!("\\u{{{:x}}}", u32::from(c)));
     }
 }
 
@@ -81,14 +72,10 @@ fn lists_in_words() {
 
 #[test]
 fn names_that_a_spreadsheet_would_calculate_are_refused() {
-    for name in [
-        "=1", "@a", "+5", "+.5", "-2+3", "-1-1", "-1+a", "-a(1)", "+z*2",
-    ] {
+    for name in ["=1", "@a", "+5", "+.5", "-2+3", "-1-1", "-1+a", "-a(1)", "+z*2"] {
         assert!(check_name(name).is_err(), "{name}");
     }
-    for name in [
-        "+z", "-250", "-2.5", "+z-2", "-x-250", "up-250", "1-1", "5+3",
-    ] {
+    for name in ["+z", "-250", "-2.5", "+z-2", "-x-250", "up-250", "1-1", "5+3"] {
         assert!(check_name(name).is_ok(), "{name}");
     }
 }

@@ -7,12 +7,8 @@ use stiffarm::model::tool::NamedPoint;
 
 fn cell_with_sensor() -> Cell {
     changed(reference_cell(), |cell| {
-        cell.sensor = Some(Sensor {
-            mount: Mount::Flange,
-            pose: Dice::new(3).pose(),
-            reports_by_robot: true,
-            mirrored: None,
-        });
+        cell.sensor =
+            Some(Sensor { mount: Mount::Flange, pose: Dice::new(3).pose(), reports_by_robot: true, mirrored: None });
     })
 }
 
@@ -73,23 +69,15 @@ fn without_disturbance_it_is_the_linear_model() {
 #[test]
 fn the_equilibrium_is_the_reference_and_close_to_the_linear_model() {
     let cell = reference_cell();
-    let options = Experiment {
-        model: DisplacementModel::Equilibrium,
-        ..Experiment::default()
-    };
+    let options = Experiment { model: DisplacementModel::Equilibrium, ..Experiment::default() };
     let prior = cell.prior.clone().unwrap();
     let mut second_order = 0.0_f64;
     for measured in run(&cell, &options).postures {
         let q = &measured.posture.q;
         let linear = model(&cell, q);
         for (a, point) in cell.setup.tool.measuring_points.iter().enumerate() {
-            let shift = way(
-                &state(&measured, "unloaded"),
-                &state(&measured, "loaded"),
-                a,
-            );
-            let exact =
-                equilibrium_displacement(&cell.setup, q, &point.position, &prior, None).unwrap();
+            let shift = way(&state(&measured, "unloaded"), &state(&measured, "loaded"), a);
+            let exact = equilibrium_displacement(&cell.setup, q, &point.position, &prior, None).unwrap();
             let exact = exact.fixed_rows::<3>(0).into_owned();
             assert!(worst(&shift, &exact) < 5e-15);
             let linear = linear.fixed_rows::<3>(3 * a).into_owned();
@@ -108,10 +96,7 @@ fn undone_by_hand_step_by_step() {
     let mut dice = Dice::new(11);
     let base_reflectors: Vec<NamedPoint> = ["base", "base-2", "base-3"]
         .iter()
-        .map(|name| NamedPoint {
-            name: name.to_string(),
-            position: dice.vector(0.5),
-        })
+        .map(|name| NamedPoint { name: name.to_string(), position: dice.vector(0.5) })
         .collect();
     let give: Vec<f64> = (0..6).map(|_| dice.between(0.5e-7, 2e-7)).collect();
     let mut loaded = ExperimentState::new("up-250", 0.5);
@@ -127,21 +112,12 @@ fn undone_by_hand_step_by_step() {
         ],
         force: ForceRecord::ForceAndMoment,
         base_reflectors: base_reflectors.clone(),
-        base_compliance: Some(BaseCompliance {
-            tilt: 1e-8,
-            shift: 1e-8,
-        }),
+        base_compliance: Some(BaseCompliance { tilt: 1e-8, shift: 1e-8 }),
         seconds_per_reading: 4.0,
         drift: Vector3::new(2e-9, -1e-9, 3e-9),
         servo_deflection: Some(give.clone()),
-        tool_weight: Some(ToolWeight {
-            mass_kg: 40.0,
-            centre: Vector3::new(0.02, -0.01, 0.15),
-        }),
-        sensor_offset: Wrench {
-            force: Vector3::new(12.0, -7.0, 30.0),
-            moment: Vector3::new(-1.0, 2.0, 0.5),
-        },
+        tool_weight: Some(ToolWeight { mass_kg: 40.0, centre: Vector3::new(0.02, -0.01, 0.15) }),
+        sensor_offset: Wrench { force: Vector3::new(12.0, -7.0, 30.0), moment: Vector3::new(-1.0, 2.0, 0.5) },
         ..Experiment::default()
     };
     let table = run(&cell, &options);
@@ -181,8 +157,7 @@ fn undone_by_hand_step_by_step() {
                 (0..4)
                     .map(|a| {
                         let p = position(&still, &ReadingTarget::Point(a));
-                        registration.base_from_tracker.rotation * p
-                            + registration.base_from_tracker.translation.vector
+                        registration.base_from_tracker.rotation * p + registration.base_from_tracker.translation.vector
                     })
                     .collect()
             })
@@ -214,10 +189,7 @@ fn undone_by_hand_step_by_step() {
             }
             // Wrench: offset and weight drop out of the difference.
             let (now, before) = (readings.wrench.unwrap(), measured.states[0].wrench.unwrap());
-            let difference = Wrench {
-                force: now.force - before.force,
-                moment: now.moment - before.moment,
-            };
+            let difference = Wrench { force: now.force - before.force, moment: now.moment - before.moment };
             let wrench = sensor.wrench_on_robot(&frames, &difference, &at);
             assert!(worst(&wrench.force, &(terms.wrench().force * factor)) < 1e-10);
             assert!(wrench.moment.norm() < 1e-10);
@@ -242,14 +214,8 @@ fn joint_tilt_and_lost_motion_have_their_own_springs() {
     let tilt: Vec<f64> = (1..=6).map(|j| 1e-8 * f64::from(j)).collect();
     let lost = vec![1e-5; 6];
     let plain = run(&cell, &Experiment::default());
-    let disturbed = run(
-        &cell,
-        &Experiment {
-            joint_tilt: Some(tilt.clone()),
-            lost_motion: Some(lost),
-            ..Experiment::default()
-        },
-    );
+    let disturbed =
+        run(&cell, &Experiment { joint_tilt: Some(tilt.clone()), lost_motion: Some(lost), ..Experiment::default() });
     for (a, b) in plain.postures.iter().zip(&disturbed.postures) {
         let terms = PostureTerms::new(&cell.setup, &a.posture.q, None).unwrap();
         let (axes, origins) = (terms.frames().axes(), terms.frames().origins());
@@ -285,9 +251,7 @@ fn noise_has_the_spread_asked_for_and_its_own_stream() {
         ..Experiment::default()
     };
     options.states[1].repeats = 200;
-    let again = |options: &Experiment, stream: u64| {
-        experiment(&cell, &postures(), &truth, options, 7, stream).unwrap()
-    };
+    let again = |options: &Experiment, stream: u64| experiment(&cell, &postures(), &truth, options, 7, stream).unwrap();
     let first = again(&options, 0);
     assert_eq!(first, again(&options, 0));
     assert_ne!(first, again(&options, 1));
@@ -298,11 +262,7 @@ fn noise_has_the_spread_asked_for_and_its_own_stream() {
                 let loaded = state(posture, "loaded");
                 let mean = position(&loaded, &ReadingTarget::Point(a));
                 let beam = along.map(|station| (mean - station).normalize());
-                for reading in loaded
-                    .readings
-                    .iter()
-                    .filter(|r| r.target == ReadingTarget::Point(a))
-                {
+                for reading in loaded.readings.iter().filter(|r| r.target == ReadingTarget::Point(a)) {
                     let deviation = reading.position - mean;
                     let (part, axes) = match beam {
                         Some(beam) => (deviation.dot(&beam).powi(2), 1.0),
@@ -334,12 +294,7 @@ fn noise_has_the_spread_asked_for_and_its_own_stream() {
     let ratio = spread(&first, None) / 9.23e-11_f64.sqrt();
     assert!((ratio - 1.0).abs() < 0.025, "{ratio}");
     let station = Vector3::new(4.0, -3.0, 1.0);
-    cell.tracker.accuracy = Some(TrackerAccuracy {
-        station,
-        range: 5e-6,
-        range_per_metre: 0.0,
-        angle: 10e-6,
-    });
+    cell.tracker.accuracy = Some(TrackerAccuracy { station, range: 5e-6, range_per_metre: 0.0, angle: 10e-6 });
     options.tracker_noise = TrackerNoise::RangeAndAngle;
     let table = experiment(&cell, &postures(), &truth, &options, 7, 0).unwrap();
     let along = spread(&table, Some(station)) / 5e-6;
@@ -353,10 +308,7 @@ fn noise_has_the_spread_asked_for_and_its_own_stream() {
 fn the_common_shift_moves_all_points_of_a_loaded_state_alike() {
     let cell = reference_cell();
     let plain = run(&cell, &Experiment::default());
-    let shifted = run(
-        &cell,
-        &with(|e: &mut Experiment| e.posture_common_std = 1e-4),
-    );
+    let shifted = run(&cell, &with(|e: &mut Experiment| e.posture_common_std = 1e-4));
     for (a, b) in plain.postures.iter().zip(&shifted.postures) {
         assert_eq!(state(a, "unloaded"), state(b, "unloaded"));
         let shift = |i| way(&state(a, "loaded"), &state(b, "loaded"), i);
@@ -388,10 +340,7 @@ fn the_force_is_written_as_asked() {
         reports_by_robot: true,
         mirrored: None,
     });
-    let options = Experiment {
-        force: ForceRecord::Force,
-        ..Experiment::default()
-    };
+    let options = Experiment { force: ForceRecord::Force, ..Experiment::default() };
     let table = run(&at_anchor, &options);
     let force = state(&table.postures[0], "loaded").wrench.unwrap().force;
     assert!(worst(&force, &-terms.wrench().force) < 1e-12);
@@ -426,12 +375,8 @@ fn a_cell_with_a_tracker_does_not_doubt_its_own_rehearsal() {
         Translation3::new(3.5, -1.2, 0.9),
         UnitQuaternion::from_euler_angles(0.0, 0.0, 2.6),
     ));
-    cell.tracker.accuracy = Some(TrackerAccuracy {
-        station: Vector3::zeros(),
-        range: 16e-6,
-        range_per_metre: 0.8e-6,
-        angle: 6e-6,
-    });
+    cell.tracker.accuracy =
+        Some(TrackerAccuracy { station: Vector3::zeros(), range: 16e-6, range_per_metre: 0.8e-6, angle: 6e-6 });
     let done = Experiment::as_measured(&cell);
     let postures = numbered(group1());
     let truth = cell.require_prior().unwrap().to_vec();

@@ -37,20 +37,10 @@ fn predicted(tolerance_mm: Option<f64>) -> Result<Predicted> {
 fn predicted_in(cell: Cell, tolerance_mm: Option<f64>) -> Result<(Vec<PathPoint>, Predicted)> {
     let mut read = read_tool_path(Kind::Apt, ("a.cls", PROGRAM.as_bytes()), None, &cell)?;
     assert_eq!(cell.work.put_on(&mut read.points).unwrap(), None);
-    let request = PredictOptions {
-        path: PathOptions {
-            tolerance_mm,
-            ..PathOptions::default()
-        },
-        ..PredictOptions::default()
-    };
+    let request =
+        PredictOptions { path: PathOptions { tolerance_mm, ..PathOptions::default() }, ..PredictOptions::default() };
     let saved = saved(&cell);
-    let loaded = request.loaded(
-        cell,
-        &saved.predictor,
-        Some(&read.points),
-        Control::default(),
-    )?;
+    let loaded = request.loaded(cell, &saved.predictor, Some(&read.points), Control::default())?;
     let found = request.predict(&loaded, &saved, Control::default())?;
     Ok((read.points, found))
 }
@@ -58,28 +48,18 @@ fn predicted_in(cell: Cell, tolerance_mm: Option<f64>) -> Result<(Vec<PathPoint>
 #[test]
 fn what_lies_across_the_feed_is_told_from_what_lies_along_it() -> Result<()> {
     let found = predicted(None)?;
-    let names: Vec<&str> = found
-        .features
-        .iter()
-        .map(|feature| feature.name.as_str())
-        .collect();
+    let names: Vec<&str> = found.features.iter().map(|feature| feature.name.as_str()).collect();
     assert_eq!(names, ["SLOT", "EDGE"]);
     // The slot runs along the base's x, the edge along its y; the tool points down.
     let points = &found.prediction.points;
-    let loaded: Vec<usize> = (0..points.len())
-        .filter(|i| points[*i].force_n != [0.0; 3])
-        .collect();
-    let second = (1..loaded.len())
-        .find(|k| loaded[*k] > loaded[k - 1] + 1)
-        .unwrap();
+    let loaded: Vec<usize> = (0..points.len()).filter(|i| points[*i].force_n != [0.0; 3]).collect();
+    let second = (1..loaded.len()).find(|k| loaded[*k] > loaded[k - 1] + 1).unwrap();
     let (slot, edge) = loaded.split_at(second);
     for (feature, along, own) in [(0, 0, slot), (1, 1, edge)] {
         let feature = &found.features[feature];
         assert_eq!(feature.points, own.len());
         let shift = |i: usize| Vector3::from(points[i].shift_m);
-        let largest = |of: &dyn Fn(Vector3<f64>) -> f64| {
-            own.iter().map(|i| of(shift(*i))).fold(0.0, f64::max)
-        };
+        let largest = |of: &dyn Fn(Vector3<f64>) -> f64| own.iter().map(|i| of(shift(*i))).fold(0.0, f64::max);
         let across = largest(&|mut v| {
             v[along] = 0.0;
             v.norm()
@@ -90,10 +70,7 @@ fn what_lies_across_the_feed_is_told_from_what_lies_along_it() -> Result<()> {
             (feature.cross_max_m, largest(&|v| v[1 - along].abs())),
             (feature.axis_max_m, largest(&|v| v.z.abs())),
         ] {
-            assert!(
-                (found - expected).abs() < 1e-12,
-                "{feature:?}: {found} {expected}"
-            );
+            assert!((found - expected).abs() < 1e-12, "{feature:?}: {found} {expected}");
         }
         assert_eq!((feature.half_width_m, feature.verdict), (None, None));
     }
@@ -106,41 +83,19 @@ fn a_tolerance_is_judged_as_it_is_and_compensated() -> Result<()> {
     let [slot, edge] = [0, 1].map(|i| 1e3 * found.features[i].across_max_m);
     let between = 0.5 * (slot + edge);
     let judged = predicted(Some(between))?;
-    let verdicts: Vec<Option<Verdict>> = judged
-        .features
-        .iter()
-        .map(|feature| feature.verdict)
-        .collect();
-    let of = |own: f64| {
-        Some(if own <= between {
-            Verdict::Passes
-        } else {
-            Verdict::Fails
-        })
-    };
+    let verdicts: Vec<Option<Verdict>> = judged.features.iter().map(|feature| feature.verdict).collect();
+    let of = |own: f64| Some(if own <= between { Verdict::Passes } else { Verdict::Fails });
     assert_eq!(verdicts, [of(slot), of(edge)]);
-    let finding = judged
-        .prediction
-        .findings
-        .iter()
-        .find(|finding| finding.code == "tolerance");
+    let finding = judged.prediction.findings.iter().find(|finding| finding.code == "tolerance");
     assert!(finding.is_some_and(|finding| finding.sentence.starts_with("1 of 2 features")));
     let cell = cell();
     let read = read_tool_path(Kind::Apt, ("a.cls", PROGRAM.as_bytes()), None, &cell)?;
-    let options = PathOptions {
-        tolerance_mm: Some(between),
-        ..PathOptions::default()
-    };
+    let options = PathOptions { tolerance_mm: Some(between), ..PathOptions::default() };
     let saved = saved(&cell);
     let followed = options.follow(&cell, &saved.predictor, &read.points, Control::default())?;
     let compensated = options.compensate(&cell, &saved, &followed, Control::default())?;
     // Without covariance nobody knows what is left.
-    assert!(
-        compensated
-            .features
-            .iter()
-            .all(|feature| feature.compensated_m.is_none())
-    );
+    assert!(compensated.features.iter().all(|feature| feature.compensated_m.is_none()));
     assert!((compensated.features[0].across_max_m - found.features[0].across_max_m).abs() < 1e-15);
     Ok(())
 }
@@ -155,11 +110,7 @@ fn features_of_the_cell_have_their_own_load_and_tolerance() -> Result<()> {
         cell.work.features = vec![FeatureWork {
             name: name.to_string(),
             process: Some(Process::Constant(
-                TipLoad {
-                    force: Vector3::new(-100.0, 75.0, 50.0),
-                    moment: Vector3::zeros(),
-                    axes: ForceAxes::Base,
-                },
+                TipLoad { force: Vector3::new(-100.0, 75.0, 50.0), moment: Vector3::zeros(), axes: ForceAxes::Base },
                 None,
             )),
             tolerance: Some(0.75 * across[1]),
@@ -169,10 +120,7 @@ fn features_of_the_cell_have_their_own_load_and_tolerance() -> Result<()> {
     let (mut path, found) = predicted_in(of_cell("EDGE"), None)?;
     let [slot, edge] = [0, 1].map(|i| &found.features[i]);
     assert_eq!((slot.across_max_m, slot.verdict), (across[0], None));
-    assert!(
-        (edge.across_max_m / across[1] - 0.5).abs() < 0.01,
-        "{edge:?}"
-    );
+    assert!((edge.across_max_m / across[1] - 0.5).abs() < 0.01, "{edge:?}");
     assert_eq!(edge.verdict, Some(Verdict::Passes));
     // Rapid moves stay without load.
     let points = found.prediction.points.iter();
@@ -182,9 +130,6 @@ fn features_of_the_cell_have_their_own_load_and_tolerance() -> Result<()> {
 
     let other = of_cell("Egde").work.put_on(&mut path).unwrap();
     let sentence = other.map(|finding| finding.sentence).unwrap_or_default();
-    assert!(
-        sentence.contains("\"Egde\" of the cell is not in the path"),
-        "{sentence}"
-    );
+    assert!(sentence.contains("\"Egde\" of the cell is not in the path"), "{sentence}");
     Ok(())
 }

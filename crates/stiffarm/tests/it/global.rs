@@ -31,10 +31,7 @@ fn reference_cell_reaches_the_best_known_values() {
     let cell = reference_cell();
     for seed in 1..=runs(1).min(5) {
         let plan = selected(&cell, Index::ExpectedError, 6, &seeded(seed));
-        println!(
-            "expected error, seed {seed}: {:.7} in {:?} rounds",
-            plan.value, plan.rounds
-        );
+        println!("expected error, seed {seed}: {:.7} in {:?} rounds", plan.value, plan.rounds);
         assert!(plan.value <= 0.009253, "seed {seed}: {}", plan.value);
         assert_eq!(plan.termination, Termination::Converged);
         assert_eq!(violation(&cell, &plan.group), 0.0);
@@ -109,13 +106,7 @@ fn any_number_of_postures() {
         assert_eq!(plan.group.len(), 20);
         assert!(violation(&cell, &plan.group) <= 1e-9);
     }
-    let error = select(
-        &cell,
-        Index::ExpectedError,
-        0,
-        &GlobalOptions::default(),
-        Control::default(),
-    );
+    let error = select(&cell, Index::ExpectedError, 0, &GlobalOptions::default(), Control::default());
     assert_eq!(error.unwrap_err().code(), Code::TooFewData);
 }
 
@@ -128,12 +119,7 @@ fn a_time_limit_is_reproduced_by_its_rounds() {
     options.time_limit = Some(Duration::from_millis(700));
     let cut = selected(&cell, Index::ExpectedError, 6, &options);
     assert_eq!(cut.termination, Termination::TimeLimit);
-    let again = selected(
-        &cell,
-        Index::ExpectedError,
-        6,
-        &rounds(1, cut.rounds.unwrap()),
-    );
+    let again = selected(&cell, Index::ExpectedError, 6, &rounds(1, cut.rounds.unwrap()));
     assert_eq!(cut.group, again.group);
     assert_eq!(cut.evaluations, again.evaluations);
     assert_eq!(again.termination, Termination::IterationLimit);
@@ -159,12 +145,7 @@ fn a_time_limit_is_reproduced_by_its_rounds() {
 fn given_postures_stay_and_new_ones_help_most() {
     let cell = default_cell();
     let given = group1();
-    for index in [
-        Index::ExpectedError,
-        Index::DropOne,
-        Index::Scaled,
-        Index::Task,
-    ] {
+    for index in [Index::ExpectedError, Index::DropOne, Index::Scaled, Index::Task] {
         let mut options = rounds(1, 3);
         options.given.clone_from(&given);
         let plan = selected(&cell, index, 2, &options);
@@ -176,10 +157,7 @@ fn given_postures_stay_and_new_ones_help_most() {
         for stream in 0..200 {
             let pair = random_group(&cell, StartKind::Uniform, 2, 5, stream).unwrap();
             let union = [given.clone(), pair].concat();
-            assert!(
-                ln_index(&cell, index, &union) >= plan.value.ln(),
-                "{index:?} {stream}"
-            );
+            assert!(ln_index(&cell, index, &union) >= plan.value.ln(), "{index:?} {stream}");
         }
     }
     // A load that may still move contradicts postures measured under it.
@@ -205,15 +183,8 @@ fn the_posture_least_worth_measuring_is_found() {
                 if mask.count_ones() as usize != count {
                     continue;
                 }
-                let rest: Vec<Vec<f64>> = (0..8)
-                    .filter(|p| mask & (1 << p) == 0)
-                    .map(|p| group[p].clone())
-                    .collect();
-                let value = if index.larger_is_better() {
-                    -found.value.ln()
-                } else {
-                    found.value.ln()
-                };
+                let rest: Vec<Vec<f64>> = (0..8).filter(|p| mask & (1 << p) == 0).map(|p| group[p].clone()).collect();
+                let value = if index.larger_is_better() { -found.value.ln() } else { found.value.ln() };
                 assert!(ln_index(&cell, index, &rest) >= value - 1e-12);
             }
             let losses: Vec<f64> = found.values.iter().map(|w| w.loss.unwrap()).collect();
@@ -224,34 +195,19 @@ fn the_posture_least_worth_measuring_is_found() {
             }
         }
     }
-    let error =
-        drop_postures(&cell, Index::ExpectedError, &group, 8, Control::default()).unwrap_err();
+    let error = drop_postures(&cell, Index::ExpectedError, &group, 8, Control::default()).unwrap_err();
     assert_eq!(error.code(), Code::TooFewData);
 }
 
 #[test]
 fn the_curve_falls_and_names_sizes_that_determine_nothing() {
     let mut cell = default_cell();
-    let points = error_by_count(
-        &cell,
-        Index::ExpectedError,
-        1..=4,
-        &rounds(1, 2),
-        Control::default(),
-    )
-    .unwrap();
+    let points = error_by_count(&cell, Index::ExpectedError, 1..=4, &rounds(1, 2), Control::default()).unwrap();
     let values: Vec<f64> = points.iter().map(|p| p.value.unwrap()).collect();
     assert!(values.windows(2).all(|w| w[1] < w[0]), "{values:?}");
     // One measuring point: three rows cannot give six joints.
     cell.setup.tool.measuring_points.truncate(1);
-    let points = error_by_count(
-        &cell,
-        Index::ExpectedError,
-        1..=2,
-        &rounds(1, 1),
-        Control::default(),
-    )
-    .unwrap();
+    let points = error_by_count(&cell, Index::ExpectedError, 1..=2, &rounds(1, 1), Control::default()).unwrap();
     assert_eq!(points[0].value, None);
     assert!(points[1].value.is_some());
 }
@@ -263,44 +219,20 @@ fn a_plan_stands_up_to_a_wrong_prior() {
     let mut options = SensitivityOptions::default();
     options.rounds = 2;
     options.samples = 50;
-    let found = sensitivity(
-        &cell,
-        Index::ExpectedError,
-        &plan.group,
-        &options,
-        Control::default(),
-    )
-    .unwrap();
+    let found = sensitivity(&cell, Index::ExpectedError, &plan.group, &options, Control::default()).unwrap();
     assert_eq!(found.priors.len(), 12);
     assert!((found.value - plan.value).abs() < 1e-12);
     for case in &found.priors {
         // The plan under the changed prior, by the evaluation of a changed cell.
-        let j = cell
-            .setup
-            .robot
-            .spring_names()
-            .iter()
-            .position(|n| *n == case.joint)
-            .unwrap();
+        let j = cell.setup.robot.spring_names().iter().position(|n| *n == case.joint).unwrap();
         let mut changed = cell.clone();
         changed.prior.as_mut().unwrap()[j] *= case.factor;
-        let value = evaluate(&changed, "", &plan.group)
-            .unwrap()
-            .indices
-            .expected_error
-            .unwrap();
+        let value = evaluate(&changed, "", &plan.group).unwrap().indices.expected_error.unwrap();
         assert!((case.value.unwrap() / value - 1.0).abs() < 1e-9);
         assert!(case.best.unwrap() <= value * 1.001);
     }
-    let largest = found
-        .priors
-        .iter()
-        .map(|c| c.loss.unwrap())
-        .fold(0.0, f64::max);
-    println!(
-        "largest loss {largest:.4}, postures {:?}, tool {:?}",
-        found.postures, found.tool_points
-    );
+    let largest = found.priors.iter().map(|c| c.loss.unwrap()).fold(0.0, f64::max);
+    println!("largest loss {largest:.4}, postures {:?}, tool {:?}", found.postures, found.tool_points);
     assert_eq!(found.would_change, largest > 0.05);
     let postures = found.postures.unwrap();
     // Angles of a twentieth of a degree hardly matter to a flat optimum.
@@ -323,18 +255,13 @@ fn the_load_is_designed_with_the_postures() {
     let plan = selected(&cell, Index::ExpectedError, 6, &options);
     let load = plan.load.clone().unwrap();
     assert_eq!(load.magnitude_n, Some(800.0));
-    let inside = |p: [f64; 3], [low, high]: [Vector3<f64>; 2]| {
-        (0..3).all(|i| p[i] >= low[i] && p[i] <= high[i])
-    };
+    let inside = |p: [f64; 3], [low, high]: [Vector3<f64>; 2]| (0..3).all(|i| p[i] >= low[i] && p[i] <= high[i]);
     assert!(inside(load.anchor_m.unwrap(), anchor));
     assert!(inside(load.loading_point_m, point));
     // The value is that of the cell with the chosen load, whose limits hold.
     let mut chosen = cell.clone();
     chosen.setup.tool.loading_point = load.loading_point_m.into();
-    chosen.setup.load = Load::Rope {
-        anchor: load.anchor_m.unwrap().into(),
-        magnitude: 800.0,
-    };
+    chosen.setup.load = Load::Rope { anchor: load.anchor_m.unwrap().into(), magnitude: 800.0 };
     assert!((plan.value.ln() - ln_index(&chosen, Index::ExpectedError, &plan.group)).abs() < 1e-12);
     assert!(violation(&chosen, &plan.group) <= 1e-9);
     // The larger force alone gives 500/800; the free places give more.
@@ -358,24 +285,11 @@ fn the_load_is_designed_with_the_postures() {
 fn what_cannot_be_found_is_explained() {
     let mut cell = default_cell();
     cell.limits.tool_box = Some([Vector3::repeat(8.0), Vector3::repeat(9.0)]);
-    let error = select(
-        &cell,
-        Index::ExpectedError,
-        6,
-        &rounds(1, 1),
-        Control::default(),
-    );
+    let error = select(&cell, Index::ExpectedError, 6, &rounds(1, 1), Control::default());
     assert_eq!(error.unwrap_err().place().key.as_deref(), Some("limits"));
     let mut cell = reference_cell();
     cell.setup.load = hanging(500.0);
-    let error = select(
-        &cell,
-        Index::ExpectedError,
-        6,
-        &rounds(1, 1),
-        Control::default(),
-    )
-    .unwrap_err();
+    let error = select(&cell, Index::ExpectedError, 6, &rounds(1, 1), Control::default()).unwrap_err();
     assert_eq!(error.code(), Code::NotIdentifiable);
     assert!(error.to_string().contains("joint 1"), "{error}");
 }

@@ -3,8 +3,7 @@
 
 use crate::common::groups::ln_index;
 use crate::common::model::{
-    Model, condition_number, duals, has_sound_svd, inverse_gram_diagonal, inverse_r,
-    singular_values,
+    Model, condition_number, duals, has_sound_svd, inverse_gram_diagonal, inverse_r, singular_values,
 };
 use crate::common::prelude::*;
 use num_dual::{Dual64, DualNum};
@@ -53,23 +52,15 @@ impl<'a> Reference<'a> {
             .map(|(_, block)| {
                 DMatrix::from_fn(rows, block.ncols(), |i, j| {
                     let value = if whiten {
-                        (0..=i).fold(Dual64::from(0.0), |s, l| {
-                            s + block[(l, j)] * inverse[(i, l)]
-                        })
+                        (0..=i).fold(Dual64::from(0.0), |s, l| s + block[(l, j)] * inverse[(i, l)])
                     } else {
                         block[(i, j)]
                     };
-                    if prior {
-                        value / self.model.prior[j]
-                    } else {
-                        value
-                    }
+                    if prior { value / self.model.prior[j] } else { value }
                 })
             })
             .collect();
-        DMatrix::from_fn(rows * kept.len(), self.model.joint_count(), |i, j| {
-            kept[i / rows][(i % rows, j)]
-        })
+        DMatrix::from_fn(rows * kept.len(), self.model.joint_count(), |i, j| kept[i / rows][(i % rows, j)])
     }
 
     /// ln of the RMS relative standard error without a posture.
@@ -83,11 +74,7 @@ impl<'a> Reference<'a> {
     fn ln_index(&self, index: Index, sharpness: Option<f64>) -> (Dual64, Vec<Dual64>) {
         let zero = Dual64::from(0.0);
         let ln_sigma = Dual64::from(self.model.sigma.ln());
-        let dexterity = if index.uses_dexterity() {
-            self.dexterity.clone()
-        } else {
-            Vec::new()
-        };
+        let dexterity = if index.uses_dexterity() { self.dexterity.clone() } else { Vec::new() };
         let n = self.model.joint_count() as f64;
         // Smoothed largest (p > 0) or smallest (p < 0) singular value: λ = σ².
         let extreme = |values: &[Dual64], sign: f64| match sharpness {
@@ -100,14 +87,8 @@ impl<'a> Reference<'a> {
             }
             Some(p) => {
                 // Relative to the extreme one, or the powers overflow.
-                let unit = if sign > 0.0 {
-                    values[0].re
-                } else {
-                    values[values.len() - 1].re
-                };
-                let sum = values
-                    .iter()
-                    .fold(zero, |s, v| s + (*v / unit).powf(2.0 * sign * p));
+                let unit = if sign > 0.0 { values[0].re } else { values[values.len() - 1].re };
+                let sum = values.iter().fold(zero, |s, v| s + (*v / unit).powf(2.0 * sign * p));
                 sum.ln() * (sign / (2.0 * p)) + unit.ln()
             }
         };
@@ -123,18 +104,10 @@ impl<'a> Reference<'a> {
             Index::O4 => (condition(false, 1.0, -2.0), dexterity),
             Index::O5 => {
                 let values = singular_values(&self.stacked(false, false, None));
-                (
-                    values.iter().fold(zero, |s, v| s + v.recip()).ln(),
-                    dexterity,
-                )
+                (values.iter().fold(zero, |s, v| s + v.recip()).ln(), dexterity)
             }
             Index::ExpectedError => (ln_sigma + self.ln_rms(None), dexterity),
-            Index::DropOne => (
-                ln_sigma,
-                (0..self.blocks.len())
-                    .map(|p| self.ln_rms(Some(p)))
-                    .collect(),
-            ),
+            Index::DropOne => (ln_sigma, (0..self.blocks.len()).map(|p| self.ln_rms(Some(p))).collect()),
             Index::WorstJoint => {
                 let diagonal = inverse_gram_diagonal(&self.stacked(true, true, None));
                 (ln_sigma, diagonal.iter().map(|v| v.ln() * 0.5).collect())
@@ -146,8 +119,7 @@ impl<'a> Reference<'a> {
                 let mut trace = zero;
                 for i in 0..rows.nrows() {
                     for j in 0..inverse.ncols() {
-                        let entry = (0..inverse.nrows())
-                            .fold(zero, |s, k| s + inverse[(k, j)] * rows[(i, k)]);
+                        let entry = (0..inverse.nrows()).fold(zero, |s, k| s + inverse[(k, j)] * rows[(i, k)]);
                         trace += entry * entry;
                     }
                 }
@@ -160,11 +132,7 @@ impl<'a> Reference<'a> {
                 let own = index == Index::D;
                 let inverse = inverse_r(&self.stacked(own, own, None));
                 let mean = (0..inverse.nrows()).fold(zero, |s, j| s + inverse[(j, j)].ln()) / n;
-                let unit = if own {
-                    ln_sigma
-                } else {
-                    Dual64::from(0.5 * (self.blocks.len() as f64).ln())
-                };
+                let unit = if own { ln_sigma } else { Dual64::from(0.5 * (self.blocks.len() as f64).ln()) };
                 (mean + unit, dexterity)
             }
         }
@@ -180,11 +148,8 @@ fn difficulty(model: &Model, postures: &[Vec<f64>]) -> (f64, f64) {
     for mut column in unit.column_iter_mut() {
         column.normalize_mut();
     }
-    let scaled = &psi
-        * DMatrix::from_diagonal(&DVector::from_iterator(
-            model.prior.len(),
-            model.prior.iter().map(|k| 1.0 / k),
-        ));
+    let scaled =
+        &psi * DMatrix::from_diagonal(&DVector::from_iterator(model.prior.len(), model.prior.iter().map(|k| 1.0 / k)));
     for matrix in [psi, scaled] {
         if !has_sound_svd(&matrix) {
             return (f64::INFINITY, 0.0);
@@ -206,13 +171,7 @@ fn difficulty(model: &Model, postures: &[Vec<f64>]) -> (f64, f64) {
 }
 
 /// A random cell and group that floating point can tell something about.
-fn random_case(
-    dice: &mut Dice,
-    n: usize,
-    kind: usize,
-    elastic: bool,
-    common: bool,
-) -> (Model, Vec<Vec<f64>>) {
+fn random_case(dice: &mut Dice, n: usize, kind: usize, elastic: bool, common: bool) -> (Model, Vec<Vec<f64>>) {
     for _ in 0..2000 {
         let model = dice.model(n, kind, elastic, common);
         let postures = dice.postures(n, POSTURES);
@@ -235,9 +194,8 @@ fn compare(n: usize) {
         let (model, postures) = random_case(&mut dice, n, kind, elastic, common);
         let cell = model.cell();
         let flat: Vec<f64> = postures.concat();
-        let references: Vec<Reference<'_>> = (0..flat.len())
-            .map(|k| Reference::new(&model, &duals(&flat, n, k)))
-            .collect();
+        let references: Vec<Reference<'_>> =
+            (0..flat.len()).map(|k| Reference::new(&model, &duals(&flat, n, k))).collect();
         for index in Index::ALL {
             if index == Index::Prediction {
                 continue;
@@ -250,21 +208,13 @@ fn compare(n: usize) {
                 let mut function = IndexFunction::new(&cell, index, POSTURES).unwrap();
                 function.set_sharpness(sharpness);
                 let ours = function.evaluate(&flat);
-                let golden: Vec<_> = references
-                    .iter()
-                    .map(|r| r.ln_index(index, sharpness))
-                    .collect();
+                let golden: Vec<_> = references.iter().map(|r| r.ln_index(index, sharpness)).collect();
                 let what = format!("n {n} case {case} {index:?} {sharpness:?}");
                 assert_eq!(ours.components.len(), golden[0].1.len(), "{what}");
                 assert_eq!(function.component_count(), ours.components.len(), "{what}");
 
                 let mut values = vec![(ours.smooth, golden[0].0.re)];
-                values.extend(
-                    ours.components
-                        .iter()
-                        .zip(&golden[0].1)
-                        .map(|(a, b)| (*a, b.re)),
-                );
+                values.extend(ours.components.iter().zip(&golden[0].1).map(|(a, b)| (*a, b.re)));
                 for (ours, golden) in values {
                     let error = (ours - golden).abs() / golden.abs().max(1.0);
                     assert!(error < 1e-9, "{what}: value {ours} against {golden}");
@@ -272,15 +222,9 @@ fn compare(n: usize) {
                 }
                 // The exact value is that of the evaluation by QR and SVD.
                 let exact = ln_index(&cell, index, &postures);
-                assert!(
-                    (ours.value() - exact).abs() < 1e-8 * exact.abs().max(1.0),
-                    "{what}: exact value"
-                );
+                assert!((ours.value() - exact).abs() < 1e-8 * exact.abs().max(1.0), "{what}: exact value");
 
-                let mut rows = vec![(
-                    &ours.smooth_gradient[..],
-                    golden.iter().map(|g| g.0.eps).collect(),
-                )];
+                let mut rows = vec![(&ours.smooth_gradient[..], golden.iter().map(|g| g.0.eps).collect())];
                 for c in 0..ours.components.len() {
                     let row = &ours.component_gradients[c * flat.len()..(c + 1) * flat.len()];
                     rows.push((row, golden.iter().map(|g| g.1[c].eps).collect::<Vec<f64>>()));
@@ -289,10 +233,7 @@ fn compare(n: usize) {
                     let scale = golden.iter().fold(1e-3_f64, |m, g| m.max(g.abs()));
                     for (k, (a, b)) in ours.iter().zip(golden).enumerate() {
                         let error = (a - b).abs() / scale;
-                        assert!(
-                            error < TOLERANCE,
-                            "{what} row {r} angle {k}: {a} against {b}, scale {scale}"
-                        );
+                        assert!(error < TOLERANCE, "{what} row {r} angle {k}: {a} against {b}, scale {scale}");
                         worst = worst.max(error);
                     }
                     compared += 1;
@@ -328,15 +269,13 @@ fn the_smoothed_index_is_the_log_sum_exp_of_its_parts() {
             if index.uses_dexterity() && n < 6 {
                 continue;
             }
-            let (model, postures) =
-                random_case(&mut dice, n, case % 4, case % 3 == 1, case % 2 == 1);
+            let (model, postures) = random_case(&mut dice, n, case % 4, case % 3 == 1, case % 2 == 1);
             let cell = model.cell();
             // The first posture is given, the others are free.
             let (given, free) = postures.split_at(1);
             let flat = free.concat();
             let p = 25.0;
-            let mut function =
-                IndexFunction::with_given(&cell, index, POSTURES - 1, given).unwrap();
+            let mut function = IndexFunction::with_given(&cell, index, POSTURES - 1, given).unwrap();
             let mut gradient = vec![0.0; flat.len()];
             let smoothed = function.smoothed(&flat, p, &mut gradient);
             function.set_sharpness(Some(p));
@@ -357,10 +296,7 @@ fn the_smoothed_index_is_the_log_sum_exp_of_its_parts() {
             assert!((smoothed.objective - value).abs() < 1e-10 * value.abs().max(1.0));
             let scale = expected.iter().fold(1e-3_f64, |m, g| m.max(g.abs()));
             for (ours, expected) in gradient.iter().zip(&expected) {
-                assert!(
-                    (ours - expected).abs() < TOLERANCE * scale,
-                    "{index:?}, n {n}"
-                );
+                assert!((ours - expected).abs() < TOLERANCE * scale, "{index:?}, n {n}");
             }
             // The value counts given and free postures alike.
             let exact = ln_index(&cell, index, &postures);
@@ -377,13 +313,7 @@ fn smoothing_is_off_by_at_most_ln_n_over_p_and_does_not_touch_the_exact_value() 
         let (model, postures) = random_case(&mut dice, 6, 0, false, false);
         let cell = model.cell();
         let flat = postures.concat();
-        for index in [
-            Index::Condition,
-            Index::Scaled,
-            Index::O2,
-            Index::O3,
-            Index::O4,
-        ] {
+        for index in [Index::Condition, Index::Scaled, Index::O2, Index::O3, Index::O4] {
             let mut function = IndexFunction::new(&cell, index, POSTURES).unwrap();
             assert!(function.has_extreme_singular_values());
             let exact = function.evaluate(&flat);
@@ -399,10 +329,7 @@ fn smoothing_is_off_by_at_most_ln_n_over_p_and_does_not_touch_the_exact_value() 
                 _ => 1.0,
             } * 6f64.ln()
                 / p;
-            assert!(
-                (-1e-12..=most * (1.0 + 1e-12)).contains(&off),
-                "{index:?}, p = {p}: {off} of {most}"
-            );
+            assert!((-1e-12..=most * (1.0 + 1e-12)).contains(&off), "{index:?}, p = {p}: {off} of {most}");
         }
     }
 }

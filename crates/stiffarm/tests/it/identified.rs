@@ -20,9 +20,7 @@ fn fit() -> Fit {
 fn everything_or_estimates_alone() {
     let fit = fit();
     let all = Identified::new(&fit, &IdentifiedOptions::default(), Control::default()).unwrap();
-    assert!(
-        all.systematic_errors.is_some() && all.diagnosis.is_some() && all.next_posture.is_some()
-    );
+    assert!(all.systematic_errors.is_some() && all.diagnosis.is_some() && all.next_posture.is_some());
     assert!(all.bootstrap.is_none() && all.elastic.is_some() && all.not_computed.is_empty());
     let brief = {
         let mut wanted = IdentifiedOptions::default();
@@ -31,11 +29,7 @@ fn everything_or_estimates_alone() {
         Identified::new(&fit, &wanted, Control::default()).unwrap()
     };
     assert_eq!(brief.identification, *fit.identification().unwrap());
-    assert!(
-        brief.systematic_errors.is_none()
-            && brief.diagnosis.is_none()
-            && brief.next_posture.is_none()
-    );
+    assert!(brief.systematic_errors.is_none() && brief.diagnosis.is_none() && brief.next_posture.is_none());
     // What is saved is what is read.
     let text = serde_json::to_string(&all).unwrap();
     let read: Identified = serde_json::from_str(&text).unwrap();
@@ -44,10 +38,7 @@ fn everything_or_estimates_alone() {
 
 #[test]
 fn what_a_stop_leaves_out_is_named() {
-    let control = Control {
-        stop: Some(&|| true),
-        ..Control::default()
-    };
+    let control = Control { stop: Some(&|| true), ..Control::default() };
     let stopped = Identified::new(&fit(), &IdentifiedOptions::default(), control).unwrap();
     assert!(stopped.next_posture.is_none());
     assert_eq!(stopped.not_computed, ["next_posture"]);
@@ -68,18 +59,9 @@ fn a_stop_before_the_systematic_errors_goes_along_with_the_stiffness() {
     fit.identification().unwrap();
     stop.store(true, Ordering::Relaxed);
     let stopped = Identified::new(&fit, &IdentifiedOptions::default(), Control::default()).unwrap();
-    assert!(
-        stopped.systematic_errors.is_none(),
-        "{:?}",
-        stopped.not_computed
-    );
+    assert!(stopped.systematic_errors.is_none(), "{:?}", stopped.not_computed);
     let doubts = stopped.sealed.unwrap().predictor.doubts;
-    assert!(
-        doubts
-            .iter()
-            .any(|doubt| doubt.code == "stiffness-unfinished"),
-        "{doubts:?}"
-    );
+    assert!(doubts.iter().any(|doubt| doubt.code == "stiffness-unfinished"), "{doubts:?}");
 }
 
 #[test]
@@ -102,10 +84,7 @@ fn the_first_interval_holds_all_errors_and_the_parts_have_names() {
     for (j, joint) in all.identification.estimates.joints.iter().enumerate() {
         let (own, total) = (&systematic.uncertainty[j], systematic.total[j].unwrap());
         assert_eq!(joint.interval_holds, IntervalHolds::AllErrors);
-        assert_eq!(
-            (joint.interval, joint.half_width),
-            (own.interval_nm_per_rad, own.total)
-        );
+        assert_eq!((joint.interval, joint.half_width), (own.interval_nm_per_rad, own.total));
         assert_eq!(joint.standard_error, Some(joint.stiffness.unwrap() * total));
         assert_eq!(joint.readings_interval, alone[j].interval);
         assert_eq!(joint.readings_standard_error, alone[j].standard_error);
@@ -123,10 +102,7 @@ fn the_first_interval_holds_all_errors_and_the_parts_have_names() {
     }
     let saved = serde_json::to_value(&all).unwrap();
     let first = &saved["joints"][0];
-    assert_eq!(
-        first["interval"],
-        saved["systematic_errors"]["uncertainty"][0]["interval_nm_per_rad"]
-    );
+    assert_eq!(first["interval"], saved["systematic_errors"]["uncertainty"][0]["interval_nm_per_rad"]);
     assert_eq!(first["interval_holds"], "all_errors");
     // Read again nothing moves.
     let again: Identified = serde_json::from_value(saved).unwrap();
@@ -141,19 +117,14 @@ fn the_first_interval_holds_all_errors_and_the_parts_have_names() {
 fn the_moment_of_a_wrench_is_in_its_readings() {
     let mut cell = default_cell();
     cell.setup.load = Load::Constant {
-        wrench: Wrench {
-            force: Vector3::new(0.0, 300.0, -200.0),
-            moment: Vector3::new(0.0, 0.0, 60.0),
-        },
+        wrench: Wrench { force: Vector3::new(0.0, 300.0, -200.0), moment: Vector3::new(0.0, 0.0, 60.0) },
         axes: Axes::Base,
     };
     let group = PostureGroup::from_angles("", group1());
     let mut readings = simulated_readings(&cell, &group.postures, 1).unwrap();
     let worst = |readings: &ReadingTable| {
         let measured = prepare(&cell, readings.clone(), &ReduceOptions::default()).unwrap();
-        let named = measured
-            .findings()
-            .any(|f| f.code == "moment-not-read" && f.severity == Severity::Serious);
+        let named = measured.findings().any(|f| f.code == "moment-not-read" && f.severity == Severity::Serious);
         let fit = Fit::new(&cell, &measured, &Default::default()).unwrap();
         let joints = fit.identification().unwrap().estimates.joints.clone();
         let off = joints.iter().zip(cell.prior.as_ref().unwrap());

@@ -6,14 +6,7 @@ use stiffarm::estimate::identify::Identification;
 
 /// Postures in which only joints 1 and 2 move and the wrist stays as given.
 fn two_joints_move(wrist_deg: [f64; 3]) -> Vec<Posture> {
-    let rows = [
-        [-40.0, -20.0],
-        [-20.0, -5.0],
-        [-5.0, 10.0],
-        [10.0, 25.0],
-        [25.0, -15.0],
-        [40.0, 5.0],
-    ];
+    let rows = [[-40.0, -20.0], [-20.0, -5.0], [-5.0, 10.0], [10.0, 25.0], [25.0, -15.0], [40.0, 5.0]];
     let [q4, q5, q6] = wrist_deg;
     numbered(rows.map(|[q1, q2]| [q1, q2, -90.0, q4, q5, q6].map(f64::to_radians).to_vec()))
 }
@@ -38,18 +31,12 @@ fn joints_on_one_axis_are_answered_by_their_sum() {
         .find(|c| c.unknowns.len() == 2 && c.unknowns.contains(&"joint 4".to_string()))
         .expect("the sum of both compliances is determined");
     assert!(sum.unknowns.contains(&"joint 6".to_string()));
-    assert!(
-        sum.coefficients.iter().all(|c| (c - 1.0).abs() < 1e-6),
-        "{sum:?}"
-    );
+    assert!(sum.coefficients.iter().all(|c| (c - 1.0).abs() < 1e-6), "{sum:?}");
     let prior = cell.require_prior().unwrap();
     let truth = 1.0 / prior[3] + 1.0 / prior[5];
     let error = sum.standard_error.unwrap();
     assert!(error < 0.2 * truth, "{sum:?}");
-    assert!(
-        (sum.compliance - truth).abs() < 4.0 * error,
-        "{sum:?}, {truth:e}"
-    );
+    assert!((sum.compliance - truth).abs() < 4.0 * error, "{sum:?}, {truth:e}");
 }
 
 #[test]
@@ -65,10 +52,12 @@ fn joints_nearly_on_one_axis_get_no_negative_stiffness() {
             }
         }
         assert!(!found.estimates.is_complete());
-        summed += usize::from(found.estimates.combinations.iter().any(|c| {
-            c.unknowns.contains(&"joint 4".to_string())
-                && c.unknowns.contains(&"joint 6".to_string())
-        }));
+        summed +=
+            usize::from(
+                found.estimates.combinations.iter().any(|c| {
+                    c.unknowns.contains(&"joint 4".to_string()) && c.unknowns.contains(&"joint 6".to_string())
+                }),
+            );
     }
     assert_eq!(summed, 40);
 }
@@ -84,9 +73,7 @@ fn columns_of_further_terms_are_small_turns() {
     for term in ["tilt1", "tilt3", "tilt6", "base", "lost2"] {
         let term = ExtraTerm::parse(term, robot).unwrap()[0];
         let (axis, origin) = match term {
-            ExtraTerm::JointTilt(j) | ExtraTerm::LostMotion(j) => {
-                (frames.axes()[j], frames.origins()[j])
-            }
+            ExtraTerm::JointTilt(j) | ExtraTerm::LostMotion(j) => (frames.axes()[j], frames.origins()[j]),
             ExtraTerm::BaseTilt => {
                 // The foot of axis 1.
                 let origin = frames.origins()[0];
@@ -126,14 +113,12 @@ fn measured_with(
     stream: usize,
 ) -> Vec<MeasuredPosture> {
     let truth = cell.require_prior().unwrap();
-    let mut measured =
-        simulate_measurements(cell, postures, truth, Model::Linear, 9, stream).unwrap();
+    let mut measured = simulate_measurements(cell, postures, truth, Model::Linear, 9, stream).unwrap();
     let system = measured_system(cell, &measured, extra, Weights::Readings).unwrap();
     let further = system.psi.columns(system.springs, extra.len());
     let shift = further * DVector::from_column_slice(values);
     for (i, label) in system.labels.iter().enumerate() {
-        let displacement: &mut Displacement =
-            &mut measured[label.measured].displacements[label.displacement];
+        let displacement: &mut Displacement = &mut measured[label.measured].displacements[label.displacement];
         displacement.value += shift.fixed_rows::<3>(3 * i);
     }
     measured
@@ -145,11 +130,7 @@ fn further_springs_in_the_truth_are_found_and_judged_by_postures_left_out() {
     let postures = random_group(&cell, StartKind::Uniform, 15, 3, 0).unwrap();
     let postures = numbered(postures);
     let robot = &cell.setup.robot;
-    let extra = [
-        ExtraTerm::parse("tilt3", robot).unwrap(),
-        ExtraTerm::parse("lost2", robot).unwrap(),
-    ]
-    .concat();
+    let extra = [ExtraTerm::parse("tilt3", robot).unwrap(), ExtraTerm::parse("lost2", robot).unwrap()].concat();
     let values = [5e-7, 3e-5];
     let measured = measured_with(&cell, &postures, &extra, &values, 0);
     let plain = IdentifyOptions::default();
@@ -162,12 +143,7 @@ fn further_springs_in_the_truth_are_found_and_judged_by_postures_left_out() {
     let lost = &found.estimates.lost_motion[0];
     let [low, high] = lost.interval.map(|v| v.unwrap());
     assert!(low < 3e-5 && 3e-5 < high && low > 1e-5, "{lost:?}");
-    for (joint, truth) in found
-        .estimates
-        .joints
-        .iter()
-        .zip(cell.require_prior().unwrap())
-    {
+    for (joint, truth) in found.estimates.joints.iter().zip(cell.require_prior().unwrap()) {
         let error = (joint.stiffness.unwrap() - truth) / joint.standard_error.unwrap();
         assert!(error.abs() < 4.5, "{joint:?}");
     }

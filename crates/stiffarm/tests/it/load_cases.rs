@@ -11,33 +11,18 @@ use stiffarm::plan::check::check;
 use stiffarm::plan::index::evaluate_groups;
 
 fn case(name: &str, load: Load, loading_point: Option<Vector3<f64>>) -> LoadCase {
-    LoadCase {
-        name: name.to_string(),
-        load,
-        loading_point,
-    }
+    LoadCase { name: name.to_string(), load, loading_point }
 }
 
 /// Two ropes to either side, a weight at a point of its own, a wrench that turns with the tool.
 fn four_loads() -> Cell {
     let mut cell = default_cell();
-    let Load::Rope { anchor, magnitude } = cell.setup.load else {
-        panic!("the default cell has a rope")
-    };
-    let aside = |y: f64| Load::Rope {
-        anchor: anchor + Vector3::new(0.0, y, 0.0),
-        magnitude,
-    };
+    let Load::Rope { anchor, magnitude } = cell.setup.load else { panic!("the default cell has a rope") };
+    let aside = |y: f64| Load::Rope { anchor: anchor + Vector3::new(0.0, y, 0.0), magnitude };
     let beside = cell.setup.tool.loading_point + Vector3::new(0.05, -0.2, 0.1);
-    let weight = Load::Weight {
-        magnitude: 300.0,
-        direction: *cell.setup.robot.gravity_direction(),
-    };
+    let weight = Load::Weight { magnitude: 300.0, direction: *cell.setup.robot.gravity_direction() };
     let turning = Load::Constant {
-        wrench: Wrench {
-            force: Vector3::new(100.0, 200.0, -50.0),
-            moment: Vector3::new(20.0, -10.0, 30.0),
-        },
+        wrench: Wrench { force: Vector3::new(100.0, 200.0, -50.0), moment: Vector3::new(20.0, -10.0, 30.0) },
         axes: Axes::Tool,
     };
     cell.setup.load = Load::Cases(vec![
@@ -52,18 +37,14 @@ fn four_loads() -> Cell {
 /// The two ropes of them.
 fn two_ropes() -> Cell {
     let mut cell = four_loads();
-    let Load::Cases(cases) = &mut cell.setup.load else {
-        unreachable!()
-    };
+    let Load::Cases(cases) = &mut cell.setup.load else { unreachable!() };
     cases.truncate(2);
     cell
 }
 
 /// Ψ of the loads one by one, put together by hand.
 fn by_hand(cell: &Cell, postures: &[Vec<f64>]) -> DMatrix<f64> {
-    let Load::Cases(cases) = &cell.setup.load else {
-        unreachable!()
-    };
+    let Load::Cases(cases) = &cell.setup.load else { unreachable!() };
     let mut rows: Vec<DMatrix<f64>> = Vec::new();
     for q in postures {
         for case in cases {
@@ -96,10 +77,7 @@ fn the_observation_matrix_has_the_rows_of_each_load() {
     let postures = group1();
     let psi = observation_matrix(&cell.setup, &postures, Rows::Translations).unwrap();
     let expected = by_hand(&cell, &postures);
-    assert_eq!(
-        psi.nrows(),
-        4 * 3 * cell.setup.tool.point_count() * postures.len()
-    );
+    assert_eq!(psi.nrows(), 4 * 3 * cell.setup.tool.point_count() * postures.len());
     assert!((&psi - &expected).amax() < 1e-12 * expected.amax());
     // The indices shown are those of this matrix.
     let sigma = expected.singular_values();
@@ -128,12 +106,7 @@ fn the_same_load_twice_is_worth_twice_the_readings() {
     let load = alone.setup.load.clone();
     twice.setup.load = Load::Cases(vec![case("a", load.clone(), None), case("b", load, None)]);
     let postures = group1();
-    for index in [
-        Index::ExpectedError,
-        Index::WorstJoint,
-        Index::DropOne,
-        Index::D,
-    ] {
+    for index in [Index::ExpectedError, Index::WorstJoint, Index::DropOne, Index::D] {
         let one = ln_index(&alone, index, &postures);
         let two = ln_index(&twice, index, &postures);
         assert!((one - two - 0.5 * 2f64.ln()).abs() < 1e-9, "{index:?}");
@@ -158,10 +131,7 @@ fn values_and_gradients_of_the_kernel() {
         let mut function = IndexFunction::new(&cell, index, 4).unwrap();
         let value = function.value(&q);
         let expected = ln_index(&cell, index, &group);
-        assert!(
-            (value - expected).abs() < 1e-9,
-            "{index:?}: {value} {expected}"
-        );
+        assert!((value - expected).abs() < 1e-9, "{index:?}: {value} {expected}");
         let mut gradient = vec![0.0; q.len()];
         function.smoothed(&q, 30.0, &mut gradient);
         let mut unused = vec![0.0; q.len()];
@@ -185,14 +155,8 @@ fn a_plan_keeps_the_limits_under_every_load_and_is_certified() {
         }
     }
     assert!(smallest_margin(&cell, &plan.group).unwrap().unwrap() >= 0.0);
-    let certificate = certify(
-        &cell,
-        Index::ExpectedError,
-        &plan.group,
-        &CertificateOptions::default(),
-        Control::default(),
-    )
-    .unwrap();
+    let certificate =
+        certify(&cell, Index::ExpectedError, &plan.group, &CertificateOptions::default(), Control::default()).unwrap();
     assert!((certificate.value.unwrap() / plan.value - 1.0).abs() < 1e-9);
     let efficiency = certificate.efficiency.unwrap();
     assert!((0.85..=1.0 + 1e-9).contains(&efficiency), "{efficiency}");
@@ -260,10 +224,7 @@ fn a_state_of_no_load_is_refused() {
     let postures = numbered(group1());
     let truth = cell.prior.clone().unwrap();
     let done = Experiment {
-        states: vec![
-            ExperimentState::new("unloaded", 0.0),
-            ExperimentState::new("above", 1.0),
-        ],
+        states: vec![ExperimentState::new("unloaded", 0.0), ExperimentState::new("above", 1.0)],
         ..Experiment::default()
     };
     let error = experiment(&cell, &postures, &truth, &done, 1, 0).unwrap_err();
@@ -282,13 +243,7 @@ fn simulation_validation_and_what_is_common_to_all_readings() {
     let mut options = SimulationOptions::default();
     options.variance_factors = vec![1.0];
     options.runs = 400;
-    let found = simulate(
-        &cell,
-        std::slice::from_ref(&group),
-        &options,
-        Control::default(),
-    )
-    .unwrap();
+    let found = simulate(&cell, std::slice::from_ref(&group), &options, Control::default()).unwrap();
     let level = &found.groups[0].levels[0];
     let expected = evaluate(&cell, "g", &group.postures).unwrap();
     for j in 0..6 {
@@ -298,27 +253,15 @@ fn simulation_validation_and_what_is_common_to_all_readings() {
         assert!(off.abs() < 4.0 * level.compliance_standard_error[j]);
     }
     // A force scale of 1 % common to all loads moves every stiffness by 1 %.
-    options.model_errors = ModelErrors {
-        force_scale: 0.01,
-        ..ModelErrors::default()
-    };
+    options.model_errors = ModelErrors { force_scale: 0.01, ..ModelErrors::default() };
     cell.noise.reading_variance = 0.0;
-    let scaled = simulate(
-        &cell,
-        std::slice::from_ref(&group),
-        &options,
-        Control::default(),
-    );
+    let scaled = simulate(&cell, std::slice::from_ref(&group), &options, Control::default());
     let level = &scaled.unwrap().groups[0].levels[0];
     let spread = level.compliance_mean_deviation.clone();
-    assert!(
-        spread.iter().all(|d| (d / spread[0] - 1.0).abs() < 1e-6),
-        "{spread:?}"
-    );
+    assert!(spread.iter().all(|d| (d / spread[0] - 1.0).abs() < 1e-6), "{spread:?}");
 
     cell.noise.reading_variance = 1e-12;
-    let measured =
-        simulate_measurements(&cell, &group.postures, &prior, Model::Linear, 1, 0).unwrap();
+    let measured = simulate_measurements(&cell, &group.postures, &prior, Model::Linear, 1, 0).unwrap();
     assert_eq!(measured.len(), 2 * group.postures.len());
     let result = validate(&cell, &prior, &measured, Model::Linear, None).unwrap();
     assert!(result.component_rms_m < 3e-6);
@@ -326,15 +269,9 @@ fn simulation_validation_and_what_is_common_to_all_readings() {
     let errors = systematic_errors(&fit).unwrap();
     let parts = |name: &str| -> Vec<String> {
         let own = errors.sources.iter().filter(|s| s.name == name);
-        own.flat_map(|s| s.parts.iter().map(|p| p.name.clone()))
-            .collect()
+        own.flat_map(|s| s.parts.iter().map(|p| p.name.clone())).collect()
     };
-    assert_eq!(
-        parts("anchor"),
-        [
-            "left x", "left y", "left z", "right x", "right y", "right z"
-        ]
-    );
+    assert_eq!(parts("anchor"), ["left x", "left y", "left z", "right x", "right y", "right z"]);
     assert_eq!(parts("loading-point"), ["x", "y", "z"]);
     let next = next_posture(&fit, &rounds(1), Control::default()).unwrap();
     assert!(next.expected_error < fit_error(&next.before));
@@ -351,9 +288,7 @@ fn fit_error(relative: &[Option<f64>]) -> f64 {
 fn a_check_looks_at_all_loads() {
     // A weight alone leaves joint 1 in the dark; with a rope beside it nothing is.
     let mut cell = four_loads();
-    let Load::Cases(cases) = &mut cell.setup.load else {
-        unreachable!()
-    };
+    let Load::Cases(cases) = &mut cell.setup.load else { unreachable!() };
     let (rope, weight) = (cases[0].clone(), cases[2].clone());
     *cases = vec![weight.clone()];
     let dark = check(&cell).unwrap();
@@ -370,11 +305,7 @@ fn candidates_that_the_cell_forbids_are_left_out() {
     // Outside the bounds, and with the tool behind the robot.
     list.insert(2, vec![2.0, 0.0, -1.5, 0.1, 0.2, 0.3]);
     list.insert(4, vec![0.0, -1.0, -3.1, 0.1, 0.2, 0.3]);
-    let list: Vec<Candidate> = list
-        .into_iter()
-        .enumerate()
-        .map(|(i, q)| Candidate::new(i.to_string(), q))
-        .collect();
+    let list: Vec<Candidate> = list.into_iter().enumerate().map(|(i, q)| Candidate::new(i.to_string(), q)).collect();
     let mut options = CandidateOptions::default();
     let control = Control::default;
     let index = Index::ExpectedError;
@@ -382,11 +313,7 @@ fn candidates_that_the_cell_forbids_are_left_out() {
     assert_eq!(found.chosen, [0, 1, 3, 5, 6, 7]);
     let forbidden: Vec<usize> = found.forbidden.iter().map(|f| f.candidate).collect();
     assert_eq!(forbidden, [2, 4]);
-    assert!(
-        found.forbidden[0]
-            .because
-            .contains("outside the cell's bounds")
-    );
+    assert!(found.forbidden[0].because.contains("outside the cell's bounds"));
     let error = select_candidates(&cell, index, 7, &list, &options, control()).unwrap_err();
     assert!(error.message().contains("6 of 8 candidates"), "{error}");
     // What was measured was driven.
@@ -404,23 +331,17 @@ fn measured_candidates_count_with_the_loads_that_they_were_measured_under() {
     let cell = two_ropes();
     let truth = cell.prior.clone().unwrap();
     let postures = numbered(group1());
-    let mut measured =
-        simulate_measurements(&cell, &postures, &truth, Model::Linear, 1, 0).unwrap();
+    let mut measured = simulate_measurements(&cell, &postures, &truth, Model::Linear, 1, 0).unwrap();
     let mut options = CandidateOptions::default();
     options.limits = false;
     let index = Index::ExpectedError;
     let value_of = |measured: &[MeasuredPosture]| {
         let list = Candidate::of_measured(&cell.setup, measured);
         let count = list.len();
-        let found =
-            select_candidates(&cell, index, count, &list, &options, Control::default()).unwrap();
+        let found = select_candidates(&cell, index, count, &list, &options, Control::default()).unwrap();
         found.value
     };
-    let whole = evaluate(&cell, "g", &group1())
-        .unwrap()
-        .indices
-        .expected_error
-        .unwrap();
+    let whole = evaluate(&cell, "g", &group1()).unwrap().indices.expected_error.unwrap();
     assert!((value_of(&measured) / whole - 1.0).abs() < 1e-9);
     // Measured forces, and a second state under each load with less force, change nothing.
     let mut more = Vec::new();
@@ -450,20 +371,12 @@ fn a_posture_without_one_of_the_loads_is_named() {
     let truth = cell.prior.clone().unwrap();
     let postures = numbered(group1());
     let mut table = experiment(&cell, &postures, &truth, &done, 1, 0).unwrap();
-    table.postures[1]
-        .states
-        .retain(|state| state.state != "weight");
+    table.postures[1].states.retain(|state| state.state != "weight");
     let measured = prepare(&cell, table, &Default::default()).unwrap();
-    let said: Vec<&str> = measured
-        .findings()
-        .filter(|f| f.code == "load-case-not-measured")
-        .map(|f| f.sentence.as_str())
-        .collect();
+    let said: Vec<&str> =
+        measured.findings().filter(|f| f.code == "load-case-not-measured").map(|f| f.sentence.as_str()).collect();
     assert_eq!(said.len(), 1);
-    assert!(
-        said[0].contains("Posture 2: not measured under weight"),
-        "{said:?}"
-    );
+    assert!(said[0].contains("Posture 2: not measured under weight"), "{said:?}");
 }
 
 #[test]
@@ -475,17 +388,8 @@ fn limits_name_the_load_that_violates_them() {
     let ropes: Vec<_> = named.iter().filter(|m| m.kind.is_of_load()).collect();
     assert!(ropes.iter().any(|m| m.load.as_deref() == Some("left")));
     assert!(ropes.iter().any(|m| m.load.as_deref() == Some("right")));
-    let smallest = cell
-        .posture_margins()
-        .unwrap()
-        .smallest(q)
-        .unwrap()
-        .unwrap();
-    assert!(
-        smallest.violation().contains("(load case "),
-        "{}",
-        smallest.violation()
-    );
+    let smallest = cell.posture_margins().unwrap().smallest(q).unwrap().unwrap();
+    assert!(smallest.violation().contains("(load case "), "{}", smallest.violation());
 }
 
 /// Indices of many groups at once are those of each alone: where the information is well conditioned to nine digits, and
@@ -519,9 +423,6 @@ fn indices_of_many_groups_are_those_of_each() {
         }
         assert!(off < 1e-9, "{off}");
         // Not all went by the decompositions.
-        assert!(
-            alike < many.len() as u32 * wanted.len() as u32 / 2,
-            "{alike}"
-        );
+        assert!(alike < many.len() as u32 * wanted.len() as u32 / 2, "{alike}");
     }
 }

@@ -8,10 +8,8 @@ use stiffarm::plan::characteristic_length::with_characteristic_length;
 fn derivatives_by_anchor_and_loading_point_are_those_of_differences() {
     let mut cell = with_characteristic_length(builtin::cell("comau").unwrap()).unwrap();
     // A base off the origin, so that axes are not mistaken for each other.
-    let base = Isometry3::from_parts(
-        Translation3::new(0.2, -0.1, 0.3),
-        UnitQuaternion::from_euler_angles(0.2, -0.3, 0.4),
-    );
+    let base =
+        Isometry3::from_parts(Translation3::new(0.2, -0.1, 0.3), UnitQuaternion::from_euler_angles(0.2, -0.3, 0.4));
     cell.setup.robot = cell.setup.robot.with_base(&base);
     let q: Vec<f64> = (0..24).map(|i| (0.9 * i as f64).sin()).collect();
     let (anchor, point) = (*rope_anchor(&mut cell), cell.setup.tool.loading_point);

@@ -47,18 +47,13 @@ fn nothing_of_the_test_reaches_choice_or_model() {
     let test = studies[0].posture_count - studies[0].pool_count;
     // Mean over the rows of the test postures, of which the third posture's moved.
     let expected = 2.0 * by.norm_squared() / (3 * test) as f64;
-    let squares = |c: usize, split: usize| {
-        studies
-            .each_ref()
-            .map(|s| s.choices[c].errors_m[split].unwrap().powi(2))
-    };
+    let squares = |c: usize, split: usize| studies.each_ref().map(|s| s.choices[c].errors_m[split].unwrap().powi(2));
     let is_tested = |c: usize, split: usize| {
         let [plain, to, fro] = squares(c, split);
         (to + fro - 2.0 * plain - expected).abs() < 1e-6 * expected
     };
-    let whole: Vec<usize> = (0..studies[0].choices.len())
-        .filter(|c| studies[0].choices[*c].choice == Choice::Pool)
-        .collect();
+    let whole: Vec<usize> =
+        (0..studies[0].choices.len()).filter(|c| studies[0].choices[*c].choice == Choice::Pool).collect();
     assert_eq!(whole.len(), 2);
     let (mut tested, mut unmoved) = (0, 0);
     for split in 0..studies[0].split_count {
@@ -72,10 +67,7 @@ fn nothing_of_the_test_reaches_choice_or_model() {
             let [plain, to, fro] = squares(c, split);
             let same = plain == to && plain == fro;
             unmoved += usize::from(same);
-            assert!(
-                same || (plain != to && plain != fro),
-                "choice {c}, split {split}"
-            );
+            assert!(same || (plain != to && plain != fro), "choice {c}, split {split}");
         }
     }
     assert!(tested > 0 && tested < studies[0].split_count, "{tested}");
@@ -86,10 +78,7 @@ fn nothing_of_the_test_reaches_choice_or_model() {
 fn an_arm_of_joint_springs_is_predicted_to_its_noise() {
     let (cell, measured) = simulated();
     let study = run(&cell, &measured);
-    assert_eq!(
-        (study.posture_count, study.pool_count, study.split_count),
-        (13, 9, options().splits)
-    );
+    assert_eq!((study.posture_count, study.pool_count, study.split_count), (13, 9, options().splits));
     // Two readings behind each displacement.
     let noise = (2.0 * cell.noise.reading_variance).sqrt();
     for choice in &study.choices {
@@ -117,9 +106,7 @@ fn what_cannot_be_split_is_said() {
     let refused = |change: &dyn Fn(&mut MeasuredStudyOptions)| {
         let mut options = options();
         change(&mut options);
-        measured_study(&cell, &measured, &options, Control::default())
-            .unwrap_err()
-            .code()
+        measured_study(&cell, &measured, &options, Control::default()).unwrap_err().code()
     };
     assert_eq!(refused(&|o| o.pool = Some(13)), Code::TooFewData);
     assert_eq!(refused(&|o| o.counts = vec![10]), Code::TooFewData);

@@ -15,14 +15,7 @@ fn cut(radial_depth: f64, direction: MillingDirection) -> Milling {
         radial_depth,
         feed_per_tooth: 1e-4,
         direction,
-        coefficients: CuttingCoefficients {
-            k_tc: 800e6,
-            k_rc: 200e6,
-            k_ac: 100e6,
-            k_te: 20e3,
-            k_re: 25e3,
-            k_ae: 1e3,
-        },
+        coefficients: CuttingCoefficients { k_tc: 800e6, k_rc: 200e6, k_ac: 100e6, k_te: 20e3, k_re: 25e3, k_ae: 1e3 },
     }
 }
 
@@ -44,8 +37,7 @@ fn brute_force(milling: &Milling, angles: usize, slices: usize, lag: f64) -> Tip
         for tooth in 0..milling.teeth {
             for s in 0..slices {
                 let height = (s as f64 + 0.5) * slice;
-                let turn = (step as f64 + 0.5) / angles as f64
-                    + f64::from(tooth) / f64::from(milling.teeth);
+                let turn = (step as f64 + 0.5) / angles as f64 + f64::from(tooth) / f64::from(milling.teeth);
                 let angle = std::f64::consts::TAU * turn - lag * height / milling.axial_depth;
                 // The cutter turns positively about z, which points into the workpiece.
                 let outwards = Rotation3::from_axis_angle(&Vector3::z_axis(), angle) * Vector3::x();
@@ -65,11 +57,7 @@ fn brute_force(milling: &Milling, angles: usize, slices: usize, lag: f64) -> Tip
             }
         }
     }
-    TipLoad {
-        force: force / angles as f64,
-        moment: moment / angles as f64,
-        axes: ForceAxes::Path,
-    }
+    TipLoad { force: force / angles as f64, moment: moment / angles as f64, axes: ForceAxes::Path }
 }
 
 #[track_caller]
@@ -88,10 +76,7 @@ fn the_mean_is_that_of_all_teeth_over_a_turn() {
     use MillingDirection::{Down, Up};
     for direction in [Up, Down] {
         for (teeth, radial_depth) in [(1, 0.004), (2, 0.008), (4, 0.012), (12, 0.001), (3, 0.016)] {
-            let milling = Milling {
-                teeth,
-                ..cut(radial_depth, direction)
-            };
+            let milling = Milling { teeth, ..cut(radial_depth, direction) };
             // 12 teeth at half the diameter and more have several in the cut at once.
             let mean = milling.mean_load();
             assert_near(&mean, &brute_force(&milling, 60_000, 1, 0.0), 1e-4);
@@ -103,15 +88,9 @@ fn the_mean_is_that_of_all_teeth_over_a_turn() {
             assert_near(&chip_only.mean_load(), &expected, 1e-4);
         }
     }
-    let many = Milling {
-        teeth: 12,
-        ..cut(0.012, Up)
-    };
+    let many = Milling { teeth: 12, ..cut(0.012, Up) };
     let [entry, exit] = many.immersion();
-    assert!(
-        exit - entry > 3.0 * std::f64::consts::TAU / 12.0,
-        "more than three teeth in the cut"
-    );
+    assert!(exit - entry > 3.0 * std::f64::consts::TAU / 12.0, "more than three teeth in the cut");
     assert_near(&many.mean_load(), &brute_force(&many, 60_000, 1, 0.0), 1e-4);
 }
 
@@ -138,14 +117,8 @@ fn a_full_slot_by_hand() {
     let torque = -share * 8.0 * (800.0 * h * 2.0 + 20.0 * pi) * 1e-3;
     for direction in [MillingDirection::Up, MillingDirection::Down] {
         let load = cut(0.016, direction).mean_load();
-        assert!(
-            (load.force - force).norm() < 1e-12 * force.norm(),
-            "{load:?}"
-        );
-        assert!(
-            (load.moment.z - torque).abs() < 1e-12 * torque.abs(),
-            "{load:?}"
-        );
+        assert!((load.force - force).norm() < 1e-12 * force.norm(), "{load:?}");
+        assert!((load.moment.z - torque).abs() < 1e-12 * torque.abs(), "{load:?}");
         let process = Process::Milling(cut(0.016, direction));
         assert_eq!(process.load(), load.into());
         // Half of 3 mm above the tip, and the axial force beside the axis, at +x on average.

@@ -37,17 +37,10 @@ pub fn random_model(
     postures: usize,
     unknowns: usize,
     correlated: bool,
-) -> (
-    MeasuredSystem,
-    DMatrix<f64>,
-    Vec<std::ops::Range<usize>>,
-    MixedModel,
-) {
+) -> (MeasuredSystem, DMatrix<f64>, Vec<std::ops::Range<usize>>, MixedModel) {
     let mut dice = Dice::new(seed);
     let system = random_system(&mut dice, postures, unknowns, correlated);
-    let random = DMatrix::from_fn(system.psi.nrows(), 9, |_, j| {
-        dice.between(-1.0, 1.0) * 3f64.powi(j as i32 / 4)
-    });
+    let random = DMatrix::from_fn(system.psi.nrows(), 9, |_, j| dice.between(-1.0, 1.0) * 3f64.powi(j as i32 / 4));
     let classes = vec![0..4, 4..9];
     let model = MixedModel::new(&system, &random, classes.clone()).unwrap();
     (system, random, classes, model)
@@ -135,21 +128,15 @@ proptest! {
 /// Travel times in six rails, three readings each: Pinheiro & Bates, Mixed-Effects Models
 /// in S and S-PLUS, 2000, section 1.1.
 pub fn rails() -> MixedModel {
-    let times = [
-        55.0, 53.0, 54.0, 26.0, 37.0, 32.0, 78.0, 91.0, 85.0, 92.0, 100.0, 96.0, 49.0, 51.0, 50.0,
-        80.0, 85.0, 83.0,
-    ];
+    let times =
+        [55.0, 53.0, 54.0, 26.0, 37.0, 32.0, 78.0, 91.0, 85.0, 92.0, 100.0, 96.0, 49.0, 51.0, 50.0, 80.0, 85.0, 83.0];
     let blocks = (0..6).map(|b| Block {
         posture: b.to_string(),
         rows: 3 * b..3 * b + 3,
         covariance: Covariance::default(),
         shared: DMatrix::zeros(3, 0),
     });
-    let labels = (0..6).map(|b| RowLabel {
-        measured: b,
-        displacement: 0,
-        rows: 3 * b..3 * b + 3,
-    });
+    let labels = (0..6).map(|b| RowLabel { measured: b, displacement: 0, rows: 3 * b..3 * b + 3 });
     let system = MeasuredSystem {
         psi: DMatrix::from_element(18, 1, 1.0),
         delta: DVector::from_column_slice(&times),
@@ -170,11 +157,7 @@ fn the_rails_of_pinheiro_and_bates() {
     let (gamma, ratios, _) = model.best().unwrap();
     let (values, _, variance) = model.solve(gamma, &ratios, &[]).unwrap();
     assert!((values[0] - 66.5).abs() < 1e-9, "{}", values[0]);
-    assert!(
-        (variance.sqrt() - 4.020779).abs() < 1e-5,
-        "{}",
-        variance.sqrt()
-    );
+    assert!((variance.sqrt() - 4.020779).abs() < 1e-5, "{}", variance.sqrt());
     let rail = (ratios[0] * variance).sqrt();
     assert!((rail - 24.80547).abs() < 1e-4, "{rail}");
 }
@@ -188,8 +171,7 @@ fn springs_are_symmetric_compliances() {
     for q in random_group() {
         let terms = PostureTerms::new(&cell.setup, &q, None).unwrap();
         let p = terms.measuring_points()[1];
-        let beside =
-            |joint, row, column| ExtraTerm::Spring { joint, row, column }.twist(&terms, &p);
+        let beside = |joint, row, column| ExtraTerm::Spring { joint, row, column }.twist(&terms, &p);
         // With what counts as the compliance of the axis that follows.
         let spring = |joint: Option<usize>, row: usize, column: usize| {
             let own = beside(joint, row, column);
@@ -272,10 +254,7 @@ fn beams_are_many_short_springs() {
                 }
                 let beam = ExtraTerm::Beam { joint, part, twist };
                 let ours = beam.twist(&terms, &p);
-                assert!(
-                    (ours - sum).norm() < 1e-6 * sum.norm().max(1e-3),
-                    "{ours} {sum}"
-                );
+                assert!((ours - sum).norm() < 1e-6 * sum.norm().max(1e-3), "{ours} {sum}");
             }
         }
     }
@@ -310,9 +289,7 @@ fn what_cannot_be_negative_scatters_about_a_mean() {
     }
     let points = cell.setup.tool.point_count();
     let rows = delta.len();
-    let all = DMatrix::from_fn(rows, count, |i, j| {
-        psi[i / (3 * points)][(i % (3 * points), j)]
-    });
+    let all = DMatrix::from_fn(rows, count, |i, j| psi[i / (3 * points)][(i % (3 * points), j)]);
     let delta = DVector::from_vec(delta);
     let mut v = DMatrix::identity(rows, rows) * spread.sigma.powi(2);
     // All loads are alike: a shift of one size in each posture.
@@ -328,19 +305,10 @@ fn what_cannot_be_negative_scatters_about_a_mean() {
     v += &all * &prior * all.transpose();
     let inverse = v.try_inverse().unwrap();
     let fixed = all.columns(0, 6).into_owned();
-    let h = (fixed.transpose() * &inverse * &fixed)
-        .try_inverse()
-        .unwrap()
-        * fixed.transpose()
-        * &inverse
-        * &delta;
+    let h = (fixed.transpose() * &inverse * &fixed).try_inverse().unwrap() * fixed.transpose() * &inverse * &delta;
     let u = &prior * all.transpose() * &inverse * (&delta - &fixed * &h);
     let of_h = (0..6).map(|j| (h[j] - found.values[j]).abs() / h[j].abs());
-    assert!(
-        of_h.fold(0.0, f64::max) < 1e-6,
-        "{h} {}",
-        found.values.rows(0, 6)
-    );
+    assert!(of_h.fold(0.0, f64::max) < 1e-6, "{h} {}", found.values.rows(0, 6));
     let scale = u.rows(6, count - 6).amax();
     let off = (u.rows(6, count - 6) - found.values.rows(6, count - 6)).amax();
     assert!(off < 1e-6 * scale, "{off} of {scale}");
@@ -354,8 +322,7 @@ fn k_reproduces_the_arm_over_the_cell() {
     let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
     let mixed = MixedFit::new(&fit).unwrap();
     let found = mixed.compliance();
-    let postures =
-        stiffarm::plan::select::random_group(&cell, StartKind::Uniform, 4000, 77, 0).unwrap();
+    let postures = stiffarm::plan::select::random_group(&cell, StartKind::Uniform, 4000, 77, 0).unwrap();
     let (mut information, mut right) = (DMatrix::zeros(6, 6), DVector::zeros(6));
     for q in &postures {
         let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
@@ -396,11 +363,7 @@ pub fn bend(cell: &Cell, measured: &mut [MeasuredPosture], seed: u64, sizes: [f6
         for row in 0..6 {
             for column in row..6 {
                 let size = sizes[ElasticClass::of(row, column) as usize];
-                let size = if row == column {
-                    size
-                } else {
-                    size * 0.5f64.sqrt()
-                };
+                let size = if row == column { size } else { size * 0.5f64.sqrt() };
                 if joint.is_none() || (row, column) != (5, 5) {
                     springs.push((ExtraTerm::Spring { joint, row, column }, size * normal()));
                 }
@@ -408,9 +371,7 @@ pub fn bend(cell: &Cell, measured: &mut [MeasuredPosture], seed: u64, sizes: [f6
         }
     }
     move_points(cell, measured, |terms| {
-        let columns = springs
-            .iter()
-            .map(|(term, value)| term.column(terms) * *value);
+        let columns = springs.iter().map(|(term, value)| term.column(terms) * *value);
         columns.reduce(|sum, column| sum + column).unwrap()
     });
 }
@@ -450,10 +411,7 @@ fn few_postures_and_other_estimators_are_refused_with_reasons() {
     let fit = Fit::new(&cell, &few, &IdentifyOptions::default()).unwrap();
     let (found, mixed) = elastic(&fit, false).unwrap();
     assert_eq!(found.model, ElasticChoice::Axes);
-    assert!(
-        mixed.is_none() && found.reasons[0].contains("Fewer than 4 postures"),
-        "{found:?}"
-    );
+    assert!(mixed.is_none() && found.reasons[0].contains("Fewer than 4 postures"), "{found:?}");
     let mut options = IdentifyOptions::default();
     options.extra = vec![ExtraTerm::JointTilt(2)];
     let fit = Fit::new(&cell, &measured, &options).unwrap();
@@ -484,11 +442,7 @@ fn an_axis_without_positive_compliance_is_a_broad_one() {
         assert_eq!(found.model, ElasticChoice::Mixed, "{:?}", found.reasons);
         assert!(predictor.spring_stiffness(&cell).contains(&None));
         let joints = mixed.joints().unwrap();
-        assert!(
-            joints
-                .iter()
-                .any(|j| j.compliance < Some(0.0) && j.stiffness.is_none_or(|k| k < 0.0))
-        );
+        assert!(joints.iter().any(|j| j.compliance < Some(0.0) && j.stiffness.is_none_or(|k| k < 0.0)));
         let found = validate_with(&cell, predictor, &kept, Model::Linear, None).unwrap();
         let band = found.band.unwrap();
         inside += band.inside;
@@ -503,10 +457,7 @@ fn an_axis_without_positive_compliance_is_a_broad_one() {
         }
     }
     assert!(open > 1);
-    assert!(
-        inside as f64 > 0.85 * components as f64,
-        "{inside} of {components}"
-    );
+    assert!(inside as f64 > 0.85 * components as f64, "{inside} of {components}");
 }
 
 /// The measured robot: what the documentation says of it.

@@ -18,9 +18,7 @@ fn solution(
     gamma: f64,
     ratios: &[f64],
 ) -> DMatrix<f64> {
-    let inverse = dense(system, gamma, random, classes, ratios)
-        .try_inverse()
-        .unwrap();
+    let inverse = dense(system, gamma, random, classes, ratios).try_inverse().unwrap();
     let psi = &system.psi;
     let information = psi.transpose() * &inverse * psi;
     let h = information.try_inverse().unwrap() * psi.transpose() * &inverse;
@@ -38,17 +36,12 @@ fn solution(
 /// classes' to be doubted by more than a factor of e.
 fn bounded(information: &DMatrix<f64>, others: usize) -> DMatrix<f64> {
     let n = information.nrows() - others;
-    let inverse = information
-        .view((0, 0), (others, others))
-        .into_owned()
-        .try_inverse()
-        .unwrap();
+    let inverse = information.view((0, 0), (others, others)).into_owned().try_inverse().unwrap();
     let cross = information.view((0, others), (others, n));
     let own = information.view((others, others), (n, n)) - cross.transpose() * inverse * cross;
     let eigen = own.symmetric_eigen();
     let lacks = eigen.eigenvalues.map(|v| (1.0 - v).max(0.0));
-    let more =
-        &eigen.eigenvectors * DMatrix::from_diagonal(&lacks) * eigen.eigenvectors.transpose();
+    let more = &eigen.eigenvectors * DMatrix::from_diagonal(&lacks) * eigen.eigenvectors.transpose();
     let mut out = information.clone();
     let mut block = out.view_mut((others, others), (n, n));
     block += more;

@@ -41,11 +41,8 @@ fn run(cell: &Cell, groups: &[PostureGroup], runs: usize, seed: u64) -> Simulati
 
 /// Every joint at every level of every group.
 fn cases(groups: &[GroupSimulation]) -> Vec<(&str, &LevelResult, usize)> {
-    let levels = groups
-        .iter()
-        .flat_map(|g| g.levels.iter().map(move |l| (g.name.as_str(), l)));
-    let joints =
-        levels.flat_map(|(name, l)| (0..l.expected_deviation.len()).map(move |j| (name, l, j)));
+    let levels = groups.iter().flat_map(|g| g.levels.iter().map(move |l| (g.name.as_str(), l)));
+    let joints = levels.flat_map(|(name, l)| (0..l.expected_deviation.len()).map(move |j| (name, l, j)));
     joints.collect()
 }
 
@@ -99,10 +96,7 @@ fn many_runs_meet_the_closed_forms() {
             on_k = on_k.max(z.abs());
             let second = expected * (1.0 + 2.0 * error * error);
             let z = (level.mean_deviation[j] - second) / level.standard_error[j];
-            assert!(
-                z.abs() < limit,
-                "{what}: z = {z} on the stiffness, second order"
-            );
+            assert!(z.abs() < limit, "{what}: z = {z} on the stiffness, second order");
             on_k_second = on_k_second.max(z.abs());
         }
 
@@ -122,11 +116,7 @@ fn many_runs_meet_the_closed_forms() {
     // The simulation's closed form is the evaluation's at level 2.
     for (group, simulated) in groups.iter().zip(&simulation.groups) {
         let evaluated = evaluate(&cell, &group.name, &group.postures).unwrap();
-        for (a, b) in evaluated
-            .expected_deviation
-            .iter()
-            .zip(&simulated.levels[1].expected_deviation)
-        {
+        for (a, b) in evaluated.expected_deviation.iter().zip(&simulated.levels[1].expected_deviation) {
             assert!((a.unwrap() / b - 1.0).abs() < 1e-12);
         }
     }
@@ -146,10 +136,7 @@ fn the_closed_form_holds_on_random_cells() {
         let cell = dice.model(n, kind, elastic, common).cell();
         let count = 4 + dice.below(3);
         let group = PostureGroup::from_angles(format!("cell {seed}"), dice.postures(n, count));
-        let determined = evaluate(&cell, &group.name, &group.postures)
-            .unwrap()
-            .undetermined_joints
-            .is_empty();
+        let determined = evaluate(&cell, &group.name, &group.postures).unwrap().undetermined_joints.is_empty();
         if determined {
             compared.extend(run(&cell, &[group], experiments, seed).groups);
         }
@@ -169,10 +156,7 @@ fn the_closed_form_holds_on_random_cells() {
             assert!(z.abs() < limit, "{what}: z = {z} on the stiffness");
         }
     }
-    println!(
-        "{} random cells, largest |z| {largest:.2} (limit {limit:.2})",
-        compared.len()
-    );
+    println!("{} random cells, largest |z| {largest:.2} (limit {limit:.2})", compared.len());
 }
 
 #[test]
@@ -239,8 +223,7 @@ fn noise_grows_with_the_square_root_of_its_variance() {
     honest.noise.readings_per_displacement = 2;
     let honest = run(&honest, &groups, 2, 1);
     for j in 0..6 {
-        let ratio =
-            honest.groups[0].levels[0].expected_deviation[j] / levels[1].expected_deviation[j];
+        let ratio = honest.groups[0].levels[0].expected_deviation[j] / levels[1].expected_deviation[j];
         assert!((ratio - 1.0).abs() < 1e-12);
     }
 }
@@ -251,12 +234,7 @@ fn longer_simulations_begin_with_the_runs_of_shorter_ones() {
     let groups = groups(&cell);
     let [one, two, three, many] = [1, 2, 3, 50].map(|runs| run(&cell, &groups, runs, 9));
     assert_ne!(one, run(&cell, &groups, 1, 4), "another seed");
-    let levels = |s: &Simulation| {
-        s.groups
-            .iter()
-            .flat_map(|g| g.levels.clone())
-            .collect::<Vec<LevelResult>>()
-    };
+    let levels = |s: &Simulation| s.groups.iter().flat_map(|g| g.levels.clone()).collect::<Vec<LevelResult>>();
     let (one, two, three, many) = (levels(&one), levels(&two), levels(&three), levels(&many));
     for (((one, two), three), many) in one.iter().zip(&two).zip(&three).zip(&many) {
         assert_eq!(one.mean_deviation, one.first_run_deviation);
@@ -289,23 +267,15 @@ fn simulation_refuses_what_it_cannot_answer() {
     let cell = reference_cell();
     let groups = [PostureGroup::from_angles("one", group1())];
     let fails = |cell: &Cell, options: SimulationOptions| {
-        simulate(cell, &groups, &options, Control::default())
-            .unwrap_err()
-            .code()
+        simulate(cell, &groups, &options, Control::default()).unwrap_err().code()
     };
     let default = SimulationOptions::default;
-    assert_eq!(
-        fails(&cell, changed(default(), |o| o.runs = 0)),
-        Code::InvalidValue
-    );
+    assert_eq!(fails(&cell, changed(default(), |o| o.runs = 0)), Code::InvalidValue);
     for factors in [vec![], vec![-1.0], vec![f64::NAN]] {
         let options = changed(default(), |o| o.variance_factors = factors);
         assert_eq!(fails(&cell, options), Code::InvalidValue);
     }
-    let blank = Cell {
-        prior: None,
-        ..cell.clone()
-    };
+    let blank = Cell { prior: None, ..cell.clone() };
     assert_eq!(fails(&blank, default()), Code::MissingKey);
     let stop = || true;
     let control = stopped_by(&stop);

@@ -8,12 +8,7 @@ use stiffarm::estimate::next_posture::NextPosture;
 /// Three unloaded rounds, two at half and at full load.
 fn with_states(force: ForceRecord) -> Experiment {
     Experiment {
-        states: states(&[
-            ("unloaded", 0.0, 3),
-            ("half", 0.5, 2),
-            ("full", 1.0, 2),
-            ("half-2", 0.5, 1),
-        ]),
+        states: states(&[("unloaded", 0.0, 3), ("half", 0.5, 2), ("full", 1.0, 2), ("half-2", 0.5, 1)]),
         force,
         tracker_noise: TrackerNoise::Isotropic,
         posture_common_std: 2e-5,
@@ -40,9 +35,7 @@ fn radians(advice: &NextPosture) -> Vec<f64> {
 /// Relative standard errors as the table of estimates has them.
 fn own(fit: &Fit) -> Vec<f64> {
     let joints = fit.identification().unwrap().estimates.joints.iter();
-    joints
-        .map(|j| j.standard_error.unwrap() / j.stiffness.unwrap())
-        .collect()
+    joints.map(|j| j.standard_error.unwrap() / j.stiffness.unwrap()).collect()
 }
 
 #[test]
@@ -68,11 +61,7 @@ fn with_it_is_what_a_fit_with_that_posture_has() {
         o.estimator = Estimator::Weighted;
         o.noise = NoiseSource::Known;
     });
-    for (force, pushes) in [
-        (ForceRecord::Load, false),
-        (ForceRecord::Force, false),
-        (ForceRecord::Force, true),
-    ] {
+    for (force, pushes) in [(ForceRecord::Load, false), (ForceRecord::Force, false), (ForceRecord::Force, true)] {
         let mut cell = default_cell();
         cell.noise.posture_common_std = 3e-5;
         if pushes {
@@ -115,9 +104,7 @@ fn no_random_posture_measured_alike_is_better() {
         q.extend(random_group(&cell, StartKind::Uniform, 1, 8, i).unwrap());
         let more = Fit::new(&cell, measured(&cell, q, &done, 4), &options).unwrap();
         let joints = more.identification().unwrap().estimates.joints.iter();
-        let squares = joints
-            .zip(&k)
-            .map(|(j, k)| (j.compliance_standard_error.unwrap() * k).powi(2));
+        let squares = joints.zip(&k).map(|(j, k)| (j.compliance_standard_error.unwrap() * k).powi(2));
         let error = (squares.sum::<f64>() / 6.0).sqrt();
         assert!(found.expected_error <= error, "random posture {i}");
     }

@@ -45,11 +45,7 @@ fn one_assembly_and_one_fit_per_options_and_data() {
         whole(&fit);
         let journal = fit.journal();
         let different: BTreeSet<&String> = journal.iter().collect();
-        assert_eq!(
-            different.len(),
-            journal.len(),
-            "{estimator:?}: {journal:#?}"
-        );
+        assert_eq!(different.len(), journal.len(), "{estimator:?}: {journal:#?}");
         let count = |what: &str| journal.iter().filter(|e| e.starts_with(what)).count();
         assert_eq!((count("terms"), count("system")), (1, 1), "{journal:#?}");
         // The model as it is, and each extra term beside it.

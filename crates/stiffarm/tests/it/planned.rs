@@ -4,8 +4,8 @@ use crate::common::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use stiffarm::ask::select::{
-    CurveSize, Mode, Plan, Planned, SelectInputs, SelectOptions, Stage, plan as planned_from,
-    plan_candidates, plan_curve, plan_drop, plan_space_filling,
+    CurveSize, Mode, Plan, Planned, SelectInputs, SelectOptions, Stage, plan as planned_from, plan_candidates,
+    plan_curve, plan_drop, plan_space_filling,
 };
 use stiffarm::findings::codes;
 use stiffarm::model::cell::MeasuringTime;
@@ -42,11 +42,7 @@ fn plan(
 }
 
 /// A plan from these postures.
-fn plan_from(
-    cell: &Cell,
-    inputs: &SelectInputs,
-    options: &SelectOptions,
-) -> stiffarm::Result<Planned<Plan>> {
+fn plan_from(cell: &Cell, inputs: &SelectInputs, options: &SelectOptions) -> stiffarm::Result<Planned<Plan>> {
     planned_from(cell, inputs, options, &mut |_| {}, Control::default())
 }
 
@@ -66,23 +62,12 @@ fn a_plan_is_the_selection_with_its_bounds_in_the_order_of_its_route() {
     let mut stages = Vec::new();
     let mut watch = |stage: Stage| stages.push(stage.to_string());
     let planned = plan(&cell, &request, &mut watch, Control::default()).unwrap();
-    let words = [
-        "selecting: round 1",
-        "bounding what 3 postures can give",
-        "bounding what each joint can have",
-    ];
+    let words = ["selecting: round 1", "bounding what 3 postures can give", "bounding what each joint can have"];
     assert_eq!(stages, words);
 
     let result = &planned.result;
     let options = rounds(1);
-    let alone = select(
-        &planned.cell,
-        request.index(),
-        3,
-        &options,
-        Control::default(),
-    )
-    .unwrap();
+    let alone = select(&planned.cell, request.index(), 3, &options, Control::default()).unwrap();
     let alone = rounded(&cell, &alone.group, 0.01).unwrap();
     // The route may take equivalents in another order: they are worth the same.
     let worth = evaluate(&planned.cell, "", &alone).unwrap();
@@ -117,10 +102,7 @@ fn equal_requests_give_equal_bytes() {
     let text = || {
         let planned = plan(&cell, &request, &mut |_| {}, Control::default()).unwrap();
         assert_eq!(planned.seed, Some(7));
-        assert_eq!(
-            planned.result.sensitivity.as_ref().unwrap().options.rounds,
-            1
-        );
+        assert_eq!(planned.result.sensitivity.as_ref().unwrap().options.rounds, 1);
         saved(&planned.result)
     };
     assert_eq!(text(), text());
@@ -138,10 +120,7 @@ fn a_plan_from_an_initial_group_keeps_names_and_draws_nothing() {
     assert_eq!(planned.options.asked, options);
     // There is no bound from an initial group.
     assert!(planned.result.certificate.is_none());
-    assert_eq!(
-        planned.result.before.as_ref().unwrap().evaluation.name,
-        "initial"
-    );
+    assert_eq!(planned.result.before.as_ref().unwrap().evaluation.name, "initial");
     (options.sensitivity, options.index) = (true, Some(Index::O1));
     let examined = plan_from(&default_cell(), &inputs, &options).unwrap();
     assert_eq!(examined.seed, Some(1));
@@ -214,14 +193,7 @@ fn options_that_exclude_each_other_are_refused_with_their_name() {
 /// Joint 6 is free, the others hardly move.
 fn hardly_moving(last: [f64; 2]) -> Cell {
     let mut cell = default_cell();
-    let bounds = [
-        [-5.0, 5.0],
-        [0.0, 8.0],
-        [-100.0, -92.0],
-        [20.0, 30.0],
-        [50.0, 60.0],
-        last,
-    ];
+    let bounds = [[-5.0, 5.0], [0.0, 8.0], [-100.0, -92.0], [20.0, 30.0], [50.0, 60.0], last];
     cell.bounds = bounds.map(|b| b.map(f64::to_radians)).to_vec();
     cell
 }
@@ -231,14 +203,9 @@ fn postures_that_are_alike_are_planned_where_they_may_be() {
     let cell = hardly_moving([0.0, 10.0]);
     let mut request = quick(8);
     request.index = None;
-    let planned =
-        |cell: &Cell, request: &SelectOptions| plan(cell, request, &mut |_| {}, Control::default());
+    let planned = |cell: &Cell, request: &SelectOptions| plan(cell, request, &mut |_| {}, Control::default());
     let error = planned(&cell, &request).map(|own| own.options).unwrap_err();
-    assert!(
-        error.message().contains("within 15°"),
-        "{}",
-        error.message()
-    );
+    assert!(error.message().contains("within 15°"), "{}", error.message());
     assert!(error.hint_text().unwrap().contains("--repeats"));
     request.repeats = true;
     let again = planned(&cell, &request).unwrap();
@@ -247,12 +214,7 @@ fn postures_that_are_alike_are_planned_where_they_may_be() {
 
     // A whole turn makes no other posture: -180° and 180°.
     let cell = hardly_moving([170.0, 180.0]);
-    let one = Posture {
-        name: "there".into(),
-        q: [0.0, 4.0, -96.0, 25.0, 55.0, -180.0]
-            .map(f64::to_radians)
-            .to_vec(),
-    };
+    let one = Posture { name: "there".into(), q: [0.0, 4.0, -96.0, 25.0, 55.0, -180.0].map(f64::to_radians).to_vec() };
     let inputs = with(|i: &mut SelectInputs| i.given = vec![one]);
     request.count = None;
     assert!(plan_from(&cell, &inputs, &request).is_ok());
@@ -264,11 +226,7 @@ fn postures_that_are_alike_are_planned_where_they_may_be() {
 fn with_loads(further: &[(&str, Load)]) -> Cell {
     let mut cell = default_cell();
     let rope = ("rope", cell.setup.load.clone());
-    let case = |(name, load): &(&str, Load)| LoadCase {
-        name: (*name).into(),
-        load: load.clone(),
-        loading_point: None,
-    };
+    let case = |(name, load): &(&str, Load)| LoadCase { name: (*name).into(), load: load.clone(), loading_point: None };
     let all = [rope].into_iter().chain(further.to_vec());
     cell.setup.load = Load::Cases(all.map(|own| case(&own)).collect());
     cell
@@ -281,17 +239,13 @@ fn minutes_are_spent_on_the_loads_that_predict_best() {
     let mut request = quick(6);
     (request.index, request.count) = (None, None);
     request.minutes = Some(36.0);
-    let in_time =
-        |cell: &Cell, request: &SelectOptions| plan(cell, request, &mut |_| {}, Control::default());
+    let in_time = |cell: &Cell, request: &SelectOptions| plan(cell, request, &mut |_| {}, Control::default());
     let planned = in_time(&cell, &request).unwrap();
     let result = &planned.result;
     saved(result);
     // The weight alone never turns joint 1.
-    let ways: Vec<(&[String], usize, f64)> = result
-        .in_time
-        .iter()
-        .map(|way| (way.loads.as_slice(), way.postures, way.time_s))
-        .collect();
+    let ways: Vec<(&[String], usize, f64)> =
+        result.in_time.iter().map(|way| (way.loads.as_slice(), way.postures, way.time_s)).collect();
     let names = ["rope".to_string(), "weight".to_string()];
     assert_eq!(ways, [(&names[..], 9, 2160.0), (&names[..1], 12, 2160.0)]);
     assert_eq!((planned.postures.len(), result.time_s), (9, 2160.0));
@@ -300,11 +254,7 @@ fn minutes_are_spent_on_the_loads_that_predict_best() {
     // What the rope alone gives is what its own plan gives: its work is the same.
     let mut alone = request.clone();
     (alone.minutes, alone.count) = (None, Some(12));
-    let alone = in_time(&default_cell(), &alone)
-        .unwrap()
-        .result
-        .selection
-        .value;
+    let alone = in_time(&default_cell(), &alone).unwrap().result.selection.value;
     let told = result.in_time[1].prediction;
     assert!((told / alone - 1.0).abs() < 1e-3, "{told} {alone}");
 
@@ -327,42 +277,22 @@ fn minutes_are_spent_on_the_loads_that_predict_best() {
     let mut other = request.clone();
     other.index = Some(Index::ExpectedError);
     let planned = in_time(&cell, &other).unwrap();
-    assert_eq!(
-        (planned.postures.len(), planned.result.in_time.len()),
-        (9, 0)
-    );
-    for (minutes, words) in [
-        (1.5, "no posture can"),
-        (2e5, "at most"),
-        (1e300, "at most"),
-    ] {
+    assert_eq!((planned.postures.len(), planned.result.in_time.len()), (9, 0));
+    for (minutes, words) in [(1.5, "no posture can"), (2e5, "at most"), (1e300, "at most")] {
         request.minutes = Some(minutes);
         let error = in_time(&cell, &request).map(|own| own.options).unwrap_err();
-        let said = format!(
-            "{} {}",
-            error.message(),
-            error.hint_text().unwrap_or_default()
-        );
+        let said = format!("{} {}", error.message(), error.hint_text().unwrap_or_default());
         assert!(said.contains(words), "{said}");
     }
 }
 
 #[test]
 fn further_loads_and_anchors_take_time() {
-    let rope = |y: f64| Load::Rope {
-        anchor: Vector3::new(1.8, y, 0.0),
-        magnitude: 500.0,
-    };
+    let rope = |y: f64| Load::Rope { anchor: Vector3::new(1.8, y, 0.0), magnitude: 500.0 };
     let (time, single) = (MeasuringTime::default(), rope(0.0));
     let both = with_loads(&[("side", rope(1.0))]).setup.load;
-    let same = with_loads(&[("again", rope(0.0)), ("weight", hanging(500.0))])
-        .setup
-        .load;
-    for (load, twelve) in [
-        (&single, 36.0),
-        (&both, 12.0 * 4.0 + 10.0),
-        (&same, 12.0 * 5.0),
-    ] {
+    let same = with_loads(&[("again", rope(0.0)), ("weight", hanging(500.0))]).setup.load;
+    for (load, twelve) in [(&single, 36.0), (&both, 12.0 * 4.0 + 10.0), (&same, 12.0 * 5.0)] {
         let seconds = time.of(12, load);
         assert_eq!(seconds, 60.0 * twelve);
         assert_eq!(time.postures_within(seconds, load), 12);
@@ -383,49 +313,23 @@ fn a_second_anchor_is_worth_what_is_said() {
     let found = planned.result.further_load.unwrap();
     let anchor = found.anchor.unwrap();
     let [x, y, z] = anchor.position_m;
-    let Load::Rope {
-        anchor: first,
-        magnitude,
-    } = cell.setup.load
-    else {
-        unreachable!()
-    };
+    let Load::Rope { anchor: first, magnitude } = cell.setup.load else { unreachable!() };
     // A sixth of a turn about axis 1, as far from it and as high.
     assert!((x.hypot(y) - first.x.hypot(first.y)).abs() < 1e-12 && (z - first.z).abs() < 1e-12);
-    let second = Load::Rope {
-        anchor: Vector3::new(x, y, z),
-        magnitude,
-    };
-    for (load, with, minutes) in [
-        (second, anchor.with, 4.0 + 10.0),
-        (hanging(magnitude), found.with, 4.0),
-    ] {
+    let second = Load::Rope { anchor: Vector3::new(x, y, z), magnitude };
+    for (load, with, minutes) in [(second, anchor.with, 4.0 + 10.0), (hanging(magnitude), found.with, 4.0)] {
         let mut cell = with_loads(&[("further", load)]);
         cell.limits = Default::default();
-        let own = evaluate(&cell, "", &planned.postures)
-            .unwrap()
-            .indices
-            .prediction;
+        let own = evaluate(&cell, "", &planned.postures).unwrap().indices.prediction;
         assert!((own.unwrap() / with - 1.0).abs() < 1e-9, "{own:?} {with}");
-        let takes = if minutes > 10.0 {
-            anchor.time_s
-        } else {
-            found.time_s
-        };
+        let takes = if minutes > 10.0 { anchor.time_s } else { found.time_s };
         assert_eq!(takes, 60.0 * minutes);
     }
     // An anchor on axis 1 has no other.
     let mut above = cell.clone();
-    above.setup.load = Load::Rope {
-        anchor: Vector3::new(0.0, 0.0, 3.5),
-        magnitude,
-    };
+    above.setup.load = Load::Rope { anchor: Vector3::new(0.0, 0.0, 3.5), magnitude };
     let found = plan(&above, &request, &mut |_| {}, Control::default());
-    assert!(found.is_ok_and(|own| {
-        own.result
-            .further_load
-            .is_none_or(|own| own.anchor.is_none())
-    }));
+    assert!(found.is_ok_and(|own| { own.result.further_load.is_none_or(|own| own.anchor.is_none()) }));
 }
 
 #[test]
@@ -443,10 +347,7 @@ fn a_stop_leaves_the_bounds_out_and_says_so() {
     use std::sync::atomic::{AtomicBool, Ordering};
     let stop = AtomicBool::new(false);
     let stopped = || stop.load(Ordering::Relaxed);
-    let control = Control {
-        stop: Some(&stopped),
-        ..Control::default()
-    };
+    let control = Control { stop: Some(&stopped), ..Control::default() };
     let mut request = quick(3);
     request.rounds = None;
     request.no_certificate = false;
@@ -508,10 +409,7 @@ fn evenly_spread_postures() {
     saved(result);
     request.angle_step_deg = -1.0;
     let refused = plan_space_filling(&default_cell(), &request, Control::default());
-    assert_eq!(
-        refused.map(|p| p.options).unwrap_err().code(),
-        Code::InvalidValue
-    );
+    assert_eq!(refused.map(|p| p.options).unwrap_err().code(), Code::InvalidValue);
 }
 
 #[test]
@@ -520,12 +418,7 @@ fn given_postures_with_two_left_out() {
     let mut request = with(|o: &mut SelectOptions| o.drop = Some(2));
     let planned = plan_drop(&default_cell(), &given, &request, Control::default()).unwrap();
     let result = &planned.result;
-    let kept: Vec<Posture> = result
-        .dropped
-        .kept
-        .iter()
-        .map(|p| given[*p].clone())
-        .collect();
+    let kept: Vec<Posture> = result.dropped.kept.iter().map(|p| given[*p].clone()).collect();
     assert_eq!(planned.postures, kept);
     assert_eq!(result.postures.len(), given.len());
     assert_eq!((planned.options.mode, planned.seed), (Mode::Drop, None));
@@ -544,10 +437,7 @@ fn a_curve_with_its_bounds() {
     let mut stages = Vec::new();
     let mut watch = |stage: Stage| stages.push(stage.to_string());
     let planned = plan_curve(&default_cell(), &request, &mut watch, Control::default()).unwrap();
-    let words = [
-        "selecting 4 postures, the last size",
-        "bounding what any group can give",
-    ];
+    let words = ["selecting 4 postures, the last size", "bounding what any group can give"];
     assert_eq!(stages, words);
     let sizes = &planned.result.sizes;
     let counts: Vec<usize> = sizes.iter().map(|s| s.point.postures).collect();
@@ -557,14 +447,9 @@ fn a_curve_with_its_bounds() {
     assert!((sizes[1].bound.unwrap() / last.bound.unwrap() - 2_f64.sqrt()).abs() < 1e-12);
     for pair in sizes.windows(2) {
         let value = |size: &CurveSize| size.point.value;
-        let gain = value(&pair[0])
-            .zip(value(&pair[1]))
-            .map(|(now, next)| (now - next) / now);
+        let gain = value(&pair[0]).zip(value(&pair[1])).map(|(now, next)| (now - next) / now);
         assert_eq!(pair[0].gain, gain);
-        let share = pair[1]
-            .bound
-            .zip(value(&pair[1]))
-            .map(|(bound, value)| bound / value);
+        let share = pair[1].bound.zip(value(&pair[1])).map(|(bound, value)| bound / value);
         assert_eq!(pair[1].efficiency, share);
     }
     assert!(planned.postures.is_empty() && planned.options.mode == Mode::Curve);
@@ -590,11 +475,7 @@ fn a_curve_with_its_bounds() {
 fn a_curve_of_predictions_has_the_bound_of_its_largest_plan() {
     let mut cell = default_cell();
     cell.noise.reading_variance = 1e-13;
-    cell.elastic = Some(ElasticSizes {
-        shift: 7e-7,
-        turn: 1.2e-6,
-        coupling: 5.2e-7,
-    });
+    cell.elastic = Some(ElasticSizes { shift: 7e-7, turn: 1.2e-6, coupling: 5.2e-7 });
     for largest in [4, 12] {
         let request = with(|o: &mut SelectOptions| {
             (o.count, o.rounds) = (Some(largest), Some(1));
@@ -603,11 +484,7 @@ fn a_curve_of_predictions_has_the_bound_of_its_largest_plan() {
         let curve = curve.result;
         for size in &curve.sizes {
             let holds = size.efficiency.is_none_or(|share| share <= 1.0);
-            assert!(
-                holds,
-                "{} postures: {:?}",
-                size.point.postures, size.efficiency
-            );
+            assert!(holds, "{} postures: {:?}", size.point.postures, size.efficiency);
         }
         let bounded = curve.sizes.iter().filter(|size| size.bound.is_some());
         let bounded: Vec<usize> = bounded.map(|size| size.point.postures).collect();
@@ -649,15 +526,9 @@ fn postures_on_limits_and_without_room_to_spare_are_named() {
     let shapes = shapes.filter(|near| near.kind == LimitKind::Shapes);
     shapes.for_each(|near| near.margin_m = Some(5e-5));
     // `evaluate` says the same of postures that nobody chose here.
-    let group = PostureGroup {
-        name: "mine".to_string(),
-        postures: postures.clone(),
-    };
+    let group = PostureGroup { name: "mine".to_string(), postures: postures.clone() };
     let evaluated = Evaluated::new(&cell, &[group]).unwrap();
-    let own = evaluated
-        .findings
-        .iter()
-        .find(|f| f.code == codes::ON_MACHINE_LIMIT);
+    let own = evaluated.findings.iter().find(|f| f.code == codes::ON_MACHINE_LIMIT);
     assert_eq!(own.unwrap().subject, "mine");
 
     let found = on_limits(&cell, &postures, &limits);

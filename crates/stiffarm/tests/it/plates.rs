@@ -25,21 +25,11 @@ fn plates() -> (Cell, Cell) {
 fn a_joint_that_the_load_never_turns_is_left_out_by_name() {
     let (cell, others) = plates();
     let finding = &determinable(cell.clone()).1[0];
-    assert_eq!(
-        (finding.subject.as_str(), finding.severity),
-        ("joint 1", Severity::Caution)
-    );
-    assert!(
-        finding.sentence.contains("pull sideways"),
-        "{}",
-        finding.sentence
-    );
+    assert_eq!((finding.subject.as_str(), finding.severity), ("joint 1", Severity::Caution));
+    assert!(finding.sentence.contains("pull sideways"), "{}", finding.sentence);
     assert_eq!(others.setup.robot.spring_count(), 5);
     assert_eq!(others.setup.robot.spring_names()[0], "joint 2");
-    assert_eq!(
-        others.prior.as_deref(),
-        cell.prior.as_deref().map(|k| &k[1..])
-    );
+    assert_eq!(others.prior.as_deref(), cell.prior.as_deref().map(|k| &k[1..]));
     // Once more changes nothing, nor where the load turns every joint, nor where it turns none.
     assert_eq!(determinable(others.clone()), (others, Vec::new()));
     let mut without = cell.clone();
@@ -53,11 +43,7 @@ fn a_joint_that_the_load_never_turns_is_left_out_by_name() {
         [reference_cell().setup.load, cell.setup.load.clone()]
             .into_iter()
             .enumerate()
-            .map(|(i, load)| stiffarm::model::load::LoadCase {
-                name: i.to_string(),
-                load,
-                loading_point: None,
-            })
+            .map(|(i, load)| stiffarm::model::load::LoadCase { name: i.to_string(), load, loading_point: None })
             .collect(),
     );
     assert!(determinable(pulled).1.is_empty());
@@ -75,9 +61,7 @@ fn the_indices_of_the_others_are_those_of_their_columns() {
 
     let found = evaluate(&others, "others", &group).unwrap();
     let sigma = theirs.clone().svd(false, false).singular_values;
-    let scaled = DMatrix::from_fn(theirs.nrows(), 5, |i, j| {
-        theirs[(i, j)] / others.prior.as_ref().unwrap()[j]
-    });
+    let scaled = DMatrix::from_fn(theirs.nrows(), 5, |i, j| theirs[(i, j)] / others.prior.as_ref().unwrap()[j]);
     let inverse = (scaled.transpose() * &scaled).try_inverse().unwrap();
     let std = others.noise.displacement_std();
     let expected = [
@@ -88,19 +72,12 @@ fn the_indices_of_the_others_are_those_of_their_columns() {
     ];
     for (index, expected) in expected {
         let own = found.indices.get(index).unwrap();
-        assert!(
-            (own / expected - 1.0).abs() < 1e-9,
-            "{index:?} {own} {expected}"
-        );
+        assert!((own / expected - 1.0).abs() < 1e-9, "{index:?} {own} {expected}");
     }
     let plain = evaluate(&cell, "whole", &group).unwrap();
     assert_eq!(plain.k_jn, found.k_jn);
     let errors = |from: &[Option<f64>]| from.iter().map(|e| e.unwrap()).collect::<Vec<_>>();
-    let pair = [
-        &plain.relative_standard_error[1..],
-        &found.relative_standard_error,
-    ]
-    .map(errors);
+    let pair = [&plain.relative_standard_error[1..], &found.relative_standard_error].map(errors);
     assert!(entrywise_error(&pair[0], &pair[1]) < 1e-9);
 }
 
@@ -181,11 +158,7 @@ fn coverage_counts_the_others() {
     let postures = numbered(random_group());
     let case = CoverageCase {
         options: IdentifyOptions::default(),
-        world: ErrorModel {
-            common_ratio: 1.0,
-            lost_motion_rad: 1e-6,
-            ..ErrorModel::default()
-        },
+        world: ErrorModel { common_ratio: 1.0, lost_motion_rad: 1e-6, ..ErrorModel::default() },
         resamples: None,
         experiments: 1000,
         seed: 3,
@@ -233,19 +206,13 @@ fn a_goal_is_asked_of_the_joints_that_the_load_turns() {
         standing(&SoFar::new(&fit).unwrap(), &postures[..2], Some(goal)).unwrap()
     };
     let now = of(&cell, 0.9);
-    let largest = now.joints[1..]
-        .iter()
-        .filter_map(|joint| joint.total)
-        .fold(0.0, f64::max);
+    let largest = now.joints[1..].iter().filter_map(|joint| joint.total).fold(0.0, f64::max);
     assert_eq!((now.largest, now.reached), (Some(largest), Some(true)));
     assert_eq!((now.joints[0].total, now.joints[0].with_all), (None, None));
     assert_eq!(now.findings, determinable(cell.clone()).1);
     assert!((largest / of(&others, 0.9).largest.unwrap() - 1.0).abs() < 1e-9);
     // A goal between what is there and what two further postures bring is two postures away at most.
-    let all = now.joints[1..]
-        .iter()
-        .filter_map(|joint| joint.with_all)
-        .fold(0.0, f64::max);
+    let all = now.joints[1..].iter().filter_map(|joint| joint.with_all).fold(0.0, f64::max);
     assert!(all < largest);
     let ahead = of(&cell, 0.5 * (all + largest));
     assert_eq!(ahead.reached, Some(false));
@@ -259,8 +226,7 @@ fn a_joint_that_measured_forces_turn_counts() {
     let pulled = reference_cell();
     let postures = numbered(random_group());
     let truth = pulled.prior.clone().unwrap();
-    let mut measured =
-        simulate_measurements(&pulled, &postures, &truth, Model::Linear, 3, 0).unwrap();
+    let mut measured = simulate_measurements(&pulled, &postures, &truth, Model::Linear, 3, 0).unwrap();
     for own in &mut measured {
         let terms = PostureTerms::new(&pulled.setup, &own.posture.q, None).unwrap();
         own.wrench = Some(*terms.wrench());

@@ -20,10 +20,7 @@ fn unbounded() -> Cell {
 }
 
 fn point(i: usize, target: PathTarget) -> PathPoint {
-    PathPoint {
-        line: Some(i + 2),
-        ..path_point(i + 1, target)
-    }
+    PathPoint { line: Some(i + 2), ..path_point(i + 1, target) }
 }
 
 /// The tool points down onto a circle in front of the robot.
@@ -44,11 +41,7 @@ fn poses(poses: &[Isometry3<f64>]) -> Vec<PathPoint> {
 }
 
 fn milling() -> Option<ProcessLoad> {
-    let load = TipLoad {
-        force: Vector3::new(-180.0, 240.0, -60.0),
-        moment: Vector3::zeros(),
-        axes: ForceAxes::Path,
-    };
+    let load = TipLoad { force: Vector3::new(-180.0, 240.0, -60.0), moment: Vector3::zeros(), axes: ForceAxes::Path };
     Some(load.into())
 }
 
@@ -98,20 +91,13 @@ fn poses_are_held_on_one_branch() {
     assert!(worst_gap(&cell, &found, &circle, false) < 1e-11);
     assert_continuous(&cell, &found, 0.2);
     // The load turns with the feed: 300 N and more everywhere, never the same.
-    assert!(
-        found
-            .iter()
-            .all(|p| (p.wrench.force.norm() - 305.9).abs() < 0.1)
-    );
+    assert!(found.iter().all(|p| (p.wrench.force.norm() - 305.9).abs() < 0.1));
     assert!((found[0].wrench.force - found[45].wrench.force).norm() > 400.0);
     // Among all branches the one that bends least: any start gives no less.
     let inverse = InverseKinematics::new(&cell.setup.robot);
     let arm = arm(&cell);
     let mut others = 0;
-    for branch in inverse
-        .branches(&(circle[0] * arm.tip().inverse()))
-        .unwrap()
-    {
+    for branch in inverse.branches(&(circle[0] * arm.tip().inverse())).unwrap() {
         let options = changed(options.clone(), |o| o.start = Some(branch.q.clone()));
         if let Ok((_, other)) = run(&cell, &poses(&circle), &options) {
             assert!(other.deflection_rms_m >= summary.deflection_rms_m * (1.0 - 1e-12));
@@ -165,11 +151,8 @@ fn a_free_turn_bends_less_and_keeps_continuity_and_limits() {
     assert!((by_axis.deflection_rms_m / summary.deflection_rms_m - 1.0).abs() < 1e-3);
     assert!(worst_gap(&cell, &found, &circle, true) < 1e-11);
     // And joint angles, whose own turn is then the given one.
-    let angles: Vec<PathPoint> = found
-        .iter()
-        .enumerate()
-        .map(|(i, posture)| point(i, PathTarget::Angles(posture.q.clone())))
-        .collect();
+    let angles: Vec<PathPoint> =
+        found.iter().enumerate().map(|(i, posture)| point(i, PathTarget::Angles(posture.q.clone()))).collect();
     let (kept, from_angles) = run(&cell, &angles, &free).unwrap();
     assert!(from_angles.deflection_rms_m <= from_angles.given_rms_m.unwrap() * (1.0 + 1e-12));
     assert_continuous(&cell, &kept, free.largest_step);
@@ -201,14 +184,8 @@ fn unreachable_points_jumps_and_limits_are_named_with_their_line() {
     let mut far = circle(10);
     far[4].translation.vector.x = 4.5;
     let error = run(&cell, &poses(&far), &options).unwrap_err();
-    assert_eq!(
-        (error.code(), error.place().line),
-        (Code::Unreachable, Some(6))
-    );
-    assert!(
-        error.message().starts_with("Point 5: ") && error.message().contains("mm"),
-        "{error}"
-    );
+    assert_eq!((error.code(), error.place().line), (Code::Unreachable, Some(6)));
+    assert!(error.message().starts_with("Point 5: ") && error.message().contains("mm"), "{error}");
     // Three points of a circle are a jump of some joint.
     let narrow = changed(options.clone(), |o| o.largest_step = 0.01);
     let error = run(&cell, &poses(&circle(8)), &narrow).unwrap_err();
@@ -234,15 +211,8 @@ fn unreachable_points_jumps_and_limits_are_named_with_their_line() {
 #[test]
 fn singular_postures_are_found() {
     let cell = default_cell();
-    let q: Vec<f64> = [0.0, 20.0, -120.0, 0.0, 0.2, 0.0]
-        .map(f64::to_radians)
-        .to_vec();
-    let (_, summary) = run(
-        &cell,
-        &[point(0, PathTarget::Angles(q))],
-        &PosturePathOptions::default(),
-    )
-    .unwrap();
+    let q: Vec<f64> = [0.0, 20.0, -120.0, 0.0, 0.2, 0.0].map(f64::to_radians).to_vec();
+    let (_, summary) = run(&cell, &[point(0, PathTarget::Angles(q))], &PosturePathOptions::default()).unwrap();
     let finding = &summary.findings[0];
     assert_eq!(finding.code, "singular-posture");
     let said = &finding.sentence;
@@ -287,30 +257,19 @@ fn beside_the_fixture(y: f64) -> Vec<PathPoint> {
         Vector3::new(1.7 + 0.2 * angle.cos(), y + 0.2 * angle.sin(), 0.8)
     };
     let axis = UnitVector3::new_unchecked(-Vector3::z());
-    let targets = (0..54).map(|i| PathTarget::Axis {
-        position: at(i),
-        axis,
-    });
+    let targets = (0..54).map(|i| PathTarget::Axis { position: at(i), axis });
     targets.enumerate().map(|(i, t)| point(i, t)).collect()
 }
 
 fn is_forbidden(cell: &Cell, found: &[LoadedPosture]) -> bool {
-    let predicted = predict(
-        cell,
-        &prior(cell),
-        found,
-        &PredictOptions::default(),
-        Control::default(),
-    );
+    let predicted = predict(cell, &prior(cell), found, &PredictOptions::default(), Control::default());
     let findings = predicted.unwrap().findings;
     findings.iter().any(|finding| finding.code == "forbidden")
 }
 
 fn said<'a>(summary: &'a PosturePathSummary, code: &str) -> &'a str {
     let mut found = summary.findings.iter().filter(|f| f.code == code);
-    let finding = found
-        .next()
-        .unwrap_or_else(|| panic!("{code}: {summary:?}"));
+    let finding = found.next().unwrap_or_else(|| panic!("{code}: {summary:?}"));
     assert!(found.next().is_none());
     &finding.sentence
 }
@@ -359,11 +318,7 @@ fn of_the_branches_of_given_poses_one_that_is_free_is_taken() {
     // The bounds leave out the side of the wrist that was taken.
     let wrist = found.iter().map(|posture| posture.q[4]).sum::<f64>();
     let [low, high] = cell.bounds[4];
-    cell.bounds[4] = if wrist > 0.0 {
-        [low, -0.01]
-    } else {
-        [0.01, high]
-    };
+    cell.bounds[4] = if wrist > 0.0 { [low, -0.01] } else { [0.01, high] };
     let (other, after) = run(&cell, &circle, &options).unwrap();
     let inside = |posture: &LoadedPosture| cell.outside_bounds(&posture.q).next().is_none();
     assert!(other.iter().all(inside));
@@ -391,26 +346,15 @@ fn an_axis_the_other_way_round_is_named() {
         let by = Isometry3::translation(by[0], by[1], by[2]);
         circle(9).iter().map(|pose| by * pose).collect()
     };
-    let works =
-        |poses: &[Isometry3<f64>]| run(&cell, &self::poses(poses), &Default::default()).is_ok();
+    let works = |poses: &[Isometry3<f64>]| run(&cell, &self::poses(poses), &Default::default()).is_ok();
     let half = |axis| UnitQuaternion::from_axis_angle(&axis, PI);
     // So low that the arm reaches it from above alone.
-    let round = |poses: Vec<Isometry3<f64>>| -> Vec<_> {
-        poses
-            .iter()
-            .map(|pose| pose * half(Vector3::x_axis()))
-            .collect()
-    };
+    let round =
+        |poses: Vec<Isometry3<f64>>| -> Vec<_> { poses.iter().map(|pose| pose * half(Vector3::x_axis())).collect() };
     let low = (0..30).map(|i| moved([0.0, 0.0, -0.1 * f64::from(i)]));
-    let low = low
-        .filter(|poses| works(poses))
-        .map(round)
-        .rfind(|poses| !works(poses));
+    let low = low.filter(|poses| works(poses)).map(round).rfind(|poses| !works(poses));
     let said = hint(&low.unwrap(), Isometry3::identity());
-    assert!(
-        said.contains("tool axis of every pose the other way round"),
-        "{said}"
-    );
+    assert!(said.contains("tool axis of every pose the other way round"), "{said}");
     // Beyond the workpiece, on the side of it where the arm does not reach.
     let workpiece = Isometry3::translation(1.9, 0.0, 0.8);
     let turned = |poses: &Vec<Isometry3<f64>>| -> Vec<_> {
@@ -418,14 +362,9 @@ fn an_axis_the_other_way_round_is_named() {
         poses.iter().map(|pose| turn * pose).collect()
     };
     let beyond = (0..30).map(|i| moved([0.1 * f64::from(i), 0.0, 0.0]));
-    let beyond = beyond
-        .filter(|poses| works(&turned(poses)))
-        .rfind(|poses| !works(poses));
+    let beyond = beyond.filter(|poses| works(&turned(poses))).rfind(|poses| !works(poses));
     let said = hint(&beyond.unwrap(), workpiece);
-    assert!(
-        said.contains("workpiece turned by 180° about its z"),
-        "{said}"
-    );
+    assert!(said.contains("workpiece turned by 180° about its z"), "{said}");
     // Nor is one point beyond the reach a path that is turned.
     let mut one = moved([0.0; 3]);
     one[4].translation.x += 1.6;

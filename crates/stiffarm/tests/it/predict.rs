@@ -9,10 +9,7 @@ use stiffarm::model::stiffness::cartesian_stiffness;
 use stiffarm::work::predict::{LoadPoint, Prediction};
 
 fn wrench(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
-    Wrench {
-        force: dice.direction() * force,
-        moment: dice.direction() * moment,
-    }
+    Wrench { force: dice.direction() * force, moment: dice.direction() * moment }
 }
 
 fn at(q: &[f64], wrench: Wrench) -> LoadedPosture {
@@ -34,9 +31,7 @@ fn deflection_and_stiffness_are_those_of_the_reference() {
         let q = numbers(&golden["q_deg"]);
         let q: Vec<f64> = q.iter().map(|a| a.to_radians()).collect();
         // The rope pulls at the loading point; measuring point 1 is the tip.
-        let arm = LoadedArm::new(&cell, &predictor)
-            .unwrap()
-            .loaded_at(cell.setup.tool.loading_point);
+        let arm = LoadedArm::new(&cell, &predictor).unwrap().loaded_at(cell.setup.tool.loading_point);
         let force = numbers(&golden["force"]);
         let pull = Wrench::force(Vector3::from_column_slice(&force[..3]));
         let terms = arm.terms(&q, &pull).unwrap();
@@ -83,14 +78,12 @@ fn stiffness_is_symmetric_and_inverts_the_compliance_of_all_that_gives_way() {
         let mut predictor = prior(&cell);
         if round % 5 == 0 {
             let origin = dice.vector(0.3);
-            cell.setup.tool.series_compliance = Some(
-                SeriesCompliance::from_stiffness(origin, [1e7, 2e7, 3e7], [2e5, 3e5, 4e5]).unwrap(),
-            );
+            cell.setup.tool.series_compliance =
+                Some(SeriesCompliance::from_stiffness(origin, [1e7, 2e7, 3e7], [2e5, 3e5, 4e5]).unwrap());
         }
         if round % 7 == 0 {
             predictor.extra = vec![ExtraTerm::JointTilt(2), ExtraTerm::BaseTilt];
-            predictor.values =
-                DVector::from_iterator(n + 2, predictor.values.iter().copied().chain([3e-7, 1e-8]));
+            predictor.values = DVector::from_iterator(n + 2, predictor.values.iter().copied().chain([3e-7, 1e-8]));
         }
         let arm = LoadedArm::new(&cell, &predictor).unwrap();
         let q = dice.posture(n);
@@ -101,28 +94,19 @@ fn stiffness_is_symmetric_and_inverts_the_compliance_of_all_that_gives_way() {
         assert!((compliance - compliance.transpose()).amax() <= 1e-14 * scale);
         // The linear model is this compliance.
         let terms = arm.terms(&q, &load).unwrap();
-        let expected = compliance
-            * Vector6::from_iterator(load.force.iter().chain(load.moment.iter()).copied());
+        let expected = compliance * Vector6::from_iterator(load.force.iter().chain(load.moment.iter()).copied());
         let linear = arm.linear(&terms);
-        assert!(
-            (linear - expected).amax() <= 1e-10 * linear.amax().max(1e-9),
-            "round {round}"
-        );
+        assert!((linear - expected).amax() <= 1e-10 * linear.amax().max(1e-9), "round {round}");
         let Some(rows) = found.matrix else { continue };
         let stiffness = Matrix6::from_fn(|i, j| rows[i][j]);
         assert!((stiffness - stiffness.transpose()).amax() == 0.0);
         // Rounding grows with the condition number of K.
         let left = (stiffness * compliance - Matrix6::identity()).amax();
         let condition = stiffness.norm() * compliance.norm();
-        assert!(
-            left <= 1e-14 * condition,
-            "round {round}: {left:e}, condition {condition:e}"
-        );
+        assert!(left <= 1e-14 * condition, "round {round}: {left:e}, condition {condition:e}");
         let principal = found.principal;
         for (softer, stiffer) in principal.iter().zip(&principal[1..]) {
-            let least = |axis: &stiffarm::work::predict::PrincipalAxis| {
-                axis.stiffness_n_per_m.unwrap_or(f64::MAX)
-            };
+            let least = |axis: &stiffarm::work::predict::PrincipalAxis| axis.stiffness_n_per_m.unwrap_or(f64::MAX);
             assert!(least(softer) <= least(stiffer));
         }
         let u = Vector3::from(principal[0].direction);
@@ -152,10 +136,7 @@ fn equilibrium_is_the_one_of_the_constant_wrench_and_linear_in_the_limit() {
             let torque = other.terms.torque()[j];
             assert!((other.deflection[j] - torque / k).abs() < 1e-15);
         }
-        let small = Wrench {
-            force: load.force * 1e-4,
-            moment: load.moment * 1e-4,
-        };
+        let small = Wrench { force: load.force * 1e-4, moment: load.moment * 1e-4 };
         let bent = arm.deflect(&q, &small).unwrap();
         assert!((bent.displacement - bent.linear).amax() < 1e-6 * bent.linear.amax());
     }
@@ -169,16 +150,8 @@ fn sensitivity_is_the_derivative_of_the_shift_by_the_unknowns() {
         ExtraTerm::JointTilt(3),
         ExtraTerm::BaseTilt,
         ExtraTerm::LostMotion(1),
-        ExtraTerm::Beam {
-            joint: 3,
-            part: RowPart::Axis,
-            twist: false,
-        },
-        ExtraTerm::Beam {
-            joint: 2,
-            part: RowPart::Link,
-            twist: true,
-        },
+        ExtraTerm::Beam { joint: 3, part: RowPart::Axis, twist: false },
+        ExtraTerm::Beam { joint: 2, part: RowPart::Link, twist: true },
     ];
     // All entries of all springs, which the arm puts together.
     for joint in std::iter::once(None).chain((0..6).map(Some)) {
@@ -216,10 +189,7 @@ fn sensitivity_is_the_derivative_of_the_shift_by_the_unknowns() {
             let column = sensitivity.column(j);
             for i in 0..3 {
                 let error = (change[i] - column[i]).abs();
-                assert!(
-                    error <= 1e-9 * column.amax() + 1e-14 * sensitivity.amax(),
-                    "unknown {j}: {error:e}"
-                );
+                assert!(error <= 1e-9 * column.amax() + 1e-14 * sensitivity.amax(), "unknown {j}: {error:e}");
             }
         }
     }
@@ -228,10 +198,8 @@ fn sensitivity_is_the_derivative_of_the_shift_by_the_unknowns() {
 #[test]
 fn tip_frame_of_the_cell_counts() {
     let mut cell = default_cell();
-    let offset = Isometry3::from_parts(
-        Vector3::new(0.02, -0.1, 0.4).into(),
-        UnitQuaternion::from_euler_angles(0.3, -0.2, 1.0),
-    );
+    let offset =
+        Isometry3::from_parts(Vector3::new(0.02, -0.1, 0.4).into(), UnitQuaternion::from_euler_angles(0.3, -0.2, 1.0));
     cell.work.tip = Some(offset);
     let arm = LoadedArm::from_stiffness(&cell, &cell.prior.clone().unwrap()).unwrap();
     let q = &cell.tasks[0].q;
@@ -243,12 +211,7 @@ fn tip_frame_of_the_cell_counts() {
 
 /// Identifies from one simulated experiment with the exact equilibrium as truth
 /// and the cell's noise as the only error.
-fn identified(
-    cell: &Cell,
-    group: &[Posture],
-    estimator: Estimator,
-    seed: u64,
-) -> IdentifiedCompliance {
+fn identified(cell: &Cell, group: &[Posture], estimator: Estimator, seed: u64) -> IdentifiedCompliance {
     let truth = cell.require_prior().unwrap();
     let measured = simulate_measurements(cell, group, truth, Model::Equilibrium, seed, 0).unwrap();
     let options = with(|o: &mut IdentifyOptions| {
@@ -276,10 +239,7 @@ fn bands_cover_what_they_say_when_noise_is_the_only_error() {
             at(&q, wrench(&mut dice, 350.0, 15.0))
         })
         .collect();
-    let exact: Vec<Vector6<f64>> = work
-        .iter()
-        .map(|w| truth.deflect(&w.q, &w.wrench).unwrap().displacement)
-        .collect();
+    let exact: Vec<Vector6<f64>> = work.iter().map(|w| truth.deflect(&w.q, &w.wrench).unwrap().displacement).collect();
     // Two variances, the default, are conservative where no posture has a shift
     // of its own: 96.0 % in 16,000 experiments, against 94.8 % of the former.
     for (estimator, tolerance) in [(Estimator::Ordinary, 0.01), (Estimator::TwoVariance, 0.015)] {
@@ -288,13 +248,7 @@ fn bands_cover_what_they_say_when_noise_is_the_only_error() {
         let mut squares = 0.0;
         for seed in 0..experiments {
             let predictor = identified(&cell, &group, estimator, seed);
-            let found = predict(
-                &cell,
-                &predictor,
-                &work,
-                &PredictOptions::default(),
-                Control::default(),
-            );
+            let found = predict(&cell, &predictor, &work, &PredictOptions::default(), Control::default());
             let before = inside;
             for (point, exact) in found.unwrap().points.iter().zip(&exact) {
                 let band = point.band.unwrap();
@@ -351,10 +305,7 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
     force.common = total.common.only("force-scale");
     let scale = run(&force, 0.0).points[0].band.unwrap().size_m[1];
     let expected = 1.959_964 * 0.01 / 1.01 * point.deflection_m;
-    assert!(
-        (scale / expected - 1.0).abs() < 1e-3,
-        "{scale} against {expected}"
-    );
+    assert!((scale / expected - 1.0).abs() < 1e-3, "{scale} against {expected}");
     // What an error of the experiment does to the prediction is what the changed
     // stiffness does; what acts again at work moves the tip the other way.
     for part in &total.common.parts {
@@ -375,22 +326,10 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
         for i in 0..3 {
             let expected = 1.959_964 * change[i].abs();
             let error_m = (half[i] - expected).abs();
-            assert!(
-                error_m <= 1e-6 * expected + 1e-14,
-                "{}: {error_m}",
-                part.source
-            );
+            assert!(error_m <= 1e-6 * expected + 1e-14, "{}: {error_m}", part.source);
         }
     }
-    assert_eq!(
-        total
-            .common
-            .parts
-            .iter()
-            .filter(|p| p.at_work.is_some())
-            .count(),
-        7
-    );
+    assert_eq!(total.common.parts.iter().filter(|p| p.at_work.is_some()).count(), 7);
     let load = run(&plain, 0.1).points[0].band.unwrap();
     let expected = 0.195_996_4 * point.deflection_m;
     assert!((load.size_m[2] / expected - 1.0).abs() < 1e-6);
@@ -435,8 +374,7 @@ fn bad_input_is_refused_with_its_line() {
     let cell = default_cell();
     let predictor = prior(&cell);
     let options = PredictOptions::default();
-    let run =
-        |work: &[LoadedPosture]| predict(&cell, &predictor, work, &options, Control::default());
+    let run = |work: &[LoadedPosture]| predict(&cell, &predictor, work, &options, Control::default());
     assert!(run(&[]).is_err());
     let mut short = at(&[0.0; 5], Wrench::force(Vector3::x()));
     short.line = Some(7);

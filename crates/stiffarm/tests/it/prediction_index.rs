@@ -27,11 +27,7 @@ fn equations(model: &Model, postures: &[Vec<Dual64>], sizes: [f64; 3]) -> DMatri
             let (psi, springs) = (model.psi(q), model.spring_columns(q, sizes));
             DMatrix::from_fn(psi.nrows(), n + springs.ncols(), |i, j| {
                 (0..=i).fold(Dual64::from(0.0), |sum, l| {
-                    let entry = if j < n {
-                        psi[(l, j)] / model.prior[j]
-                    } else {
-                        springs[(l, j - n)]
-                    };
+                    let entry = if j < n { psi[(l, j)] / model.prior[j] } else { springs[(l, j - n)] };
                     sum + entry * white[(i, l)]
                 })
             })
@@ -89,12 +85,7 @@ fn targets(model: &Model, cell: &Cell, sizes: [f64; 3]) -> DMatrix<f64> {
 }
 
 /// ln of the index: ½ ln tr(T (XᵀX)⁻¹ Tᵀ).
-fn ln_index(
-    model: &Model,
-    rows: &DMatrix<f64>,
-    postures: &[Vec<Dual64>],
-    sizes: [f64; 3],
-) -> Dual64 {
+fn ln_index(model: &Model, rows: &DMatrix<f64>, postures: &[Vec<Dual64>], sizes: [f64; 3]) -> Dual64 {
     let inverse = inverse_r(&equations(model, postures, sizes));
     let mut trace = Dual64::from(0.0);
     for i in 0..rows.nrows() {
@@ -131,11 +122,7 @@ fn values_and_gradients_are_those_of_the_mixed_model_equations() {
         cell.elastic = Some(match case % 2 {
             0 => typical,
             // One class gives nothing.
-            _ => ElasticSizes {
-                shift: 3.0 * typical.shift,
-                turn: 0.5 * typical.turn,
-                coupling: 0.0,
-            },
+            _ => ElasticSizes { shift: 3.0 * typical.shift, turn: 0.5 * typical.turn, coupling: 0.0 },
         });
         let (own, source) = cell.elastic_sizes().unwrap();
         let found = evaluate(&cell, "", &postures).unwrap().indices;
@@ -147,31 +134,16 @@ fn values_and_gradients_are_those_of_the_mixed_model_equations() {
         let mut function = IndexFunction::new(&cell, Index::Prediction, POSTURES).unwrap();
         let mut gradient = vec![0.0; flat.len()];
         let ours = function.smoothed(&flat, 1.0, &mut gradient);
-        let found: Vec<Dual64> = (0..flat.len())
-            .map(|k| ln_index(&model, &rows, &duals(&flat, n, k), sizes))
-            .collect();
-        for value in [
-            ours.exact,
-            ours.objective,
-            shown.ln(),
-            function.value(&flat),
-        ] {
+        let found: Vec<Dual64> = (0..flat.len()).map(|k| ln_index(&model, &rows, &duals(&flat, n, k), sizes)).collect();
+        for value in [ours.exact, ours.objective, shown.ln(), function.value(&flat)] {
             let error = (value - found[0].re).abs();
-            assert!(
-                error < 1e-10,
-                "case {case}: {value} against {}",
-                found[0].re
-            );
+            assert!(error < 1e-10, "case {case}: {value} against {}", found[0].re);
             worst_value = worst_value.max(error);
         }
         let scale = found.iter().fold(1e-3_f64, |m, g| m.max(g.eps.abs()));
         for (k, (ours, golden)) in gradient.iter().zip(&found).enumerate() {
             let error = (ours - golden.eps).abs() / scale;
-            assert!(
-                error < 1e-10,
-                "case {case} angle {k}: {ours} against {}, scale {scale}",
-                golden.eps
-            );
+            assert!(error < 1e-10, "case {case} angle {k}: {ours} against {}, scale {scale}", golden.eps);
             worst = worst.max(error);
         }
     }
@@ -240,42 +212,22 @@ fn the_best_group_of_a_list_is_the_best_of_all_groups() {
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .unwrap();
         let options = CandidateOptions::default();
-        let found =
-            select_candidates(&cell, index, 3, &list, &options, Control::default()).unwrap();
+        let found = select_candidates(&cell, index, 3, &list, &options, Control::default()).unwrap();
         let error = (sign * found.value / best.0 - 1.0).abs();
-        assert!(
-            error < 1e-8,
-            "{index:?}: {} against {}",
-            found.value,
-            sign * best.0
-        );
+        assert!(error < 1e-8, "{index:?}: {} against {}", found.value, sign * best.0);
         assert_eq!(&found.chosen, best.1, "{index:?}");
         assert!(found.exact && found.efficiency == Some(1.0), "{index:?}");
 
         // The bound alone must hold for every group.
         let mut options = CandidateOptions::default();
         options.groups = Some(0);
-        let bounded =
-            select_candidates(&cell, index, 3, &list, &options, Control::default()).unwrap();
-        let convex = [
-            Index::ExpectedError,
-            Index::D,
-            Index::Task,
-            Index::Prediction,
-            Index::O1,
-        ];
-        assert_eq!(
-            bounded.bound.is_some(),
-            convex.contains(&index),
-            "{index:?}"
-        );
+        let bounded = select_candidates(&cell, index, 3, &list, &options, Control::default()).unwrap();
+        let convex = [Index::ExpectedError, Index::D, Index::Task, Index::Prediction, Index::O1];
+        assert_eq!(bounded.bound.is_some(), convex.contains(&index), "{index:?}");
         if let Some(bound) = bounded.bound {
             assert!(sign * bound <= best.0 * (1.0 + sign * 1e-9), "{index:?}");
             let efficiency = bounded.efficiency.unwrap();
-            println!(
-                "{}: {efficiency:.3} certified without comparing",
-                index.as_str()
-            );
+            println!("{}: {efficiency:.3} certified without comparing", index.as_str());
             assert!(efficiency > 0.2 && efficiency <= 1.0 + 1e-9, "{index:?}");
         }
     }
@@ -286,17 +238,11 @@ fn wrenches_of_their_own_count() {
     let mut cell = builtin::cell("comau").unwrap();
     let list = list(&cell, 9, 12, true);
     // A load that only measurements give: nothing but the candidates' wrenches is known.
-    let measured: Vec<Candidate> = list
-        .iter()
-        .filter(|c| c.wrench.is_some())
-        .cloned()
-        .collect();
+    let measured: Vec<Candidate> = list.iter().filter(|c| c.wrench.is_some()).cloned().collect();
     cell.setup.load = Load::Measured;
     for index in [Index::ExpectedError, Index::Prediction] {
         let options = CandidateOptions::default();
-        let select = |list: &[Candidate]| {
-            select_candidates(&cell, index, 3, list, &options, Control::default())
-        };
+        let select = |list: &[Candidate]| select_candidates(&cell, index, 3, list, &options, Control::default());
         let found = select(&measured).unwrap();
         assert!(found.exact);
         // Twice the force at all postures: the errors of k halve, the choice stays.
@@ -313,14 +259,8 @@ fn wrenches_of_their_own_count() {
         let error = select(&list).unwrap_err();
         assert_eq!(error.code(), Code::MissingKey);
     }
-    let none = select_candidates(
-        &cell,
-        Index::ExpectedError,
-        10,
-        &measured,
-        &CandidateOptions::default(),
-        Control::default(),
-    );
+    let none =
+        select_candidates(&cell, Index::ExpectedError, 10, &measured, &CandidateOptions::default(), Control::default());
     assert_eq!(none.unwrap_err().code(), Code::TooFewData);
 }
 
@@ -338,10 +278,7 @@ fn very_many_postures_take_no_more_room_than_their_unknowns() {
     // What the load never bends stays unknown, however many postures there are.
     let least = many.prediction.unwrap();
     let root = (20_000f64 / 170.0).sqrt();
-    assert!(
-        least < below && least > 1.2 * below / root,
-        "{least} {below}"
-    );
+    assert!(least < below && least > 1.2 * below / root, "{least} {below}");
     // What is expected of the joints falls with the root of the number.
     let few = of(1_000);
     let ratio = few.expected_error.unwrap() / many.expected_error.unwrap();
@@ -364,37 +301,18 @@ fn expected_arms_are_made_of_what_identify_fits() {
         KnownElement::new(beam, 3e6, 1.2),
         KnownElement::new(ExtraTerm::BaseTilt, 1e9, 1.5),
     ];
-    let declared = ElasticSizes {
-        shift: 3e-8,
-        turn: 5e-8,
-        coupling: 2e-8,
-    };
-    let cases = [
-        (false, false, None),
-        (true, false, None),
-        (false, true, None),
-        (true, true, Some(declared)),
-    ];
+    let declared = ElasticSizes { shift: 3e-8, turn: 5e-8, coupling: 2e-8 };
+    let cases = [(false, false, None), (true, false, None), (false, true, None), (true, true, Some(declared))];
     let mut promised = Vec::new();
     for (several, drawn, sizes) in cases {
         cell.setup.load = rope.clone();
         cell.elastic = sizes;
         cell.known_elements = if drawn { drawing.to_vec() } else { Vec::new() };
         if several {
-            let case = |name: &str, load: Load, loading_point| LoadCase {
-                name: name.into(),
-                load,
-                loading_point,
-            };
-            let weight = Load::Weight {
-                magnitude: 300.0,
-                direction: -Vector3::z(),
-            };
+            let case = |name: &str, load: Load, loading_point| LoadCase { name: name.into(), load, loading_point };
+            let weight = Load::Weight { magnitude: 300.0, direction: -Vector3::z() };
             let eye = Some(Vector3::new(0.1, 0.05, 0.2));
-            let cases = vec![
-                case("rope", rope.clone(), None),
-                case("weight", weight, eye),
-            ];
+            let cases = vec![case("rope", rope.clone(), None), case("weight", weight, eye)];
             cell.setup.load = Load::Cases(cases);
         }
         let robot = &cell.setup.robot;
@@ -413,27 +331,17 @@ fn expected_arms_are_made_of_what_identify_fits() {
             let class = class as usize;
             match sizes {
                 _ if cell.known_elements.iter().any(|own| own.term == term) => {}
-                None => effects.push((
-                    term,
-                    scale * SIZES[class] * units[class],
-                    Some(class),
-                    positive,
-                )),
+                None => effects.push((term, scale * SIZES[class] * units[class], Some(class), positive)),
                 Some(sizes) => {
                     // Alike in all joints, none of the elements: its class is that of the entry.
                     let size = [sizes.shift, sizes.turn, sizes.coupling];
                     let scale = if positive { 1.0 } else { 0.5f64.sqrt() };
-                    let entry = size
-                        .get(class)
-                        .map(|size| (term, scale * size, Some(class), false));
+                    let entry = size.get(class).map(|size| (term, scale * size, Some(class), false));
                     effects.extend(entry);
                 }
             }
         }
-        let known = cell
-            .known_elements
-            .iter()
-            .map(|own| (own.term, own.std, None, false));
+        let known = cell.known_elements.iter().map(|own| (own.term, own.std, None, false));
         effects.extend(known);
         let columns = |setup: &Setup, terms: &PostureTerms, factor: f64| {
             let all: Vec<ExtraTerm> = effects.iter().map(|(term, ..)| *term).collect();
@@ -492,10 +400,7 @@ fn expected_arms_are_made_of_what_identify_fits() {
         let found = evaluate(&cell, "", &group).unwrap().indices;
         let near = |ours: f64, golden: f64| {
             let error = (ours / golden - 1.0).abs();
-            assert!(
-                error < 1e-8,
-                "several loads {several}, drawing {drawn}: {ours} {golden}"
-            );
+            assert!(error < 1e-8, "several loads {several}, drawing {drawn}: {ours} {golden}");
         };
         near(found.prediction.unwrap(), value(1.0));
         near(found.prediction_range.unwrap()[0], value(1.0 / 3.0));
@@ -520,11 +425,7 @@ fn expected_arms_are_made_of_what_identify_fits() {
                 x
             };
             let slope = (function.value(&at(1.0)) - function.value(&at(-1.0))) / (2.0 * step);
-            assert!(
-                (slope - gradient[k]).abs() < 1e-6 * (1.0 + slope.abs()),
-                "{slope} {}",
-                gradient[k]
-            );
+            assert!((slope - gradient[k]).abs() < 1e-6 * (1.0 + slope.abs()), "{slope} {}", gradient[k]);
         }
     }
     // What is known need not be measured.
@@ -538,14 +439,7 @@ fn plans_hold_no_posture_twice_and_keep_their_bound() {
     let mut options = GlobalOptions::default();
     options.rounds = Some(1);
     for count in [3, 12] {
-        let found = select(
-            &cell,
-            Index::Prediction,
-            count,
-            &options,
-            Control::default(),
-        )
-        .unwrap();
+        let found = select(&cell, Index::Prediction, count, &options, Control::default()).unwrap();
         for (p, a) in found.group.iter().enumerate() {
             let apart = |b: &Vec<f64>| {
                 let furthest = a.iter().zip(b).map(|(a, b)| (a - b).abs());
@@ -554,29 +448,14 @@ fn plans_hold_no_posture_twice_and_keep_their_bound() {
             assert!(found.group[..p].iter().all(apart), "posture {p} of {count}");
         }
         let random = random_group(&cell, StartKind::Uniform, count, 7, 0).unwrap();
-        let random = evaluate(&cell, "", &random)
-            .unwrap()
-            .indices
-            .prediction
-            .unwrap();
+        let random = evaluate(&cell, "", &random).unwrap().indices.prediction.unwrap();
         assert!(found.value < 0.7 * random, "{} {random}", found.value);
-        let certificate = certify(
-            &cell,
-            Index::Prediction,
-            &found.group,
-            &CertificateOptions::default(),
-            Control::default(),
-        )
-        .unwrap();
+        let certificate =
+            certify(&cell, Index::Prediction, &found.group, &CertificateOptions::default(), Control::default())
+                .unwrap();
         let efficiency = certificate.efficiency.unwrap();
-        println!(
-            "{count}: {} of {}, {efficiency:.3}",
-            certificate.bound, found.value
-        );
-        assert!(
-            efficiency < 1.0 && (count < 12 || efficiency > 0.55),
-            "{efficiency}"
-        );
+        println!("{count}: {} of {}, {efficiency:.3}", certificate.bound, found.value);
+        assert!(efficiency < 1.0 && (count < 12 || efficiency > 0.55), "{efficiency}");
     }
 }
 
@@ -593,11 +472,7 @@ fn a_plan_is_driven_as_it_was_found() {
     let planned = plan(&cell, &inputs, &options, &mut |_| {}, Control::default()).unwrap();
     let selection = &planned.result.selection;
     let found = selection.improvements.last().unwrap().value.unwrap();
-    assert!(
-        selection.value <= found * (1.0 + 1e-9),
-        "{} {found}",
-        selection.value
-    );
+    assert!(selection.value <= found * (1.0 + 1e-9), "{} {found}", selection.value);
     let flipped = |q: &[f64]| {
         let mut q = q.to_vec();
         let turned = |angle: f64| if angle > 0.0 { angle - PI } else { angle + PI };
@@ -605,13 +480,7 @@ fn a_plan_is_driven_as_it_was_found() {
         q
     };
     let group: Vec<Vec<f64>> = planned.postures.iter().map(|p| p.q.clone()).collect();
-    let value = |group: &[Vec<f64>], index| {
-        evaluate(&cell, "group", group)
-            .unwrap()
-            .indices
-            .get(index)
-            .unwrap()
-    };
+    let value = |group: &[Vec<f64>], index| evaluate(&cell, "group", group).unwrap().indices.get(index).unwrap();
     let other: Vec<Vec<f64>> = group.iter().map(|q| flipped(q)).collect();
     let same = value(&other, Index::ExpectedError) / value(&group, Index::ExpectedError);
     assert!((same - 1.0).abs() < 1e-9, "{same}");

@@ -10,20 +10,10 @@ use stiffarm::model::measurement::Role;
 
 const ARC_MINUTE: f64 = PI / 180.0 / 60.0;
 /// Half the gap of each joint of a worn arm \[rad\].
-const GAPS: [f64; 6] = [
-    0.5 * ARC_MINUTE,
-    0.6 * ARC_MINUTE,
-    0.4 * ARC_MINUTE,
-    0.5 * ARC_MINUTE,
-    0.3 * ARC_MINUTE,
-    0.5 * ARC_MINUTE,
-];
+const GAPS: [f64; 6] =
+    [0.5 * ARC_MINUTE, 0.6 * ARC_MINUTE, 0.4 * ARC_MINUTE, 0.5 * ARC_MINUTE, 0.3 * ARC_MINUTE, 0.5 * ARC_MINUTE];
 /// Unloaded, the preload, all of the load.
-const ALL: [(&str, f64, usize); 3] = [
-    ("unloaded", 0.0, 1),
-    ("preload", 0.2, 1),
-    ("loaded", 1.0, 1),
-];
+const ALL: [(&str, f64, usize); 3] = [("unloaded", 0.0, 1), ("preload", 0.2, 1), ("loaded", 1.0, 1)];
 
 /// What was read of an arm with these gaps, in the states named.
 fn read(cell: &Cell, taken: &[(&str, f64, usize)], seed: u64) -> Measured {
@@ -46,11 +36,7 @@ fn without<'a>(role: Role) -> Vec<(&'a str, f64, usize)> {
     ALL.iter().filter(other).copied().collect()
 }
 
-fn systematic_of(
-    cell: &Cell,
-    measured: Measured,
-    options: &IdentifyOptions,
-) -> (Fit, SystematicErrors) {
+fn systematic_of(cell: &Cell, measured: Measured, options: &IdentifyOptions) -> (Fit, SystematicErrors) {
     let fit = Fit::new(cell, measured, options).unwrap();
     let systematic = systematic_errors(&fit).unwrap();
     (fit, systematic)
@@ -70,33 +56,18 @@ fn a_preload_makes_the_stiffness_surer() {
     let (_, with) = systematic_of(&cell, read(&cell, &ALL, 1), &options);
     let (_, plain) = systematic_of(&cell, read(&cell, &without(Role::Preload), 1), &options);
     for (own, other) in with.uncertainty.iter().zip(&plain.uncertainty) {
-        println!(
-            "{:.3} with the preload, {:.3} without",
-            own.total.unwrap(),
-            other.total.unwrap()
-        );
-        assert!(
-            own.total.unwrap() <= other.total.unwrap(),
-            "{own:?} {other:?}"
-        );
+        println!("{:.3} with the preload, {:.3} without", own.total.unwrap(), other.total.unwrap());
+        assert!(own.total.unwrap() <= other.total.unwrap(), "{own:?} {other:?}");
         assert_ne!(own.largest_source.as_deref(), Some("lost-motion"));
     }
     let told = |f: &Finding| f.sentence.contains("measure against a light preload");
     assert!(!with.findings.iter().any(told), "{:?}", with.findings);
     // The way to the preload shows what the arm has, and it counts at work.
     let seen = said(&with, "size-contradicted");
-    assert!(
-        seen.iter().any(|s| s.contains("lost_motion_arcmin")),
-        "{seen:?}"
-    );
+    assert!(seen.iter().any(|s| s.contains("lost_motion_arcmin")), "{seen:?}");
     // Where nothing was read unloaded nothing shows it.
     let (_, alone) = systematic_of(&cell, read(&cell, &without(Role::Unloaded), 1), &options);
-    assert_eq!(
-        said(&alone, "lost-motion-not-seen").len(),
-        1,
-        "{:?}",
-        alone.findings
-    );
+    assert_eq!(said(&alone, "lost-motion-not-seen").len(), 1, "{:?}", alone.findings);
     assert!(said(&with, "lost-motion-not-seen").is_empty());
     assert!(said(&plain, "lost-motion-not-seen").is_empty());
 }
@@ -113,10 +84,7 @@ fn the_mixed_model_knows_the_gaps_by_the_preload() {
     };
     let plain = of_gaps(&systematic_errors(&fit).unwrap());
     let own = of_gaps(&mixed_systematic_errors(&mixed).unwrap());
-    assert!(
-        plain > 3.0 && (own / plain - 1.0).abs() < 0.2,
-        "{own} {plain}"
-    );
+    assert!(plain > 3.0 && (own / plain - 1.0).abs() < 0.2, "{own} {plain}");
 }
 
 /// Intervals of k and bands at work hold of an arm whose gaps are five times what is assumed.
@@ -131,8 +99,7 @@ fn intervals_and_bands_at_work_hold_with_a_preload() {
     let count = runs(100);
     let (mut joints, mut shifts, mut largest) = (0, 0, 0.0_f64);
     for seed in 0..count {
-        let (fit, systematic) =
-            systematic_of(&cell, read(&cell, &ALL, seed), &IdentifyOptions::default());
+        let (fit, systematic) = systematic_of(&cell, read(&cell, &ALL, seed), &IdentifyOptions::default());
         for (own, k) in systematic.uncertainty.iter().zip(truth) {
             let [low, high] = own.interval_nm_per_rad;
             joints += u64::from(low.unwrap() <= *k && high.is_none_or(|high| *k <= high));
@@ -153,8 +120,7 @@ fn intervals_and_bands_at_work_hold_with_a_preload() {
             }
         }
     }
-    let [joints, shifts] =
-        [(joints, 6), (shifts, 18)].map(|(n, of)| n as f64 / (count * of) as f64);
+    let [joints, shifts] = [(joints, 6), (shifts, 18)].map(|(n, of)| n as f64 / (count * of) as f64);
     println!("k {joints:.3}, bands {shifts:.3}, {largest:.2} times the band at most");
     let least = fewest(0.95, count, 1000) as f64 / count as f64;
     assert!(joints > least && joints >= 0.93, "{joints}");
@@ -172,8 +138,7 @@ fn lost_motion_as_an_unknown_is_found_by_the_way_to_the_preload() {
         let fit = Fit::new(&cell, read(&cell, &ALL, seed), &options).unwrap();
         // The same from a fit without them.
         if seed == 0 {
-            let plain =
-                Fit::new(&cell, read(&cell, &ALL, seed), &IdentifyOptions::default()).unwrap();
+            let plain = Fit::new(&cell, read(&cell, &ALL, seed), &IdentifyOptions::default()).unwrap();
             let again = plain.with(&options).unwrap();
             let values = |fit: &Fit| fit.identification().unwrap().estimates.clone();
             assert_eq!(values(&again).lost_motion, values(&fit).lost_motion);
@@ -184,10 +149,7 @@ fn lost_motion_as_an_unknown_is_found_by_the_way_to_the_preload() {
         for (own, gap) in estimates.lost_motion.iter().zip(&GAPS) {
             let (angle, [low, high]) = (own.angle.unwrap(), own.interval.map(Option::unwrap));
             inside += u64::from(low <= *gap && *gap <= high);
-            assert!(
-                (angle - gap).abs() < 5.0 * own.standard_error.unwrap(),
-                "{own:?}"
-            );
+            assert!((angle - gap).abs() < 5.0 * own.standard_error.unwrap(), "{own:?}");
         }
     }
     let share = inside as f64 / (6 * count) as f64;

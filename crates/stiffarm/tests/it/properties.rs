@@ -11,26 +11,16 @@ use stiffarm::plan::index::error_bound;
 
 /// A random model with as many joints as asked, any load, any springs.
 fn models(joints: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = (Model, Dice)> {
-    (
-        joints,
-        0..5_usize,
-        any::<bool>(),
-        any::<bool>(),
-        any::<u64>(),
-    )
-        .prop_map(|(n, kind, elastic, common, seed)| {
-            let mut dice = Dice::new(seed);
-            let model = dice.model(n, kind, elastic, common);
-            (model, dice)
-        })
+    (joints, 0..5_usize, any::<bool>(), any::<bool>(), any::<u64>()).prop_map(|(n, kind, elastic, common, seed)| {
+        let mut dice = Dice::new(seed);
+        let model = dice.model(n, kind, elastic, common);
+        (model, dice)
+    })
 }
 
 /// Condition number of the column-scaled Ψ; infinite where it loses rank.
 fn condition(psi: &DMatrix<f64>) -> f64 {
-    Factor::new(psi)
-        .unwrap()
-        .scaled_condition()
-        .unwrap_or(f64::INFINITY)
+    Factor::new(psi).unwrap().scaled_condition().unwrap_or(f64::INFINITY)
 }
 
 /// K_θ⁻¹ = E⁻¹ diag(1/k) E⁻ᵀ of a model.
@@ -411,10 +401,6 @@ fn full_covariance(model: &Model, postures: usize) -> DMatrix<f64> {
     let one = model.posture_covariance();
     let rows = one.nrows();
     DMatrix::from_fn(rows * postures, rows * postures, |i, j| {
-        if i / rows == j / rows {
-            one[(i % rows, j % rows)]
-        } else {
-            0.0
-        }
+        if i / rows == j / rows { one[(i % rows, j % rows)] } else { 0.0 }
     })
 }

@@ -18,17 +18,10 @@ fn the_errors_of_a_real_arm_are_not_taken_for_wrong_postures() {
             let list: Vec<Posture> = (0..count)
                 .map(|i| Posture {
                     name: i.to_string(),
-                    q: cell
-                        .bounds
-                        .iter()
-                        .map(|b| dice.between(b[0], b[1]))
-                        .collect(),
+                    q: cell.bounds.iter().map(|b| dice.between(b[0], b[1])).collect(),
                 })
                 .collect();
-            let options = Experiment {
-                tracker_noise: TrackerNoise::Isotropic,
-                ..Experiment::default()
-            };
+            let options = Experiment { tracker_noise: TrackerNoise::Isotropic, ..Experiment::default() };
             let prior = cell.prior.clone().unwrap();
             let mut table = experiment(&cell, &list, &prior, &options, run, 0).unwrap();
             // Joint offsets of 0.03° and errors of the angles of 0.01°.
@@ -68,10 +61,7 @@ fn repeatability_is_the_noise_that_was_put_in() {
         let repeats = result.repeatability.unwrap();
         chi_squared += repeats.std_m.powi(2) / 1e-10 * repeats.degrees_of_freedom as f64;
         freedom += repeats.degrees_of_freedom;
-        alarms += codes(&result)
-            .iter()
-            .filter(|c| c.starts_with("repeats"))
-            .count();
+        alarms += codes(&result).iter().filter(|c| c.starts_with("repeats")).count();
         assert_eq!(repeats.identical_readings, 0);
     }
     // 6 postures, 4 points, 3 states, 2 of 3 repeats, 3 axes; the drift's line costs next to nothing.
@@ -80,10 +70,7 @@ fn repeatability_is_the_noise_that_was_put_in() {
     assert!(z.abs() < 4.0, "{z}");
     // Two-sided error probability of 0.001: 0.2 expected in 200.
     assert!(alarms <= 3, "{alarms}");
-    for (variance, code) in [
-        (4e-11, "repeats-worse-than-noise"),
-        (4e-10, "repeats-better-than-noise"),
-    ] {
+    for (variance, code) in [(4e-11, "repeats-worse-than-noise"), (4e-10, "repeats-better-than-noise")] {
         let mut other = cell.clone();
         other.noise.reading_variance = variance;
         let result = reduced(&other, &take(&cell, &options, 3));
@@ -135,21 +122,9 @@ fn readings_behind_a_displacement_give_its_variance() {
     let mut cell = reference_cell();
     cell.noise.reading_variance = 1e-10;
     let plain = states(&[("unloaded", 0.0, 3), ("loaded", 1.0, 2)]);
-    let between = states(&[
-        ("unloaded", 0.0, 2),
-        ("loaded", 1.0, 4),
-        ("unloaded-2", 0.0, 2),
-    ]);
-    let preload = states(&[
-        ("preload", 0.2, 2),
-        ("loaded", 1.0, 1),
-        ("preload-2", 0.2, 2),
-    ]);
-    for (states, readings, factor) in [
-        (plain, [2, 3], 1.0),
-        (between, [4, 4], 1.0),
-        (preload, [1, 4], 0.8),
-    ] {
+    let between = states(&[("unloaded", 0.0, 2), ("loaded", 1.0, 4), ("unloaded-2", 0.0, 2)]);
+    let preload = states(&[("preload", 0.2, 2), ("loaded", 1.0, 1), ("preload-2", 0.2, 2)]);
+    for (states, readings, factor) in [(plain, [2, 3], 1.0), (between, [4, 4], 1.0), (preload, [1, 4], 0.8)] {
         let options = Experiment {
             states,
             tracker_noise: TrackerNoise::Isotropic,
@@ -165,10 +140,7 @@ fn readings_behind_a_displacement_give_its_variance() {
                 let (points, _) = truth(&cell, q, factor, None);
                 for d in &m.displacements {
                     let reference = 1.0 / d.shared_reference(d);
-                    assert!(
-                        d.readings == readings[0]
-                            && (reference - f64::from(readings[1])).abs() < 1e-9
-                    );
+                    assert!(d.readings == readings[0] && (reference - f64::from(readings[1])).abs() < 1e-9);
                     sum += (d.value - points[d.point]).norm_squared();
                     count += 3.0;
                 }
@@ -200,16 +172,9 @@ fn base_motion_by_noise_alone_is_not_named_and_its_noise_is_as_stated() {
             keep(state, is_point);
         }
         let without = reduced_by(&cell, &bare, Isometry3::identity());
-        for ((with, without), motion) in result
-            .measured
-            .iter()
-            .zip(&without.measured)
-            .zip(&result.base_motion)
-        {
+        for ((with, without), motion) in result.measured.iter().zip(&without.measured).zip(&result.base_motion) {
             let pairs = with.displacements.iter().zip(&without.displacements);
-            sum += pairs
-                .map(|(a, b)| (a.value - b.value).norm_squared())
-                .sum::<f64>();
+            sum += pairs.map(|(a, b)| (a.value - b.value).norm_squared()).sum::<f64>();
             expected += 12.0 * motion.noise_m.powi(2);
         }
     }
@@ -222,11 +187,7 @@ fn base_motion_by_noise_alone_is_not_named_and_its_noise_is_as_stated() {
 fn the_application_point_is_found_with_its_standard_error() {
     let mut cell = reference_cell();
     cell.sensor = Some(sensor());
-    let options = Experiment {
-        force: ForceRecord::ForceAndMoment,
-        sensor_noise: [0.5, 0.2],
-        ..Experiment::default()
-    };
+    let options = Experiment { force: ForceRecord::ForceAndMoment, sensor_noise: [0.5, 0.2], ..Experiment::default() };
     let mut stated = cell.clone();
     let offset = Vector3::new(0.004, -0.003, 0.006);
     stated.setup.tool.loading_point -= offset;
@@ -235,13 +196,7 @@ fn the_application_point_is_found_with_its_standard_error() {
     for seed in 0..runs {
         let table = take(&cell, &options, seed);
         let result = reduced(&stated, &table);
-        let point = result
-            .wrench_check
-            .as_ref()
-            .unwrap()
-            .application_point
-            .as_ref()
-            .unwrap();
+        let point = result.wrench_check.as_ref().unwrap().application_point.as_ref().unwrap();
         let error = point.distance_standard_error_m.unwrap();
         squares += ((point.distance_m - offset.norm()) / error).powi(2);
         count += 1.0;
@@ -252,10 +207,7 @@ fn the_application_point_is_found_with_its_standard_error() {
     // t with 15 degrees of freedom: variance 15/13.
     let ratio: f64 = squares / count / (15.0 / 13.0);
     let wider = wider(runs, 200);
-    assert!(
-        (1.0 - 0.4 * wider..1.0 + 0.6 * wider).contains(&ratio),
-        "{ratio}"
-    );
+    assert!((1.0 - 0.4 * wider..1.0 + 0.6 * wider).contains(&ratio), "{ratio}");
     assert_eq!(alarms, 0);
     // A moment that no point explains: about the force itself.
     let mut table = take(&cell, &options, 1);
@@ -264,10 +216,5 @@ fn the_application_point_is_found_with_its_standard_error() {
         wrench.moment += wrench.force.normalize() * 20.0;
     }
     let result = reduced(&cell, &table);
-    assert_eq!(
-        found(&result, "unexplained-moment").len(),
-        1,
-        "{:?}",
-        codes(&result)
-    );
+    assert_eq!(found(&result, "unexplained-moment").len(), 1, "{:?}", codes(&result));
 }

@@ -4,9 +4,7 @@
 use crate::common::prelude::*;
 use proptest::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
-use stiffarm::measure::registration::{
-    RegisterOptions, Registration, RegistrationRecord, register_with,
-};
+use stiffarm::measure::registration::{RegisterOptions, Registration, RegistrationRecord, register_with};
 
 /// Points well off any line; flat ones lie in a plane.
 fn points(dice: &mut Dice, count: usize, flat: bool) -> Vec<Vector3<f64>> {
@@ -30,12 +28,8 @@ fn points(dice: &mut Dice, count: usize, flat: bool) -> Vec<Vector3<f64>> {
 /// Largest distance of a point from the line through the two furthest apart,
 /// as a share of their distance.
 fn distance_from_line(points: &[Vector3<f64>]) -> f64 {
-    let pairs = points
-        .iter()
-        .flat_map(|a| points.iter().map(move |b| (*a, *b)));
-    let (a, b) = pairs
-        .max_by(|(a, b), (c, d)| (a - b).norm().total_cmp(&(c - d).norm()))
-        .unwrap();
+    let pairs = points.iter().flat_map(|a| points.iter().map(move |b| (*a, *b)));
+    let (a, b) = pairs.max_by(|(a, b), (c, d)| (a - b).norm().total_cmp(&(c - d).norm())).unwrap();
     let along = (b - a).normalize();
     let off = |p: &Vector3<f64>| (p - a).cross(&along).norm() / (b - a).norm();
     points.iter().map(off).fold(0.0, f64::max)
@@ -80,10 +74,7 @@ fn a_known_transform_is_reproduced_to_1e_12() {
             *worst = worst.max(value);
         }
     }
-    println!(
-        "worst turn {:e} rad, shift {:e} m, RMS {:e} m",
-        worst[0], worst[1], worst[2]
-    );
+    println!("worst turn {:e} rad, shift {:e} m, RMS {:e} m", worst[0], worst[1], worst[2]);
     assert!(worst.iter().all(|v| *v < 1e-12), "{worst:?}");
 }
 
@@ -93,9 +84,8 @@ fn long_thin_sets_keep_their_digits() {
     for _ in 0..500 {
         // 2 m long, 4 mm wide: the cross-covariance alone would keep ten digits.
         let pose = dice.pose();
-        let base: Vec<Vector3<f64>> = (0..5)
-            .map(|i| Vector3::new(0.5 * f64::from(i), 0.0, 0.0) + dice.vector(4e-3))
-            .collect();
+        let base: Vec<Vector3<f64>> =
+            (0..5).map(|i| Vector3::new(0.5 * f64::from(i), 0.0, 0.0) + dice.vector(4e-3)).collect();
         let found = register(&pairs(&base, &pose)).unwrap();
         let angle = turn(&pose.rotation, &found.base_from_tracker.rotation).norm();
         assert!(angle < 2e-12, "{angle:e}");
@@ -126,9 +116,7 @@ fn draw(
     let found = register_with(&noisy, options).unwrap();
     let phi = turn(&found.base_from_tracker.rotation, &pose.rotation);
     // The tracker position that the registration puts on its centroid.
-    let at = found
-        .base_from_tracker
-        .inverse_transform_point(&found.centroid.into());
+    let at = found.base_from_tracker.inverse_transform_point(&found.centroid.into());
     let delta = (pose * at).coords - found.centroid;
     let error = Vector6::from_iterator(delta.iter().chain(phi.iter()).copied());
     (found, error)
@@ -139,11 +127,7 @@ fn the_covariance_agrees_with_simulation() {
     let draws = runs(2_000) as usize;
     let mut dice = Dice::new(3);
     let weighted = vec![1.0, 4.0, 0.5, 2.0, 1.0, 0.25];
-    for (count, std, weights) in [
-        (3, [3e-5, 0.0], vec![]),
-        (5, [2e-5, 4e-5], vec![]),
-        (6, [0.0, 5e-5], weighted),
-    ] {
+    for (count, std, weights) in [(3, [3e-5, 0.0], vec![]), (5, [2e-5, 4e-5], vec![]), (6, [0.0, 5e-5], weighted)] {
         let base = points(&mut dice, count, false);
         let pose = dice.pose();
         let exact = pairs(&base, &pose);
@@ -166,15 +150,10 @@ fn the_covariance_agrees_with_simulation() {
         // Whitened errors have the identity for covariance; its entries have
         // standard errors sqrt(2/draws) and sqrt(1/draws).
         let worst = (sample - Matrix6::identity()).amax();
-        println!(
-            "{count} pairs: worst entry off by {worst:.4}, mean square distance {distance:.3}"
-        );
+        println!("{count} pairs: worst entry off by {worst:.4}, mean square distance {distance:.3}");
         assert!(worst < 4.5 * (2.0 / draws as f64).sqrt(), "{sample}");
         // The mean of χ² with six degrees of freedom.
-        assert!(
-            (distance - 6.0).abs() < 4.5 * (12.0 / draws as f64).sqrt(),
-            "{distance}"
-        );
+        assert!((distance - 6.0).abs() < 4.5 * (12.0 / draws as f64).sqrt(), "{distance}");
     }
 }
 
@@ -188,9 +167,7 @@ fn intervals_of_shift_and_turn_cover_what_they_say() {
         let exact = pairs(&base, &pose);
         let options = RegisterOptions::default();
         let freedom = (3 * count - 6) as f64;
-        let t = StudentsT::new(0.0, 1.0, freedom)
-            .unwrap()
-            .inverse_cdf(0.975);
+        let t = StudentsT::new(0.0, 1.0, freedom).unwrap().inverse_cdf(0.975);
         let mut covered = [0usize; 6];
         let mut variance = 0.0;
         for _ in 0..draws {
@@ -247,14 +224,10 @@ fn a_pair_of_weight_two_counts_as_two_pairs() {
     });
     let weighted = register_with(&noisy, &options).unwrap();
     let mut twice = noisy.clone();
-    twice.push(PointPair {
-        name: "again".to_string(),
-        ..noisy[0].clone()
-    });
+    twice.push(PointPair { name: "again".to_string(), ..noisy[0].clone() });
     let known = with(|o: &mut RegisterOptions| o.std = Some(1e-3));
     let repeated = register_with(&twice, &known).unwrap();
-    let difference =
-        weighted.base_from_tracker.to_matrix() - repeated.base_from_tracker.to_matrix();
+    let difference = weighted.base_from_tracker.to_matrix() - repeated.base_from_tracker.to_matrix();
     assert!(difference.amax() < 1e-13);
     let difference = weighted.covariance - repeated.covariance;
     assert!(difference.amax() < 1e-12 * repeated.covariance.amax());

@@ -9,28 +9,16 @@ use stiffarm::measure::registration::{RegisterOptions, Registration, register_wi
 const NOISE: f64 = 2e-5;
 
 /// Five points as one would place them: two metres wide, off any plane \[m\].
-const BASE: [[f64; 3]; 5] = [
-    [1.45, -0.62, 0.905],
-    [1.71, 0.54, 1.18],
-    [2.28, -0.18, 1.54],
-    [1.88, -0.84, 1.795],
-    [2.42, 0.61, 0.82],
-];
+const BASE: [[f64; 3]; 5] =
+    [[1.45, -0.62, 0.905], [1.71, 0.54, 1.18], [2.28, -0.18, 1.54], [1.88, -0.84, 1.795], [2.42, 0.61, 0.82]];
 
 fn pose() -> Isometry3<f64> {
-    Isometry3::new(
-        Vector3::new(4.1, -2.65, 1.32),
-        Vector3::new(0.01, -0.02, 2.05),
-    )
+    Isometry3::new(Vector3::new(4.1, -2.65, 1.32), Vector3::new(0.01, -0.02, 2.05))
 }
 
 /// The first `count` of the points in both frames, with noise.
 fn pairs(count: usize, seed: u64) -> Vec<PointPair> {
-    noisy(
-        &BASE.map(Vector3::from)[..count],
-        &pose(),
-        &mut Dice::new(seed),
-    )
+    noisy(&BASE.map(Vector3::from)[..count], &pose(), &mut Dice::new(seed))
 }
 
 fn noisy(base: &[Vector3<f64>], pose: &Isometry3<f64>, dice: &mut Dice) -> Vec<PointPair> {
@@ -72,11 +60,7 @@ fn report(title: &str, pairs: &[PointPair], options: &RegisterOptions) -> String
         Ok(found) => {
             let _ = writeln!(out, "RMS {:.4} mm", found.rms * 1e3);
             for f in found.findings {
-                let _ = writeln!(
-                    out,
-                    "{:?} {} [{}]: {}",
-                    f.severity, f.code, f.subject, f.sentence
-                );
+                let _ = writeln!(out, "{:?} {} [{}]: {}", f.severity, f.code, f.subject, f.sentence);
             }
         }
         Err(error) => {
@@ -92,9 +76,7 @@ fn wrong_sets_are_refused() {
     let free = RegisterOptions::default();
     let good = pairs(5, 1);
     let change = |of: &dyn Fn(usize, &mut PointPair)| {
-        changed(good.clone(), |o| {
-            o.iter_mut().enumerate().for_each(|(i, p)| of(i, p))
-        })
+        changed(good.clone(), |o| o.iter_mut().enumerate().for_each(|(i, p)| of(i, p)))
     };
     let mut out = String::new();
     let mut add = |title: &str, pairs: &[PointPair], options: &RegisterOptions| {
@@ -137,16 +119,8 @@ fn wrong_sets_are_refused() {
             reverse(&mut p.tracker);
         })
     };
-    add(
-        "mirrored: parallel frames, z reversed",
-        &parallel(|t| t.z *= -1.0),
-        &free,
-    );
-    add(
-        "mirrored: parallel frames, x and z exchanged",
-        &parallel(|t| t.swap_rows(0, 2)),
-        &free,
-    );
+    add("mirrored: parallel frames, z reversed", &parallel(|t| t.z *= -1.0), &free);
+    add("mirrored: parallel frames, x and z exchanged", &parallel(|t| t.swap_rows(0, 2)), &free);
     // 3 mm off the line, with errors of 1 mm.
     let mut dice = Dice::new(3);
     let thin: Vec<PointPair> = (0..6)
@@ -169,15 +143,10 @@ fn wrong_sets_are_refused() {
 fn wrong_pairs_are_named() {
     let free = RegisterOptions::default();
     let mut out = String::new();
-    let mut add =
-        |title: &str, pairs: &[PointPair], options: &RegisterOptions, expected: &[&str]| {
-            out += &report(title, pairs, options);
-            assert_eq!(
-                codes(&register_with(pairs, options).unwrap()),
-                expected,
-                "{title}"
-            );
-        };
+    let mut add = |title: &str, pairs: &[PointPair], options: &RegisterOptions, expected: &[&str]| {
+        out += &report(title, pairs, options);
+        assert_eq!(codes(&register_with(pairs, options).unwrap()), expected, "{title}");
+    };
     let off = |count: usize, i: usize, mm: f64| {
         let mut pairs = pairs(count, 2);
         pairs[i].tracker += Vector3::new(0.5, -0.7, 0.5) * mm * 1e-3;
@@ -195,12 +164,7 @@ fn wrong_pairs_are_named() {
         ("four", 4, None, &["outlier"]),
         ("four", 4, Some(3e-5), &["outlier"]),
         ("three", 3, None, &["few-pairs"]),
-        (
-            "three",
-            3,
-            Some(3e-5),
-            &["residuals-exceed-noise", "few-pairs"],
-        ),
+        ("three", 3, Some(3e-5), &["residuals-exceed-noise", "few-pairs"]),
     ] {
         let note = if std.is_some() { ", noise known" } else { "" };
         let title = format!("{words} pairs, p3 off by 1 mm{note}");
@@ -213,10 +177,7 @@ fn wrong_pairs_are_named() {
     }
     let mut order = pairs(5, 4);
     let tracker: Vec<Vector3<f64>> = order.iter().map(|p| p.tracker).collect();
-    order
-        .iter_mut()
-        .enumerate()
-        .for_each(|(i, p)| p.tracker = tracker[(i + 1) % 5]);
+    order.iter_mut().enumerate().for_each(|(i, p)| p.tracker = tracker[(i + 1) % 5]);
     add("all labels in another order", &order, &free, &["not-rigid"]);
     let mut long = pairs(5, 5);
     long.iter_mut().for_each(|p| p.base *= 1.0004);
@@ -226,18 +187,12 @@ fn wrong_pairs_are_named() {
     let flat = BASE.map(|[x, y, _]| Vector3::new(x, y, 1.0));
     let flat = noisy(&flat, &pose(), &mut Dice::new(7));
     add("points in a plane", &flat, &free, &["hand-unknown"]);
-    let thin =
-        [0.0, 1.0, 2.0, 3.0, 4.0].map(|i| Vector3::new(1.0 + 0.5 * i, 0.01 * (i % 2.0), 1.0));
+    let thin = [0.0, 1.0, 2.0, 3.0, 4.0].map(|i| Vector3::new(1.0 + 0.5 * i, 0.01 * (i % 2.0), 1.0));
     let thin = noisy(&thin, &pose(), &mut Dice::new(8));
     let unsure = ["uncertain-turn", "hand-unknown"];
     add("points near a line", &thin, &free, &unsure);
     // Whichever corner of a square is off along its diagonal, all four share it.
-    let square = [
-        [1.0, 0.4, 1.0],
-        [1.6, 1.0, 1.0],
-        [1.0, 1.6, 1.0],
-        [0.4, 1.0, 1.0],
-    ];
+    let square = [[1.0, 0.4, 1.0], [1.6, 1.0, 1.0], [1.0, 1.6, 1.0], [0.4, 1.0, 1.0]];
     let mut square = noisy(&square.map(Vector3::from), &pose(), &mut Dice::new(10));
     square[2].base += Vector3::new(0.0, 0.0, 2e-3);
     let title = "a square, p3 out of its plane by 2 mm";
@@ -251,12 +206,7 @@ fn wrong_pairs_are_named() {
 fn a_symmetric_tool_leaves_two_explanations() {
     // Four reflectors, mirror-symmetric about y = 0: exchanging the two sides
     // is the same as reversing y.
-    let tool = [
-        [0.4, 0.0, 0.0],
-        [0.0, 0.3, 0.0],
-        [0.0, -0.3, 0.0],
-        [0.1, 0.0, 0.35],
-    ];
+    let tool = [[0.4, 0.0, 0.0], [0.0, 0.3, 0.0], [0.0, -0.3, 0.0], [0.1, 0.0, 0.35]];
     let tool = tool.map(Vector3::from);
     let mut swapped = noisy(&tool, &pose(), &mut Dice::new(9));
     swap(&mut swapped, 1, 2);
@@ -362,22 +312,13 @@ fn two_swapped_points_are_named() {
                 Ok(found) => {
                     let subject = format!("p{}, p{}", i.min(j) + 1, i.max(j) + 1);
                     let is = |f: &Finding| f.code == "swapped-points" && f.subject == subject;
-                    if found.findings.iter().any(is) {
-                        named += 1
-                    } else {
-                        other += 1
-                    }
+                    if found.findings.iter().any(is) { named += 1 } else { other += 1 }
                 }
                 Err(_) => refused += 1,
             }
         }
         let share = |n: u64| 100.0 * n as f64 / runs as f64;
-        println!(
-            "{count}  {:>5.1} %  {:>5.1} %  {:>5.1} %",
-            share(named),
-            share(other),
-            share(refused)
-        );
+        println!("{count}  {:>5.1} %  {:>5.1} %  {:>5.1} %", share(named), share(other), share(refused));
         if count >= 5 {
             assert!(named > fewest(0.99, runs, 1000), "{count}");
         }

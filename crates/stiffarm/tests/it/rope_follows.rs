@@ -21,9 +21,7 @@ fn by_iteration(
     for _ in 0..100 {
         let at = frames.point(&cell.setup.tool.loading_point);
         let w = wrench(&frames, &at);
-        let w = Vector6::new(
-            w.force.x, w.force.y, w.force.z, w.moment.x, w.moment.y, w.moment.z,
-        );
+        let w = Vector6::new(w.force.x, w.force.y, w.force.z, w.moment.x, w.moment.y, w.moment.z);
         let torque = frames.jacobian(&at).transpose() * w;
         let give = DVector::from_fn(6, |j, _| torque[j] / stiffness[j]);
         // The controller's angles at which the joints stand there.
@@ -42,18 +40,12 @@ fn rope(cell: &Cell, force: f64) -> impl Fn(&Frames, &Vector3<f64>) -> Wrench + 
 
 fn own(cell: &Cell, q: &[f64], factor: f64) -> Wrench {
     let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
-    Wrench {
-        force: terms.wrench().force * factor,
-        moment: terms.wrench().moment * factor,
-    }
+    Wrench { force: terms.wrench().force * factor, moment: terms.wrench().moment * factor }
 }
 
 fn state(q: &[f64], wrench: Option<Wrench>) -> MeasuredPosture {
     let posture = numbered([q.to_vec()]).remove(0);
-    MeasuredPosture {
-        wrench,
-        ..MeasuredPosture::new(posture, Vec::new())
-    }
+    MeasuredPosture { wrench, ..MeasuredPosture::new(posture, Vec::new()) }
 }
 
 #[test]
@@ -65,8 +57,7 @@ fn a_load_state_of_the_rope_pulls_towards_the_anchor() {
         for factor in [0.5, 1.0, -0.2] {
             let wrench = own(&cell, &q, factor);
             let measured = state(&q, Some(wrench));
-            let ours =
-                calculated_displacements(&cell, &measured, stiffness, Model::Equilibrium).unwrap();
+            let ours = calculated_displacements(&cell, &measured, stiffness, Model::Equilibrium).unwrap();
             let pull = rope(&cell, cell.setup.load.size().unwrap() * factor);
             for (point, ours) in cell.setup.tool.measuring_points.iter().zip(&ours) {
                 let exact = by_iteration(&cell, &q, &point.position, &pull);
@@ -99,10 +90,7 @@ fn a_prediction_under_the_cells_load_follows_it() {
     for tool_axes in [false, true] {
         if tool_axes {
             cell.setup.load = Load::Constant {
-                wrench: Wrench {
-                    force: Vector3::new(200.0, -300.0, 500.0),
-                    moment: Vector3::new(20.0, 30.0, -40.0),
-                },
+                wrench: Wrench { force: Vector3::new(200.0, -300.0, 500.0), moment: Vector3::new(20.0, 30.0, -40.0) },
                 axes: Axes::Tool,
             };
         }
@@ -111,18 +99,10 @@ fn a_prediction_under_the_cells_load_follows_it() {
         for q in group1() {
             let posture = LoadedPosture::new("1", q.clone(), own(&cell, &q, 1.0));
             let options = with(|o: &mut PredictOptions| o.load_at = LoadPoint::LoadingPoint);
-            let found = predict(
-                &cell,
-                &predictor,
-                std::slice::from_ref(&posture),
-                &options,
-                Control::default(),
-            )
-            .unwrap();
+            let found =
+                predict(&cell, &predictor, std::slice::from_ref(&posture), &options, Control::default()).unwrap();
             let load = cell.setup.load.clone();
-            let exact = by_iteration(&cell, &q, &tip, |frames, at| {
-                load.wrench(frames, at).unwrap()
-            });
+            let exact = by_iteration(&cell, &q, &tip, |frames, at| load.wrench(frames, at).unwrap());
             let ours = Vector3::from(found.points[0].shift_m);
             assert!((exact - ours).norm() < 1e-12, "{exact} {ours}");
             let fixed = by_iteration(&cell, &q, &tip, |_, _| posture.wrench);
@@ -141,8 +121,7 @@ fn a_measured_wrench_keeps_its_direction() {
         let mut wrench = own(&cell, &q, 1.0);
         wrench.force += Vector3::new(0.3, -0.2, 0.1);
         let measured = state(&q, Some(wrench));
-        let ours =
-            calculated_displacements(&cell, &measured, stiffness, Model::Equilibrium).unwrap();
+        let ours = calculated_displacements(&cell, &measured, stiffness, Model::Equilibrium).unwrap();
         for (point, ours) in cell.setup.tool.measuring_points.iter().zip(&ours) {
             let exact = by_iteration(&cell, &q, &point.position, |_, _| wrench);
             assert!((exact - ours).norm() < 1e-12, "{exact} {ours}");

@@ -23,9 +23,7 @@ fn looks(legs: &[Vec<f64>], count: u32) -> impl Iterator<Item = Vec<f64>> {
 }
 
 fn degrees(q: &[f64]) -> Vec<f64> {
-    q.iter()
-        .map(|angle| (angle.to_degrees() * 1e6).round() * 1e-6)
-        .collect()
+    q.iter().map(|angle| (angle.to_degrees() * 1e6).round() * 1e-6).collect()
 }
 
 #[test]
@@ -53,11 +51,7 @@ fn a_plan_on_its_limits_is_rounded_to_the_inside_of_them() {
     // What is typed is worth as much.
     let value = found.value;
     let typed = found.with_group::<Vec<f64>>(&cell, &[], typed).unwrap();
-    assert!(
-        (typed.value / value - 1.0).abs() < 1e-3,
-        "{} {value}",
-        typed.value
-    );
+    assert!((typed.value / value - 1.0).abs() < 1e-3, "{} {value}", typed.value);
     // Rounding again changes nothing.
     assert_eq!(rounded(&cell, &typed.group, 0.01).unwrap(), typed.group);
 }
@@ -104,10 +98,7 @@ fn the_same_posture_twice_is_not_driven_to_twice_in_a_row() {
     let plan = [at(0.0), at(0.0), at(0.5), at(1.0)];
     let found = routed(&cell, &plan, true);
     let places: Vec<usize> = found.order.iter().map(|p| (*p).max(1)).collect();
-    assert!(
-        places.windows(2).all(|pair| pair[0] != pair[1]),
-        "{found:?}"
-    );
+    assert!(places.windows(2).all(|pair| pair[0] != pair[1]), "{found:?}");
     // Nothing but the two: they have to follow each other.
     assert_eq!(routed(&cell, &plan[..2], true).order.len(), 2);
 }
@@ -132,11 +123,8 @@ fn a_start_is_driven_from_and_back_to() {
 fn what_stands_in_the_way_is_driven_around() {
     let cell = builtin::cell("comau-shapes").unwrap();
     let robot = &cell.setup.robot;
-    let plan: Vec<Vec<f64>> = builtin::postures("comau-group1", robot)
-        .unwrap()
-        .into_iter()
-        .map(|posture| posture.q)
-        .collect();
+    let plan: Vec<Vec<f64>> =
+        builtin::postures("comau-group1", robot).unwrap().into_iter().map(|posture| posture.q).collect();
     let mut options = RouteOptions::default();
     options.keep_order = true;
     options.keep_angles = true;
@@ -153,23 +141,15 @@ fn what_stands_in_the_way_is_driven_around() {
     };
     let half = 0.5 * cell.scene.clearance();
     let along = |from: &[f64], to: &[f64]| {
-        looks(&[from.to_vec(), to.to_vec()], 400)
-            .map(|q| margin(&q) + half)
-            .fold(f64::INFINITY, f64::min)
+        looks(&[from.to_vec(), to.to_vec()], 400).map(|q| margin(&q) + half).fold(f64::INFINITY, f64::min)
     };
     assert!(along(&plan[0], &plan[1]) < 0.0);
     assert!(along(&plan[0], &first.via[0]) > -2e-4);
     assert!(along(&first.via[0], &plan[1]) > -2e-4);
     // The same seed, the same route; and via postures can be typed.
-    assert_eq!(
-        route(&cell, &plan, &options, Control::default()).unwrap(),
-        found
-    );
+    assert_eq!(route(&cell, &plan, &options, Control::default()).unwrap(), found);
     for angle in degrees(&first.via[0]) {
-        assert!(
-            (angle * 100.0 - (angle * 100.0).round()).abs() < 1e-6,
-            "{angle}"
-        );
+        assert!((angle * 100.0 - (angle * 100.0).round()).abs() < 1e-6, "{angle}");
     }
 }
 
@@ -181,11 +161,7 @@ fn boxes_hold_between_the_postures_and_nearest_is_never_too_far() {
         let cell = builtin::cell(name).unwrap();
         let plan = random_group(&cell, StartKind::Uniform, 6, 3, 1).unwrap();
         let found = routed(&cell, &plan, true);
-        for kind in [
-            LimitKind::ToolBox,
-            LimitKind::WristHeight,
-            LimitKind::KeepOut,
-        ] {
+        for kind in [LimitKind::ToolBox, LimitKind::WristHeight, LimitKind::KeepOut] {
             assert!(found.checked.contains(&kind), "{:?}", found.checked);
         }
         let mut margins = cell.posture_margins().unwrap();
@@ -193,12 +169,7 @@ fn boxes_hold_between_the_postures_and_nearest_is_never_too_far() {
         for each in found.moves.iter().filter(|each| each.free) {
             free += 1;
             let ends = [each.from, each.to].map(|stop| found.postures[stop.unwrap()].clone());
-            let legs = [
-                vec![ends[0].clone()],
-                each.via.clone(),
-                vec![ends[1].clone()],
-            ]
-            .concat();
+            let legs = [vec![ends[0].clone()], each.via.clone(), vec![ends[1].clone()]].concat();
             let mut nearest = f64::INFINITY;
             for q in looks(&legs, 2000) {
                 for margin in margins.named(&q).unwrap() {
@@ -234,10 +205,7 @@ fn postures_in_the_way_are_not_searched_for() {
     let touches = |q: &Vec<f64>| {
         let named = margins.named(q).unwrap();
         let shapes = named.iter().filter(|m| m.kind == LimitKind::Shapes);
-        shapes
-            .map(|m| m.margin + cell.scene.clearance())
-            .fold(f64::INFINITY, f64::min)
-            < 0.0
+        shapes.map(|m| m.margin + cell.scene.clearance()).fold(f64::INFINITY, f64::min) < 0.0
     };
     let bad: Vec<Vec<f64>> = random.into_iter().filter(touches).take(12).collect();
     assert_eq!(bad.len(), 12);
@@ -245,19 +213,11 @@ fn postures_in_the_way_are_not_searched_for() {
     let progress = |_: &str, _: usize, _: usize| {
         looked_at.fetch_add(1, Ordering::Relaxed);
     };
-    let control = Control {
-        stop: None,
-        progress: Some(&progress),
-    };
+    let control = Control { stop: None, progress: Some(&progress) };
     let mut options = RouteOptions::default();
     options.keep_angles = true;
     let found = route(&cell, &bad, &options, control).unwrap();
-    assert!(
-        found
-            .moves
-            .iter()
-            .all(|each| !each.free && each.via.is_empty())
-    );
+    assert!(found.moves.iter().all(|each| !each.free && each.via.is_empty()));
     // No other order is tried: none would spare a posture.
     assert_eq!(looked_at.into_inner(), found.moves.len());
     // The question is asked at every look, so that a stop is heard at once.
@@ -305,32 +265,19 @@ fn stops_are_reached_from_the_side_to_which_their_load_turns() {
     let mut plan = random_group(&cell, StartKind::Uniform, 9, 3, 1).unwrap();
     let turn = 0.5_f64.to_radians();
     cell.route.start = plan.pop();
-    assert!(
-        routed(&cell, &plan, true)
-            .moves
-            .iter()
-            .all(|m| m.approached.is_empty())
-    );
+    assert!(routed(&cell, &plan, true).moves.iter().all(|m| m.approached.is_empty()));
     cell.route.approach = Some(turn);
     let found = routed(&cell, &plan, true);
     let robot = &cell.setup.robot;
-    let Load::Rope { anchor, .. } = cell.setup.load.clone() else {
-        panic!("a rope")
-    };
+    let Load::Rope { anchor, .. } = cell.setup.load.clone() else { panic!("a rope") };
     let loading_point = |theta: &DVector<f64>| {
         let q = robot.controller_angles(theta).unwrap();
-        *PostureTerms::new(&cell.setup, q.as_slice(), None)
-            .unwrap()
-            .loading_point()
+        *PostureTerms::new(&cell.setup, q.as_slice(), None).unwrap().loading_point()
     };
     let mut margins = cell.posture_margins().unwrap();
     let mut approached = 0;
     for each in found.moves.iter().filter(|each| each.free) {
-        let at = |stop: Option<usize>| {
-            stop.map_or(cell.route.start.clone(), |s| {
-                Some(found.postures[s].clone())
-            })
-        };
+        let at = |stop: Option<usize>| stop.map_or(cell.route.start.clone(), |s| Some(found.postures[s].clone()));
         let (from, to) = (at(each.from).unwrap(), at(each.to).unwrap());
         if each.to.is_none() {
             assert!(each.approached.is_empty());
@@ -345,10 +292,7 @@ fn stops_are_reached_from_the_side_to_which_their_load_turns() {
                 continue;
             }
             approached += 1;
-            assert!(
-                (turned.abs() - turn).abs() < 0.02_f64.to_radians(),
-                "{turned}"
-            );
+            assert!((turned.abs() - turn).abs() < 0.02_f64.to_radians(), "{turned}");
             let mut there = standing.clone();
             there[joint] += 1e-4 * turned.signum();
             let point = loading_point(&standing);
@@ -372,28 +316,16 @@ fn stops_are_reached_from_the_side_to_which_their_load_turns() {
     let group = PostureGroup::from_angles("route", found.postures.iter().cloned());
     let said = route_findings(&cell, &group.postures, &found).unwrap();
     let said = said.iter().find(|f| f.code == "not-approached");
-    let sides = found
-        .postures
-        .iter()
-        .flat_map(|q| cell.sides_of_load(q).unwrap());
-    let turned = sides
-        .filter(|side| side.is_some_and(|side| side != 0.0))
-        .count();
+    let sides = found.postures.iter().flat_map(|q| cell.sides_of_load(q).unwrap());
+    let turned = sides.filter(|side| side.is_some_and(|side| side != 0.0)).count();
     assert!(turned > 40, "{turned} of 48");
-    assert_eq!(
-        said.is_some(),
-        approached < turned,
-        "{approached} of {turned}: {said:?}"
-    );
+    assert_eq!(said.is_some(), approached < turned, "{approached} of {turned}: {said:?}");
     // Who measures the force with a sensor has no side to come from.
     cell.setup.load = Load::Measured;
     let found = routed(&cell, &plan, true);
     assert!(found.moves.iter().all(|m| m.approached.is_empty()));
     let said = route_findings(&cell, &group.postures, &found).unwrap();
-    assert!(
-        said.iter()
-            .any(|f| f.code == "not-approached" && f.sentence.contains("[load]"))
-    );
+    assert!(said.iter().any(|f| f.code == "not-approached" && f.sentence.contains("[load]")));
 }
 
 #[test]
@@ -406,8 +338,7 @@ fn an_approach_needs_a_start_and_a_turn_that_takes_up_lost_motion() {
     for wrong in ["0", "-0.5", "0.01", "45", "nan"] {
         let error = of(&format!("{start}approach_deg = {wrong}")).unwrap_err();
         assert!(
-            error.to_string().contains("route.approach_deg")
-                || format!("{error:?}").contains("approach_deg"),
+            error.to_string().contains("route.approach_deg") || format!("{error:?}").contains("approach_deg"),
             "{wrong}: {error:?}"
         );
     }

@@ -22,10 +22,7 @@ fn random(rng: &mut impl RngExt, count: usize, most: usize, start: bool) -> Plac
         turns.fold(0.0, f64::max)
     };
     Places {
-        cost: points
-            .iter()
-            .map(|a| points.iter().map(|b| apart(a, b)).collect())
-            .collect(),
+        cost: points.iter().map(|a| points.iter().map(|b| apart(a, b)).collect()).collect(),
         start: start.then(|| points.iter().map(|p| apart(p, &home)).collect()),
         posture,
         count,

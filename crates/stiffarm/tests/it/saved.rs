@@ -30,9 +30,7 @@ fn identified(fit: &Fit, elastic: ElasticChoice) -> Identified {
 }
 
 fn terms() -> IdentifyOptions {
-    with(|o: &mut IdentifyOptions| {
-        o.extra = vec![ExtraTerm::JointTilt(2), ExtraTerm::LostMotion(1)]
-    })
+    with(|o: &mut IdentifyOptions| o.extra = vec![ExtraTerm::JointTilt(2), ExtraTerm::LostMotion(1)])
 }
 
 /// The result with what made it, sealed.
@@ -92,10 +90,7 @@ fn what_predicts_is_read_back_to_the_last_bit() {
     let saved = read_text(&text(&found)).unwrap();
     let mixed = stiffarm::estimate::mixed::MixedFit::new(&fit).unwrap();
     let systematic = found.systematic_errors.unwrap();
-    let direct = mixed
-        .compliance()
-        .clone()
-        .with_systematic_errors(&systematic);
+    let direct = mixed.compliance().clone().with_systematic_errors(&systematic);
     // Not printed where it fails: twenty thousand numbers.
     assert!(saved.predictor.spread == direct.spread);
     assert!(saved.predictor.values == direct.values && saved.predictor.common == direct.common);
@@ -105,10 +100,7 @@ fn what_predicts_is_read_back_to_the_last_bit() {
 #[test]
 fn the_largest_displacement_is_that_of_a_point() {
     let cell = cell();
-    let found = identified(
-        &fit(&cell, &IdentifyOptions::default()),
-        ElasticChoice::Axes,
-    );
+    let found = identified(&fit(&cell, &IdentifyOptions::default()), ElasticChoice::Axes);
     let saved = read_text(&text(&found)).unwrap();
     let sizes = measured(&cell);
     let sizes = sizes.iter().flat_map(|m| &m.displacements);
@@ -121,21 +113,14 @@ fn the_largest_displacement_is_that_of_a_point() {
     let force = saved.largest_force.unwrap();
     let work = |factor: f64| {
         let force = Vector3::new(0.0, 0.0, -factor * force);
-        vec![LoadedPosture::new(
-            "a",
-            group1()[0].clone(),
-            Wrench::force(force),
-        )]
+        vec![LoadedPosture::new("a", group1()[0].clone(), Wrench::force(force))]
     };
     let objections = |factor: f64| {
         let mut options = CompensateOptions::default();
         options.loaded_up_to = saved.largest_force;
         let control = Control::default();
         let found = compensate(&cell, &saved.predictor, &work(factor), &options, control).unwrap();
-        found
-            .objections()
-            .map(|f| f.code.clone())
-            .collect::<Vec<_>>()
+        found.objections().map(|f| f.code.clone()).collect::<Vec<_>>()
     };
     assert!(objections(0.5).is_empty());
     assert_eq!(objections(1.1), ["beyond-load"]);
@@ -161,10 +146,7 @@ fn another_layout_leaves_the_seal_whole() {
     whole(&mut other);
     assert_ne!(other, *SAVED);
     assert_eq!(read(&other).unwrap(), read(&SAVED).unwrap());
-    assert_eq!(
-        read(&SAVED).unwrap(),
-        read_text(&sealed_anew(SAVED.clone())).unwrap()
-    );
+    assert_eq!(read(&SAVED).unwrap(), read_text(&sealed_anew(SAVED.clone())).unwrap());
 }
 
 #[test]
@@ -216,10 +198,7 @@ fn an_earlier_version_is_told_apart_and_what_does_not_fit_is_refused() {
     let mut earlier = SAVED.clone();
     earlier.as_object_mut().unwrap().remove("seal");
     let error = read(&earlier).unwrap_err();
-    assert!(
-        error.hint_text().unwrap().contains("identify again"),
-        "{error}"
-    );
+    assert!(error.hint_text().unwrap().contains("identify again"), "{error}");
     let without = changed("/result/sealed", Value::Null);
     let error = read_text(&sealed_anew(without)).unwrap_err();
     assert_eq!(error.place().key.as_deref(), Some("result.sealed"));
@@ -273,10 +252,7 @@ fn what_was_wrong_with_the_data_goes_with_the_stiffness() {
 fn an_undetermined_joint_matters_where_the_load_bends_it() {
     let mut cell = cell();
     cell.setup.tool.loading_point = Vector3::new(0.0, 0.0, 0.25);
-    let found = identified(
-        &fit(&cell, &IdentifyOptions::default()),
-        ElasticChoice::Axes,
-    );
+    let found = identified(&fit(&cell, &IdentifyOptions::default()), ElasticChoice::Axes);
     let saved = read_stiffness(text(&found).as_bytes(), "k.json", &cell).unwrap();
     let predictor = &saved.predictor;
     assert_eq!(predictor.undetermined, [5]);
@@ -286,13 +262,7 @@ fn an_undetermined_joint_matters_where_the_load_bends_it() {
     let work = [LoadedPosture::new("a", group1()[1].clone(), force)];
     let mut bend = |tip: [f64; 3]| {
         cell.work.tip = Some(Isometry3::translation(tip[0], tip[1], tip[2]));
-        predict(
-            &cell,
-            predictor,
-            &work,
-            &Default::default(),
-            Control::default(),
-        )
+        predict(&cell, predictor, &work, &Default::default(), Control::default())
     };
     let found = bend([0.0, 0.0, 0.3]).unwrap();
     assert!(found.points[0].band.is_some() && found.extremes.is_none());
@@ -305,10 +275,7 @@ fn an_undetermined_joint_matters_where_the_load_bends_it() {
     let mut all = measured(&cell);
     let kept = validate_with(&cell, predictor, &all, Model::Linear, Some(1.0)).unwrap();
     assert!(kept.unpredicted.is_empty() && kept.passed == Some(true));
-    all[0].wrench = Some(Wrench {
-        force: Vector3::new(0.0, 300.0, 0.0),
-        moment: Vector3::new(50.0, 20.0, 30.0),
-    });
+    all[0].wrench = Some(Wrench { force: Vector3::new(0.0, 300.0, 0.0), moment: Vector3::new(50.0, 20.0, 30.0) });
     let some = validate_with(&cell, predictor, &all, Model::Linear, Some(1.0)).unwrap();
     assert_eq!((some.unpredicted.len(), some.passed), (1, Some(false)));
 }
@@ -327,11 +294,7 @@ fn a_compliance_below_zero_is_a_broad_one() {
     joint.stiffness = None;
     joint.verdict = Verdict::LowerBoundOnly;
     for row in 0..6 {
-        let free = if row == 4 {
-            Some(error * error)
-        } else {
-            Some(0.0)
-        };
+        let free = if row == 4 { Some(error * error) } else { Some(0.0) };
         found.estimates.covariance[4][row] = free;
         found.estimates.covariance[row][4] = free;
     }
@@ -343,21 +306,12 @@ fn a_compliance_below_zero_is_a_broad_one() {
     let closed = fit.compliance().unwrap();
     let force = Wrench::force([100.0, -200.0, -300.0]);
     let work = [LoadedPosture::new("a", group1()[1].clone(), force)];
-    let bend = |predictor| {
-        predict(
-            &cell,
-            predictor,
-            &work,
-            &Default::default(),
-            Control::default(),
-        )
-    };
+    let bend = |predictor| predict(&cell, predictor, &work, &Default::default(), Control::default());
     let (open_bend, closed_bend) = (bend(&open).unwrap(), bend(&closed).unwrap());
     assert_eq!(open_bend.stiffness_nm_per_rad[4], None);
     let width = |bend: &stiffarm::Prediction| bend.points[0].band.unwrap().rms_m;
     assert!(width(&open_bend) > 2.0 * width(&closed_bend));
-    let far =
-        Vector3::from(open_bend.points[0].shift_m) - Vector3::from(closed_bend.points[0].shift_m);
+    let far = Vector3::from(open_bend.points[0].shift_m) - Vector3::from(closed_bend.points[0].shift_m);
     assert!(far.norm() < 3.0 * open_bend.points[0].band.unwrap().rms_m);
     // The equilibrium of `validate` needs no 1/h either.
     let exact = validate_with(&cell, &open, measured(&cell), Model::Equilibrium, None).unwrap();
@@ -418,11 +372,8 @@ fn a_stiffness_is_held_against_the_robot_and_its_prior() {
     for (factor, is_doubted) in [(1.0, false), (20.0, false), (1e3, true), (1e-3, true)] {
         let given: Vec<f64> = prior.iter().map(|k| k * factor).collect();
         let saved = Saved::bare(&cell, &given, "list").unwrap();
-        let doubted = saved
-            .predictor
-            .doubts
-            .iter()
-            .any(|f| f.code == "implausible-stiffness" && f.severity == Severity::Serious);
+        let doubted =
+            saved.predictor.doubts.iter().any(|f| f.code == "implausible-stiffness" && f.severity == Severity::Serious);
         assert_eq!(doubted, is_doubted, "{factor}");
     }
 }

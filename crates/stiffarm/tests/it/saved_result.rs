@@ -67,18 +67,9 @@ fn a_study_is_read_back_to_the_last_bit() {
 fn a_selection_keeps_its_indices() {
     let cell = builtin::cell("comau-reference").unwrap();
     let postures = builtin::postures("comau-group1", &cell.setup.robot).unwrap();
-    let group = PostureGroup {
-        name: "Group 1".to_string(),
-        postures,
-    };
+    let group = PostureGroup { name: "Group 1".to_string(), postures };
     let options = Default::default();
-    let found = select_from(
-        &cell,
-        Index::ExpectedError,
-        &group.postures,
-        options,
-        Control::default(),
-    );
+    let found = select_from(&cell, Index::ExpectedError, &group.postures, options, Control::default());
     let found = found.unwrap();
     let value = serde_json::to_value(&found).unwrap();
     let read: Selection = serde_json::from_value(value.clone()).unwrap();
@@ -90,10 +81,7 @@ fn a_selection_keeps_its_indices() {
 fn what_is_no_result_is_refused() {
     let refused = |text: &str| read_result(text.as_bytes(), "x.json").unwrap_err();
     let error = refused("{\"format\": 1,\n \"a\" }");
-    assert_eq!(
-        (error.code(), error.place().line),
-        (Code::ResultFile, Some(2))
-    );
+    assert_eq!((error.code(), error.place().line), (Code::ResultFile, Some(2)));
     for [text, said] in table(
         r#"
         [] | not a result of stiffarm
@@ -111,18 +99,11 @@ fn what_is_no_result_is_refused() {
     // One number more or less, and a seal that was taken off.
     let text = write_result(&wrapped(json!({"a": [1.0, 2.5], "b": "c"}))).unwrap();
     assert!(read_result(text.as_bytes(), "x.json").is_ok());
-    for (old, new) in [
-        ("2.5", "2.6"),
-        ("\"c\"", "\"d\""),
-        ("\"seed\": 7", "\"seed\": 8"),
-    ] {
+    for (old, new) in [("2.5", "2.6"), ("\"c\"", "\"d\""), ("\"seed\": 7", "\"seed\": 8")] {
         let edited = text.replacen(old, new, 1);
         assert_ne!(edited, text);
         let error = refused(&edited);
-        assert!(
-            error.message().contains("changed after it was written"),
-            "{error}"
-        );
+        assert!(error.message().contains("changed after it was written"), "{error}");
     }
     let bare = serde_json::to_string(&wrapped(json!({}))).unwrap();
     let error = refused(&bare);

@@ -25,9 +25,7 @@ fn every_fault_of_scale_is_named() {
         // Kilograms of which the prior alone tells are named always, and alone.
         let by_prior = i < 3;
         let each = runs(if by_prior { 4 } else { 2 });
-        let of: Vec<(usize, u64)> = (0..each)
-            .flat_map(|n| (0..ROBOTS.len()).map(move |r| (r, n)))
-            .collect();
+        let of: Vec<(usize, u64)> = (0..each).flat_map(|n| (0..ROBOTS.len()).map(move |r| (r, n))).collect();
         all += of.len() as u64;
         let wrong: Vec<String> = of
             .into_par_iter()
@@ -44,10 +42,7 @@ fn every_fault_of_scale_is_named() {
                 }
                 matches!(judged.outcome, Outcome::Wrong | Outcome::Silent).then(|| {
                     let robot = ROBOTS[robot];
-                    format!(
-                        "{}, {robot} {n}: {:?}: {}",
-                        fault.name, judged.outcome, judged.said
-                    )
+                    format!("{}, {robot} {n}: {:?}: {}", fault.name, judged.outcome, judged.said)
                 })
             })
             .collect();
@@ -89,15 +84,8 @@ fn sentences_about_scales() {
     let mut said = Vec::new();
     for fault in FAULTS.iter().chain(&OTHERS) {
         let (_, findings) = findings(&planted(fault.name));
-        let of: Vec<String> = findings
-            .iter()
-            .map(|f| {
-                format!(
-                    "[{}] {:?}, {}: {}",
-                    f.code, f.severity, f.subject, f.sentence
-                )
-            })
-            .collect();
+        let of: Vec<String> =
+            findings.iter().map(|f| format!("[{}] {:?}, {}: {}", f.code, f.severity, f.subject, f.sentence)).collect();
         said.push(format!("{}\n  {}", fault.name, of.join("\n  ")));
     }
     insta::assert_snapshot!("scales", said.join("\n"));
@@ -109,11 +97,8 @@ fn one_fault_is_one_finding_through_the_reduction_too() {
     for name in ["kg for N, sensor", "moments in N·mm", "kg for N, load_n"] {
         let experiment = planted(name);
         let measured = prepare(&experiment.cell, experiment.table, &Default::default()).unwrap();
-        let serious: Vec<&str> = measured
-            .findings()
-            .filter(|f| f.severity == Severity::Serious)
-            .map(|f| f.code.as_str())
-            .collect();
+        let serious: Vec<&str> =
+            measured.findings().filter(|f| f.severity == Severity::Serious).map(|f| f.code.as_str()).collect();
         assert_eq!(serious.len(), 1, "{name}: {serious:?}");
         assert_eq!(measured.screening.unwrap().scales().count(), 1, "{name}");
     }
@@ -136,23 +121,13 @@ fn one_point_and_the_arms_reach_tell_units_too() {
     // One point has no shape; the way it goes from posture to posture tells.
     let mut experiment = sound(0, 2, Kind::RopeLoads, SEED);
     experiment.cell.setup.tool.measuring_points.truncate(1);
-    for state in experiment
-        .table
-        .postures
-        .iter_mut()
-        .flat_map(|p| &mut p.states)
-    {
-        state
-            .readings
-            .retain(|r| r.target == ReadingTarget::Point(0));
+    for state in experiment.table.postures.iter_mut().flat_map(|p| &mut p.states) {
+        state.readings.retain(|r| r.target == ReadingTarget::Point(0));
         state.readings.iter_mut().for_each(|r| r.position /= 25.4);
     }
     let found = screen(&experiment.cell, &experiment.table, None).unwrap();
     let first = &found.suspicions[0];
-    assert_eq!(
-        (first.cause, first.factor),
-        (Cause::Units, Some(1.0 / 25.4))
-    );
+    assert_eq!((first.cause, first.factor), (Cause::Units, Some(1.0 / 25.4)));
     // Lengths of a robot of one's own, in metres where millimetres are asked for.
     let mut experiment = sound(0, 2, Kind::RopeLoads, SEED);
     let right = FRAC_PI_2;
@@ -181,16 +156,8 @@ fn without_a_prior_robots_of_the_class_speak() {
         assert_eq!(sane.scales().count(), 0, "{name}: {:?}", sane.findings);
         experiments::scale_loads(&mut experiment.cell.setup.load, 1e-3);
         let found = screen(&experiment.cell, &experiment.table, None).unwrap();
-        let one = found
-            .suspicions
-            .iter()
-            .find(|s| s.cause.is_scale())
-            .unwrap();
-        assert_eq!(
-            (one.cause, one.factor),
-            (Cause::LoadUnits, Some(1e3)),
-            "{name}"
-        );
+        let one = found.suspicions.iter().find(|s| s.cause.is_scale()).unwrap();
+        assert_eq!((one.cause, one.factor), (Cause::LoadUnits, Some(1e3)), "{name}");
         let sentence = found.scales().next().unwrap().sentence.clone();
         assert!(sentence.contains("robots of this class"), "{sentence}");
     }
@@ -201,12 +168,7 @@ fn the_names_of_states_confirm_what_the_prior_says() {
     // Numbered names are in about half of the experiments.
     let experiments = (0..20).map(|n| sound(0, n, Kind::RopeLoads, SEED));
     let mut experiment = experiments.into_iter().find(|e| e.is_named).unwrap();
-    for state in experiment
-        .table
-        .postures
-        .iter_mut()
-        .flat_map(|p| &mut p.states)
-    {
+    for state in experiment.table.postures.iter_mut().flat_map(|p| &mut p.states) {
         state.load = state.load.map(|l| l / 9.806_65);
     }
     // The cell's own load says the same as the table: the names alone confirm.

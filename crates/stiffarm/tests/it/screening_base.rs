@@ -17,10 +17,7 @@ fn table(cell: &Cell, seed: u64) -> ReadingTable {
         states: states(&[("unloaded", 0.0, 1), ("light", 0.1, 1), ("full", 1.0, 1)]),
         force: ForceRecord::Force,
         base_reflectors: base_reflectors(),
-        base_compliance: Some(BaseCompliance {
-            tilt: 2e-8,
-            shift: 3e-8,
-        }),
+        base_compliance: Some(BaseCompliance { tilt: 2e-8, shift: 3e-8 }),
         tracker_noise: TrackerNoise::Isotropic,
         ..Experiment::default()
     };
@@ -70,11 +67,6 @@ fn rows_that_are_exchanged_are_named_on_a_moving_base_too() {
         let first = states[0].readings.clone();
         states[0].readings = std::mem::replace(&mut states[2].readings, first);
         let screening = screen(&cell, &table, None).unwrap();
-        assert_eq!(
-            found(&screening, Cause::ExchangedStates),
-            [["4"]],
-            "seed {seed}: {:?}",
-            screening.findings
-        );
+        assert_eq!(found(&screening, Cause::ExchangedStates), [["4"]], "seed {seed}: {:?}", screening.findings);
     }
 }

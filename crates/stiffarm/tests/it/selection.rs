@@ -16,11 +16,7 @@ fn select(cell: &Cell, index: Index, start: &[Vec<f64>]) -> Selection {
 
 /// Mean over the joints of the expected deviation at level 2, in percent.
 fn mean_deviation(cell: &Cell, group: &[Vec<f64>]) -> f64 {
-    100.0
-        * evaluate(cell, "", group)
-            .unwrap()
-            .mean_expected_deviation()
-            .unwrap()
+    100.0 * evaluate(cell, "", group).unwrap().mean_expected_deviation().unwrap()
 }
 
 /// Largest fall of ln(index) over steps of 1e-4 to 1e-3 rad from `group` that
@@ -37,11 +33,7 @@ fn largest_fall(cell: &Cell, index: Index, group: &[Vec<f64>], tries: usize) -> 
     let mut directions: Vec<Vec<f64>> = Vec::new();
     for k in 0..flat.len() {
         for sign in [-1.0, 1.0] {
-            directions.push(
-                (0..flat.len())
-                    .map(|i| if i == k { sign } else { 0.0 })
-                    .collect(),
-            );
+            directions.push((0..flat.len()).map(|i| if i == k { sign } else { 0.0 }).collect());
         }
     }
     while directions.len() < tries {
@@ -51,11 +43,7 @@ fn largest_fall(cell: &Cell, index: Index, group: &[Vec<f64>], tries: usize) -> 
             (0..flat.len())
                 .map(|i| {
                     let down: f64 = gradients.iter().zip(&mixture).map(|(g, w)| -g[i] * w).sum();
-                    if noise > 0.0 {
-                        dice.between(-1.0, 1.0)
-                    } else {
-                        down
-                    }
+                    if noise > 0.0 { dice.between(-1.0, 1.0) } else { down }
                 })
                 .collect(),
         );
@@ -64,10 +52,7 @@ fn largest_fall(cell: &Cell, index: Index, group: &[Vec<f64>], tries: usize) -> 
     let mut fall = f64::NEG_INFINITY;
     let mut feasible = 0;
     for direction in &directions {
-        let largest = direction
-            .iter()
-            .fold(0.0_f64, |m, v| m.max(v.abs()))
-            .max(1e-300);
+        let largest = direction.iter().fold(0.0_f64, |m, v| m.max(v.abs())).max(1e-300);
         let size = 10f64.powf(dice.between(-4.0, -3.0)) / largest;
         let moved: Vec<Vec<f64>> = flat
             .iter()
@@ -83,10 +68,7 @@ fn largest_fall(cell: &Cell, index: Index, group: &[Vec<f64>], tries: usize) -> 
             fall = fall.max(at - ln_index(cell, index, &moved));
         }
     }
-    assert!(
-        feasible > tries / 50,
-        "only {feasible} of {tries} steps stay inside the limits"
-    );
+    assert!(feasible > tries / 50, "only {feasible} of {tries} steps stay inside the limits");
     fall
 }
 
@@ -94,10 +76,7 @@ fn largest_fall(cell: &Cell, index: Index, group: &[Vec<f64>], tries: usize) -> 
 fn characteristic_length_of_the_reference_cell() {
     let cell = reference_cell();
     let found = characteristic_length(&cell).unwrap();
-    println!(
-        "L = {} m, k(J_N) = {}",
-        found.length, found.condition_number
-    );
+    println!("L = {} m, k(J_N) = {}", found.length, found.condition_number);
     assert!((found.length - 0.773).abs() < 1e-3);
     assert!((found.condition_number - 1.2157).abs() < 1e-4);
     // The posture it names attains it, inside the bounds.
@@ -136,15 +115,9 @@ fn selections_within_bounds_are_optimal_and_as_good_as_known() {
         let value = plan.value;
         assert!(value <= limit, "{index:?}: {value} above {limit}");
         assert_eq!(plan.termination, Termination::Converged, "{index:?}");
-        assert!(
-            stationarity < 5e-3,
-            "{index:?}: stationarity {stationarity:e}"
-        );
+        assert!(stationarity < 5e-3, "{index:?}: stationarity {stationarity:e}");
         // Relative fall of the index: no more than stationarity and smoothing leave.
-        assert!(
-            fall < 1e-6,
-            "{index:?}: a small step lowers ln(index) by {fall:e}"
-        );
+        assert!(fall < 1e-6, "{index:?}: a small step lowers ln(index) by {fall:e}");
         assert_eq!(violation(&cell, &plan.group), 0.0, "{index:?}");
         assert!(plan.value < plan.start_value.unwrap());
         assert_eq!(plan.smallest_margin_m, None);
@@ -154,19 +127,11 @@ fn selections_within_bounds_are_optimal_and_as_good_as_known() {
 #[test]
 fn larger_is_better_where_the_index_says_so() {
     let cell = reference_cell();
-    for (index, least) in [
-        (Index::O1, 425.0),
-        (Index::O2, 0.5),
-        (Index::O3, 73.0),
-        (Index::O4, 10.0),
-        (Index::O5, 49.0),
-    ] {
+    for (index, least) in
+        [(Index::O1, 425.0), (Index::O2, 0.5), (Index::O3, 73.0), (Index::O4, 10.0), (Index::O5, 49.0)]
+    {
         let plan = select(&cell, index, &group1());
-        println!(
-            "{index:?}: {:.4} from {:.4}",
-            plan.value,
-            plan.start_value.unwrap()
-        );
+        println!("{index:?}: {:.4} from {:.4}", plan.value, plan.start_value.unwrap());
         assert!(plan.value >= least, "{index:?}: {}", plan.value);
         assert!(plan.value > plan.start_value.unwrap());
         assert_eq!(plan.value, plan.evaluation.indices.get(index).unwrap());
@@ -196,10 +161,7 @@ fn expected_error_is_near_its_best_from_random_groups() {
     let share = |v: f64| v / best - 1.0;
     let worst = values.iter().copied().fold(0.0, f64::max);
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let worst_of_five = values
-        .windows(5)
-        .map(|w| w.iter().copied().fold(f64::INFINITY, f64::min))
-        .fold(0.0, f64::max);
+    let worst_of_five = values.windows(5).map(|w| w.iter().copied().fold(f64::INFINITY, f64::min)).fold(0.0, f64::max);
     println!(
         "20 random groups: best {:.3} %, worst {:.2} %, worst best-of-five {:.2} % above the best known",
         100.0 * share(least),
@@ -207,14 +169,8 @@ fn expected_error_is_near_its_best_from_random_groups() {
         100.0 * share(worst_of_five)
     );
     assert!(share(worst) < 0.06, "worst {worst}");
-    assert!(
-        share(worst_of_five) < 0.02,
-        "worst of the best of five {worst_of_five}"
-    );
-    assert!(
-        least > bound * (1.0 - 1e-4),
-        "{least} is below the bound {bound}"
-    );
+    assert!(share(worst_of_five) < 0.02, "worst of the best of five {worst_of_five}");
+    assert!(least > bound * (1.0 - 1e-4), "{least} is below the bound {bound}");
 }
 
 #[test]
@@ -249,10 +205,7 @@ fn plans_of_the_default_cell_keep_its_limits_and_their_known_accuracy() {
             plan.termination,
             plan.stationarity.unwrap(),
         );
-        assert!(
-            outside <= 1e-9,
-            "{index:?}: outside the limits by {outside:e}"
-        );
+        assert!(outside <= 1e-9, "{index:?}: outside the limits by {outside:e}");
         assert!(plan.smallest_margin_m.unwrap() >= -1e-9);
         if let Some(range) = range {
             assert!(range.contains(&deviation), "{index:?}: {deviation} %");
@@ -269,20 +222,14 @@ fn optimality_holds_with_limits_too() {
         let plan = select(&cell, index, &group1());
         let fall = largest_fall(&cell, index, &plan.group, 2000);
         println!("{index:?} with limits: largest fall {fall:.1e}");
-        assert!(
-            fall < 1e-6,
-            "{index:?}: a small step lowers ln(index) by {fall:e}"
-        );
+        assert!(fall < 1e-6, "{index:?}: a small step lowers ln(index) by {fall:e}");
     }
     // A search cut short fails the same check, or it would prove nothing.
     let mut few = Options::default();
     few.max_iterations = 60;
     for index in [Index::Novel, Index::ExpectedError] {
         let plan = select_from(&cell, index, &group1(), few, Control::default()).unwrap();
-        assert!(
-            largest_fall(&cell, index, &plan.group, 2000) > 1e-5,
-            "{index:?}"
-        );
+        assert!(largest_fall(&cell, index, &plan.group, 2000) > 1e-5, "{index:?}");
     }
     // The bound of the continuous design for this cell, per metre of σ.
     let plan = select(&cell, Index::ExpectedError, &group1());
@@ -294,10 +241,7 @@ fn optimality_holds_with_limits_too() {
 fn the_same_inputs_give_the_same_bits() {
     for cell in [reference_cell(), default_cell()] {
         for index in [Index::Novel, Index::ExpectedError] {
-            let (first, second) = (
-                select(&cell, index, &group1()),
-                select(&cell, index, &group1()),
-            );
+            let (first, second) = (select(&cell, index, &group1()), select(&cell, index, &group1()));
             assert_eq!(first, second);
         }
         let draw = |stream| random_group(&cell, StartKind::SmallWrist, 6, 11, stream).unwrap();
@@ -313,9 +257,7 @@ fn random_groups_meet_bounds_limits_and_their_kind() {
         for kind in [StartKind::Uniform, StartKind::SmallWrist] {
             let group = random_group(&cell, kind, 6, 5, stream).unwrap();
             assert_eq!(violation(&cell, &group), 0.0);
-            let small = group
-                .iter()
-                .all(|q| q[3..].iter().all(|a| a.abs() <= 30f64.to_radians()));
+            let small = group.iter().all(|q| q[3..].iter().all(|a| a.abs() <= 30f64.to_radians()));
             assert_eq!(small, kind == StartKind::SmallWrist, "group {stream}");
         }
     }
@@ -349,26 +291,12 @@ fn a_stopped_search_says_so_and_gives_its_best() {
     let asked = AtomicUsize::new(0);
     let stop = || asked.fetch_add(1, Ordering::Relaxed) >= 40;
     let control = stopped_by(&stop);
-    let plan = select_from(
-        &cell,
-        Index::ExpectedError,
-        &group1(),
-        Options::default(),
-        control,
-    )
-    .unwrap();
+    let plan = select_from(&cell, Index::ExpectedError, &group1(), Options::default(), control).unwrap();
     assert_eq!(plan.termination, Termination::Interrupted);
     assert!(plan.value < plan.start_value.unwrap());
     let mut few = Options::default();
     few.max_iterations = 5;
-    let plan = select_from(
-        &cell,
-        Index::ExpectedError,
-        &group1(),
-        few,
-        Control::default(),
-    )
-    .unwrap();
+    let plan = select_from(&cell, Index::ExpectedError, &group1(), few, Control::default()).unwrap();
     assert_eq!(plan.termination, Termination::IterationLimit);
     assert!(plan.iterations <= 5 && plan.value < plan.start_value.unwrap());
 }

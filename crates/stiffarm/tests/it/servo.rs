@@ -50,33 +50,17 @@ fn error(cell: &Cell, table: &ReadingTable) -> f64 {
     let found = identify(cell, &measured, &IdentifyOptions::default()).unwrap();
     let prior = cell.prior.as_ref().unwrap();
     let errors = found.estimates.joints.iter().zip(prior);
-    errors
-        .map(|(joint, k)| (joint.stiffness.unwrap() / k - 1.0).abs())
-        .fold(0.0, f64::max)
+    errors.map(|(joint, k)| (joint.stiffness.unwrap() / k - 1.0).abs()).fold(0.0, f64::max)
 }
 
 #[test]
 fn each_displacement_is_against_the_angles_of_its_own_reference() {
     let cell = reference_cell();
     // On the line between both references, at two places of it; by order and by time.
-    let between = [
-        ("unloaded", 0.0, 1),
-        ("half", 0.5, 1),
-        ("full", 1.0, 1),
-        ("unloaded-2", 0.0, 1),
-    ];
+    let between = [("unloaded", 0.0, 1), ("half", 0.5, 1), ("full", 1.0, 1), ("unloaded-2", 0.0, 1)];
     // Against the nearest of them.
-    let after = [
-        ("unloaded", 0.0, 1),
-        ("unloaded-2", 0.0, 1),
-        ("full", 1.0, 1),
-    ];
-    for (list, seconds) in [
-        (&between[..], 0.0),
-        (&between[..], 8.0),
-        (&after[..], 0.0),
-        (&after[..], 8.0),
-    ] {
+    let after = [("unloaded", 0.0, 1), ("unloaded-2", 0.0, 1), ("full", 1.0, 1)];
+    for (list, seconds) in [(&between[..], 0.0), (&between[..], 8.0), (&after[..], 0.0), (&after[..], 8.0)] {
         let error = error(&cell, &table(&cell, states(list), seconds));
         assert!(error < 1e-6, "{list:?}: {error}");
     }
@@ -85,12 +69,7 @@ fn each_displacement_is_against_the_angles_of_its_own_reference() {
 #[test]
 fn a_point_that_one_reference_lacks_has_another_reference() {
     let cell = reference_cell();
-    let between = [
-        ("unloaded", 0.0, 1),
-        ("full", 1.0, 1),
-        ("half", 0.5, 1),
-        ("unloaded-2", 0.0, 1),
-    ];
+    let between = [("unloaded", 0.0, 1), ("full", 1.0, 1), ("half", 0.5, 1), ("unloaded-2", 0.0, 1)];
     let mut table = table(&cell, states(&between), 0.0);
     for posture in &mut table.postures {
         let last = posture.states.last_mut().unwrap();

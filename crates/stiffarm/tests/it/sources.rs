@@ -21,10 +21,7 @@ fn plain_lists_are_joined_and_nothing_else_changes() {
     });
     let text = to_json(&value).unwrap();
     assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), value);
-    assert!(
-        text.contains(r#""a": [1.5, null, "x, ] [ \" \\", true]"#),
-        "{text}"
-    );
+    assert!(text.contains(r#""a": [1.5, null, "x, ] [ \" \\", true]"#), "{text}");
     assert!(text.contains("    [1, 2],\n    [3, 4]\n"), "{text}");
 }
 
@@ -32,20 +29,14 @@ fn plain_lists_are_joined_and_nothing_else_changes() {
 fn hidden_characters_are_in_letters_and_read_back() {
     let value = json!({"a\u{202e}": "b\u{1b}\u{85}\u{feff}\u{e0041}\nc"});
     let text = to_json(&value).unwrap();
-    assert!(
-        text.contains(r"a\u202e") && text.contains(r"\udb40\udc41"),
-        "{text}"
-    );
+    assert!(text.contains(r"a\u202e") && text.contains(r"\udb40\udc41"), "{text}");
     assert!(text.chars().all(|c| c == '\n' || !is_hidden(c)));
     assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), value);
 }
 
 #[test]
 fn numbers_that_are_not_finite_are_null() {
-    assert_eq!(
-        to_json(&[f64::NAN, f64::INFINITY, 1.0]).unwrap(),
-        "[null, null, 1.0]\n"
-    );
+    assert_eq!(to_json(&[f64::NAN, f64::INFINITY, 1.0]).unwrap(), "[null, null, 1.0]\n");
 }
 
 /// Built-in files, and tables in memory.
@@ -57,13 +48,14 @@ struct Memory {
 
 impl Source for Memory {
     fn read(&self, role: &str, from: &str) -> Result<(String, Vec<u8>)> {
-        let bytes =
-            match from.strip_prefix(builtin::PREFIX) {
-                Some(name) => builtin::bytes(name)?.to_vec(),
-                None => self.files.get(from).cloned().ok_or_else(|| {
-                    Error::new(Code::FileRead, "There is no such file.").file(from)
-                })?,
-            };
+        let bytes = match from.strip_prefix(builtin::PREFIX) {
+            Some(name) => builtin::bytes(name)?.to_vec(),
+            None => self
+                .files
+                .get(from)
+                .cloned()
+                .ok_or_else(|| Error::new(Code::FileRead, "There is no such file.").file(from))?,
+        };
         let mut hashes = self.hashes.borrow_mut();
         hashes.insert(role.to_string(), sha256_hex(&bytes));
         Ok((from.to_string(), bytes))
@@ -103,8 +95,5 @@ fn meshes_lie_beside_the_cell_that_names_them() {
 #[test]
 fn sha256_of_the_standard_example() {
     // FIPS 180-4 example: "abc".
-    assert_eq!(
-        sha256_hex(b"abc"),
-        "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
-    );
+    assert_eq!(sha256_hex(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }

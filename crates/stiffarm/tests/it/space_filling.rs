@@ -21,11 +21,7 @@ fn assert_inside(cell: &Cell, group: &[Vec<f64>], count: usize) {
         let mut angles = q.iter().zip(&cell.bounds);
         assert!(angles.all(|(q, b)| (b[0]..=b[1]).contains(q)), "{q:?}");
     }
-    assert!(
-        smallest_margin(cell, group)
-            .unwrap()
-            .is_none_or(|m| m >= 0.0)
-    );
+    assert!(smallest_margin(cell, group).unwrap().is_none_or(|m| m >= 0.0));
 }
 
 /// Median of the smallest distance of random groups of `count`.
@@ -100,11 +96,7 @@ fn a_seed_decides_and_another_seed_decides_otherwise() {
 fn one_free_joint_is_divided_equally() {
     let mut cell = reference_cell();
     for (j, bounds) in cell.bounds.iter_mut().enumerate() {
-        *bounds = if j == 1 {
-            [-0.5, 0.7]
-        } else {
-            [0.1 * j as f64; 2]
-        };
+        *bounds = if j == 1 { [-0.5, 0.7] } else { [0.1 * j as f64; 2] };
     }
     let group = space_filling(&cell, 5, 1).unwrap();
     let mut angles: Vec<f64> = group.iter().map(|q| q[1]).collect();
@@ -207,10 +199,7 @@ fn a_stopped_search_gives_the_postures_so_far() {
     let whole = space_filling(&cell, 40, 1).unwrap();
     let distance = |group: &[Vec<f64>]| smallest_distance(&cell.bounds, group).unwrap();
     // Candidates and a first group take some hundred looks.
-    let early = (1..40)
-        .map(|k| after(100 * k))
-        .find_map(Result::ok)
-        .unwrap();
+    let early = (1..40).map(|k| after(100 * k)).find_map(Result::ok).unwrap();
     assert_eq!(early.termination, Termination::Interrupted);
     assert_inside(&cell, &early.postures, 40);
     assert!(distance(&early.postures) <= distance(&whole));

@@ -12,8 +12,7 @@ fn experiment(count: usize, seed: u64) -> (Cell, Vec<Posture>, Measured) {
     let group = random_group(&cell, StartKind::Uniform, 12, seed, 0).unwrap();
     let postures = numbered(group);
     let truth = cell.prior.clone().unwrap();
-    let measured =
-        simulate_measurements(&cell, &postures[..count], &truth, Model::Linear, seed, 0).unwrap();
+    let measured = simulate_measurements(&cell, &postures[..count], &truth, Model::Linear, seed, 0).unwrap();
     (cell, postures, measured.into())
 }
 
@@ -37,11 +36,8 @@ fn planned_postures_bring_what_the_information_says() {
         }
         // Measured as linear as the plan says, the standard errors are those, but for the scatter's own.
         let really = planned_errors::<Vec<f64>>(&late, &[]).unwrap().now;
-        let ratios: Vec<f64> = forecast.after[6]
-            .iter()
-            .zip(&really)
-            .map(|(expected, found)| expected.unwrap() / found.unwrap())
-            .collect();
+        let ratios: Vec<f64> =
+            forecast.after[6].iter().zip(&really).map(|(expected, found)| expected.unwrap() / found.unwrap()).collect();
         let first = ratios[0];
         for ratio in &ratios {
             // One factor for all joints: the scatter that each fit finds.
@@ -104,11 +100,8 @@ fn identified(fit: &Fit) -> Vec<Option<f64>> {
 }
 
 /// What `identify` prints of twelve postures, for each seed.
-static OF_TWELVE: LazyLock<Vec<Vec<Option<f64>>>> = LazyLock::new(|| {
-    (0..12)
-        .map(|seed| identified(&fitted(12, seed).0))
-        .collect()
-});
+static OF_TWELVE: LazyLock<Vec<Vec<Option<f64>>>> =
+    LazyLock::new(|| (0..12).map(|seed| identified(&fitted(12, seed).0)).collect());
 
 #[test]
 fn it_stands_as_identify_says_and_three_postures_reach_no_goal() {
@@ -120,10 +113,7 @@ fn it_stands_as_identify_says_and_three_postures_reach_no_goal() {
         assert_eq!(totals, identified(&fit), "{count}");
         // Four postures are the fewest that show what gives way beyond the axes.
         let missing = (count < 4).then_some(4 - count.min(4));
-        assert_eq!(
-            (now.reached, now.postures_to_goal),
-            (Some(count >= 4), missing)
-        );
+        assert_eq!((now.reached, now.postures_to_goal), (Some(count >= 4), missing));
         let named = now.findings.iter().any(|f| f.code == "too-few-postures");
         assert_eq!(named, count < 4);
         // Where no posture is left, the goal is judged by what there is.
@@ -144,9 +134,7 @@ fn the_first_postures_foresee_what_the_whole_plan_will_say() {
                 ratios.push(joint.with_all.unwrap() / really.unwrap());
             }
         }
-        let (least, most) = ratios
-            .iter()
-            .fold((f64::MAX, 0.0_f64), |(a, b), r| (a.min(*r), b.max(*r)));
+        let (least, most) = ratios.iter().fold((f64::MAX, 0.0_f64), |(a, b), r| (a.min(*r), b.max(*r)));
         let middle = median(ratios);
         assert!((0.8..1.25).contains(&middle), "{done}: {middle}");
         assert!(least > 0.3 && most < 3.0, "{done}: {least} to {most}");

@@ -28,10 +28,7 @@ fn table(cell: &Cell, change: impl Fn(&mut Experiment)) -> ReadingTable {
     let mut all: Vec<PostureReadings> = Vec::new();
     let mut out = None;
     for (frame, (name, range)) in frames().into_iter().zip([("front", 0..6), ("side", 6..10)]) {
-        let mut done = Experiment {
-            base_from_tracker: frame,
-            ..Experiment::as_measured(cell)
-        };
+        let mut done = Experiment { base_from_tracker: frame, ..Experiment::as_measured(cell) };
         change(&mut done);
         let own = &postures[range];
         let mut table = experiment(cell, own, &prior, &done, 1, own.len() as u64).unwrap();
@@ -42,11 +39,7 @@ fn table(cell: &Cell, change: impl Fn(&mut Experiment)) -> ReadingTable {
         out = Some(table);
     }
     let mut out = out.unwrap();
-    for reading in all
-        .iter_mut()
-        .flat_map(|p| &mut p.states)
-        .flat_map(|s| &mut s.readings)
-    {
+    for reading in all.iter_mut().flat_map(|p| &mut p.states).flat_map(|s| &mut s.readings) {
         reading.time = None;
     }
     out.postures = all;
@@ -62,12 +55,8 @@ fn of_station(table: &ReadingTable, name: &str) -> ReadingTable {
 #[test]
 fn each_station_gives_what_it_gives_alone() {
     let mut cell = default_cell();
-    cell.tracker.accuracy = Some(TrackerAccuracy {
-        station: Vector3::new(0.1, 0.0, 0.0),
-        range: 2e-6,
-        range_per_metre: 1e-6,
-        angle: 6e-6,
-    });
+    cell.tracker.accuracy =
+        Some(TrackerAccuracy { station: Vector3::new(0.1, 0.0, 0.0), range: 2e-6, range_per_metre: 1e-6, angle: 6e-6 });
     let table = table(&cell, |_| {});
     let both = reduce(&cell, &table, &ReduceOptions::default()).unwrap();
     let names: Vec<&str> = both.stations.iter().map(|s| s.station.as_str()).collect();
@@ -76,34 +65,20 @@ fn each_station_gives_what_it_gives_alone() {
         let found = Vector3::from(station.translation_m) - frame.translation.vector;
         assert!(found.norm() < 5e-4, "{found}");
         assert!(station.rms_m.unwrap() < mm_to_m(0.1) && !station.angles_unchecked);
-        let alone = reduce(
-            &cell,
-            &of_station(&table, &station.station),
-            &ReduceOptions::default(),
-        )
-        .unwrap();
+        let alone = reduce(&cell, &of_station(&table, &station.station), &ReduceOptions::default()).unwrap();
         assert!(alone.stations.is_empty());
         for own in &alone.measured {
             let mut all = both.measured.iter();
-            let same = all
-                .find(|m| (&m.posture.name, &m.state) == (&own.posture.name, &own.state))
-                .unwrap();
+            let same = all.find(|m| (&m.posture.name, &m.state) == (&own.posture.name, &own.state)).unwrap();
             for (a, b) in own.displacements.iter().zip(&same.displacements) {
                 // Two registrations of the same readings differ by tens of µrad.
-                assert!(
-                    (a.value - b.value).norm() < 1e-3 * a.value.norm().max(1e-4),
-                    "{a:?} {b:?}"
-                );
+                assert!((a.value - b.value).norm() < 1e-3 * a.value.norm().max(1e-4), "{a:?} {b:?}");
                 let [a, b] = [a, b].map(|d| d.covariance.unwrap());
                 assert!((a - b).norm() < 1e-3 * a.norm());
             }
         }
     }
-    assert!(
-        both.findings
-            .iter()
-            .any(|f| f.code == "stations" && f.severity == Severity::Note)
-    );
+    assert!(both.findings.iter().any(|f| f.code == "stations" && f.severity == Severity::Note));
 }
 
 #[test]
@@ -138,10 +113,7 @@ fn a_given_transform_is_that_of_the_station_that_it_fits() {
     for frame in frames() {
         let options = with(|o: &mut ReduceOptions| o.base_from_tracker = Some(frame));
         let found = prepare(&cell, table.clone(), &options).unwrap();
-        let wrong: Vec<_> = found
-            .findings()
-            .filter(|f| f.severity > Severity::Note)
-            .collect();
+        let wrong: Vec<_> = found.findings().filter(|f| f.severity > Severity::Note).collect();
         assert!(wrong.is_empty(), "{wrong:?}");
         let stations = found.reduction.unwrap().stations;
         for (station, frame) in stations.iter().zip(frames()) {
@@ -171,34 +143,16 @@ fn a_station_that_says_too_little_is_left_out_and_a_single_posture_is_said() {
     one.postures.truncate(7);
     let found = reduce(&cell, &one, &ReduceOptions::default()).unwrap();
     assert!(found.stations[1].angles_unchecked);
-    let note = found
-        .findings
-        .iter()
-        .find(|f| f.code == "stations")
-        .unwrap();
-    assert!(
-        note.sentence
-            .contains("Nothing checks the angles of posture 7"),
-        "{}",
-        note.sentence
-    );
+    let note = found.findings.iter().find(|f| f.code == "stations").unwrap();
+    assert!(note.sentence.contains("Nothing checks the angles of posture 7"), "{}", note.sentence);
     // Two points alone do not say where the tracker stands.
     for state in &mut one.postures[6].states {
-        state
-            .readings
-            .retain(|r| matches!(r.target, ReadingTarget::Point(0 | 1)));
+        state.readings.retain(|r| matches!(r.target, ReadingTarget::Point(0 | 1)));
     }
     let found = prepare(&cell, one, &ReduceOptions::default()).unwrap();
     assert!(found.postures.iter().all(|m| m.posture.name != "7"));
-    let remark = found
-        .findings()
-        .find(|f| f.code == "station-left-out")
-        .unwrap();
-    assert!(
-        remark.sentence.starts_with("Station side: "),
-        "{}",
-        remark.sentence
-    );
+    let remark = found.findings().find(|f| f.code == "station-left-out").unwrap();
+    assert!(remark.sentence.starts_with("Station side: "), "{}", remark.sentence);
 }
 
 /// A wrong description of the robot is named though no frame ties the stations.
@@ -210,12 +164,7 @@ fn what_is_wrong_with_the_robot_is_found_from_several_stations() {
         posture.posture.q[3] *= -1.0;
     }
     let found = prepare(&cell, table, &ReduceOptions::default()).unwrap();
-    let codes: Vec<&str> = found
-        .screening
-        .iter()
-        .flat_map(|s| &s.findings)
-        .map(|f| f.code.as_str())
-        .collect();
+    let codes: Vec<&str> = found.screening.iter().flat_map(|s| &s.findings).map(|f| f.code.as_str()).collect();
     assert_eq!(codes, ["joint-sign"]);
 }
 
@@ -229,10 +178,7 @@ fn simulated_readings_come_from_the_station_that_sees() {
     assert_eq!(table.stations().len(), 2);
     assert_eq!(sheet.headings[6], "station");
     for posture in &table.postures {
-        let mut rows = sheet
-            .rows
-            .iter()
-            .filter(|row| row.posture.name == posture.posture.name);
+        let mut rows = sheet.rows.iter().filter(|row| row.posture.name == posture.posture.name);
         assert!(rows.all(|row| row.station == posture.station));
     }
     let found = prepare(&cell, table, &ReduceOptions::default()).unwrap();
@@ -241,10 +187,7 @@ fn simulated_readings_come_from_the_station_that_sees() {
     let route = route(&cell, &angles, &RouteOptions::default(), Control::default()).unwrap();
     let stations = route.order.iter().map(|i| {
         let mut rows = sheet.rows.iter();
-        rows.find(|row| row.posture.name == postures[*i].name)
-            .unwrap()
-            .station
-            .clone()
+        rows.find(|row| row.posture.name == postures[*i].name).unwrap().station.clone()
     });
     let mut stations: Vec<_> = stations.collect();
     stations.dedup();

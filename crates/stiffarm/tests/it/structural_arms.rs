@@ -37,10 +37,7 @@ impl Arm {
     fn bent(&self, cell: &Cell, terms: &PostureTerms) -> Vec<Vector3<f64>> {
         let joints = terms.block(&cell.setup.robot) * &self.axes;
         let beyond = structural_at(terms, &self.springs, 1.0).into_iter();
-        beyond
-            .enumerate()
-            .map(|(a, beyond)| beyond + joints.fixed_rows::<3>(3 * a))
-            .collect()
+        beyond.enumerate().map(|(a, beyond)| beyond + joints.fixed_rows::<3>(3 * a)).collect()
     }
 
     /// Displacements under the loads of the cell at random postures, with its noise.
@@ -53,14 +50,10 @@ impl Arm {
         for posture in numbered(group) {
             for (i, setup) in cell.setup.cases().iter().enumerate() {
                 let terms = PostureTerms::new(setup, &posture.q, None).unwrap();
-                let displacements =
-                    self.bent(cell, &terms)
-                        .into_iter()
-                        .enumerate()
-                        .map(|(a, value)| {
-                            let noise = Vector3::new(normal(), normal(), normal()) * std;
-                            Displacement::new(a, value + noise)
-                        });
+                let displacements = self.bent(cell, &terms).into_iter().enumerate().map(|(a, value)| {
+                    let noise = Vector3::new(normal(), normal(), normal()) * std;
+                    Displacement::new(a, value + noise)
+                });
                 let mut measured = MeasuredPosture::new(posture.clone(), displacements.collect());
                 if let Some(case) = cell.setup.load.cases().get(i) {
                     measured.state.clone_from(&case.name);
@@ -92,15 +85,9 @@ fn other_loads_are_predicted_as_well_as_the_one_measured() {
             let force = dice.vector(600.0);
             let rope = PostureTerms::new(&cell.setup, &q, None).unwrap();
             let at = rope.measuring_points()[0];
-            let moved = Wrench {
-                force,
-                moment: (at - rope.loading_point()).cross(&force),
-            };
+            let moved = Wrench { force, moment: (at - rope.loading_point()).cross(&force) };
             let terms = PostureTerms::new(&cell.setup, &q, Some(&moved)).unwrap();
-            let columns = terms
-                .block_with(&cell.setup.robot, &found.extra)
-                .rows(0, 3)
-                .into_owned();
+            let columns = terms.block_with(&cell.setup.robot, &found.extra).rows(0, 3).into_owned();
             let truth = arm.bent(&cell, &terms)[0];
             let error = &columns * &found.values - truth;
             let variance = &columns * &spread.covariance * columns.transpose();
@@ -108,9 +95,7 @@ fn other_loads_are_predicted_as_well_as_the_one_measured() {
             of_axes += (columns.columns(0, 6) * axes.values.rows(0, 6) - truth).norm_squared();
             count += 3;
             // Two standard errors, and the doubt about the sizes.
-            inside += (0..3)
-                .filter(|i| error[*i].abs() < 2.3 * variance[(*i, *i)].sqrt())
-                .count();
+            inside += (0..3).filter(|i| error[*i].abs() < 2.3 * variance[(*i, *i)].sqrt()).count();
             let psi = rope.block(&cell.setup.robot);
             let bent = arm.bent(&cell, &rope);
             let bent = DVector::from_iterator(12, bent.iter().flat_map(|p| p.data.0[0]));
@@ -118,34 +103,19 @@ fn other_loads_are_predicted_as_well_as_the_one_measured() {
             right += psi.tr_mul(&bent);
         }
         let truth = information.try_inverse().unwrap() * right;
-        let identified =
-            Identified::new(&fit, &IdentifiedOptions::default(), Control::default()).unwrap();
-        for (joint, h) in identified
-            .identification
-            .estimates
-            .joints
-            .iter()
-            .zip(truth.iter())
-        {
+        let identified = Identified::new(&fit, &IdentifiedOptions::default(), Control::default()).unwrap();
+        for (joint, h) in identified.identification.estimates.joints.iter().zip(truth.iter()) {
             let [low, high] = joint.interval;
-            let held =
-                low.is_some_and(|low| low <= 1.0 / h) && high.is_none_or(|high| 1.0 / h <= high);
+            let held = low.is_some_and(|low| low <= 1.0 / h) && high.is_none_or(|high| 1.0 / h <= high);
             holds += usize::from(held);
             joints += 1;
         }
         let said = &identified.diagnosis.unwrap().findings;
-        outlying += said
-            .iter()
-            .filter(|f| f.code.starts_with("outlying"))
-            .count();
+        outlying += said.iter().filter(|f| f.code.starts_with("outlying")).count();
         println!("{name}: {square:e} {of_axes:e}");
     }
     let rms = |square: f64| 1e3 * (square / (count as f64 / 3.0)).sqrt();
-    println!(
-        "{} {} {inside}/{count} {holds}/{joints} {outlying}",
-        rms(square),
-        rms(of_axes)
-    );
+    println!("{} {} {inside}/{count} {holds}/{joints} {outlying}", rms(square), rms(of_axes));
     assert!(rms(square) < 0.06, "{}", rms(square));
     assert!(rms(square) < 0.25 * rms(of_axes), "{}", rms(of_axes));
     assert!(inside as f64 > 0.85 * count as f64, "{inside} of {count}");
@@ -175,60 +145,24 @@ fn what_an_arm_is_made_of_is_a_source_of_error() {
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let (_, own) = likelier.unwrap();
         let size = own.rows(0, 6).amax();
-        for ((value, own), term) in springs
-            .iter()
-            .skip(6)
-            .zip(own.iter().skip(6))
-            .zip(&found.extra)
-        {
+        for ((value, own), term) in springs.iter().skip(6).zip(own.iter().skip(6)).zip(&found.extra) {
             let far = (value - own).abs();
-            assert!(
-                far < 2e-3 * own.abs().max(0.1 * size),
-                "{name} {term:?}: {value:e} {own:e}"
-            );
+            assert!(far < 2e-3 * own.abs().max(0.1 * size), "{name} {term:?}: {value:e} {own:e}");
         }
         for (value, own) in springs.iter().zip(own.iter()).take(6) {
-            assert!(
-                (value / own - 1.0).abs() < 1e-3,
-                "{name}: {value:e} {own:e}"
-            );
+            assert!((value / own - 1.0).abs() < 1e-3, "{name}: {value:e} {own:e}");
         }
     }
-    let rigid = Arm {
-        springs: vec![Matrix6::zeros(); 7],
-        axes: compliance_of(cell.require_prior().unwrap()),
-    };
-    let fit = Fit::new(
-        &cell,
-        rigid.measured(&cell, 8, 3),
-        &IdentifyOptions::default(),
-    )
-    .unwrap();
+    let rigid = Arm { springs: vec![Matrix6::zeros(); 7], axes: compliance_of(cell.require_prior().unwrap()) };
+    let fit = Fit::new(&cell, rigid.measured(&cell, 8, 3), &IdentifyOptions::default()).unwrap();
     let errors = mixed_systematic_errors(&MixedFit::new(&fit).unwrap()).unwrap();
-    let source = errors
-        .sources
-        .iter()
-        .find(|source| source.name == "springs");
-    let change = |source: &SystematicSource| {
-        source
-            .change
-            .iter()
-            .flatten()
-            .fold(0.0, |a, b| b.abs().max(a))
-    };
-    assert!(
-        source.is_none_or(|source| change(source) < 0.002),
-        "{source:#?}"
-    );
+    let source = errors.sources.iter().find(|source| source.name == "springs");
+    let change = |source: &SystematicSource| source.change.iter().flatten().fold(0.0, |a, b| b.abs().max(a));
+    assert!(source.is_none_or(|source| change(source) < 0.002), "{source:#?}");
 }
 
 /// −2 ln L of springs alone, and all unknowns of the mixed model with them.
-fn springs_alone(
-    robot: &Robot,
-    fit: &Fit,
-    measured: &[MeasuredPosture],
-    sizing: ElasticSizing,
-) -> (f64, DVector<f64>) {
+fn springs_alone(robot: &Robot, fit: &Fit, measured: &[MeasuredPosture], sizing: ElasticSizing) -> (f64, DVector<f64>) {
     let axes = &fit.compliance().unwrap().values;
     let weights = IdentifyOptions::default().weights;
     let system = measured_system(fit.cell(), measured, &[], weights).unwrap();
@@ -243,17 +177,12 @@ fn springs_alone(
         .collect();
     let rows: Vec<_> = blocks.iter().flat_map(|block| block.row_iter()).collect();
     let columns = DMatrix::from_rows(&rows);
-    let is_positive =
-        |term: &ExtraTerm| matches!(term, ExtraTerm::Spring { row, column, .. } if row == column);
+    let is_positive = |term: &ExtraTerm| matches!(term, ExtraTerm::Spring { row, column, .. } if row == column);
     // Each class with its mean as a further column.
     let (mut random, mut classes, mut origins) = (Vec::new(), Vec::new(), Vec::new());
     for class in ElasticClass::ENTRIES {
         let (from, mut mean) = (random.len(), DVector::zeros(columns.nrows()));
-        for (i, (term, own, scale)) in effects
-            .iter()
-            .enumerate()
-            .filter(|(_, effect)| effect.1 == class)
-        {
+        for (i, (term, own, scale)) in effects.iter().enumerate().filter(|(_, effect)| effect.1 == class) {
             let column = columns.column(6 + i) * *scale;
             if is_positive(term) {
                 mean += &column;
@@ -289,19 +218,12 @@ fn a_wrong_load_is_named_on_an_arm_that_bends() {
     let cell = default_cell();
     for (i, (name, arm)) in arms(&cell).enumerate() {
         let mut measured = arm.measured(&cell, 12, 60 + i as u64);
-        measured[4]
-            .displacements
-            .iter_mut()
-            .for_each(|d| d.value *= 1.5);
+        measured[4].displacements.iter_mut().for_each(|d| d.value *= 1.5);
         let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
-        let identified =
-            Identified::new(&fit, &IdentifiedOptions::default(), Control::default()).unwrap();
+        let identified = Identified::new(&fit, &IdentifiedOptions::default(), Control::default()).unwrap();
         let said = identified.diagnosis.unwrap().findings;
-        let named: Vec<&str> = said
-            .iter()
-            .filter(|f| f.code == "outlying-posture")
-            .map(|f| f.subject.as_str())
-            .collect();
+        let named: Vec<&str> =
+            said.iter().filter(|f| f.code == "outlying-posture").map(|f| f.subject.as_str()).collect();
         assert_eq!(named, ["posture 5"], "{name}: {said:#?}");
     }
 }
@@ -332,15 +254,8 @@ fn work(cell: &Cell, own: bool) -> Vec<LoadedPosture> {
 
 /// What is said of loads that were never applied: code and sentence.
 fn said(cell: &Cell, saved: &Saved, own: bool) -> Option<(String, String)> {
-    let loaded = Loaded {
-        cell: cell.clone(),
-        postures: work(cell, own),
-        summary: None,
-    };
-    let request = PredictOptions {
-        cell_load: own,
-        ..PredictOptions::default()
-    };
+    let loaded = Loaded { cell: cell.clone(), postures: work(cell, own), summary: None };
+    let request = PredictOptions { cell_load: own, ..PredictOptions::default() };
     let found = request.predict(&loaded, saved, Control::default()).unwrap();
     let findings = found.prediction.findings.into_iter();
     let mut own = findings.filter(|f| f.code.starts_with("never-"));
@@ -349,16 +264,9 @@ fn said(cell: &Cell, saved: &Saved, own: bool) -> Option<(String, String)> {
 
 /// The cell with a weight after the rope in each posture.
 fn with_weight(cell: &Cell) -> Cell {
-    let weight = Load::Weight {
-        magnitude: 500.0,
-        direction: -Vector3::z(),
-    };
+    let weight = Load::Weight { magnitude: 500.0, direction: -Vector3::z() };
     let cases = [("rope", cell.setup.load.clone()), ("weight", weight)];
-    let case = |(name, load): (&str, Load)| LoadCase {
-        name: name.to_string(),
-        load,
-        loading_point: None,
-    };
+    let case = |(name, load): (&str, Load)| LoadCase { name: name.to_string(), load, loading_point: None };
     let mut both = cell.clone();
     both.setup.load = Load::Cases(cases.map(case).to_vec());
     both
@@ -372,20 +280,10 @@ fn loads_that_were_never_applied_are_said() {
     let axes = compliance_of(cell.require_prior().unwrap());
     for (name, postures, ruled) in [("links_half", 6, true), ("realistic", 12, false)] {
         let springs = structure(name);
-        let arm = Arm {
-            springs,
-            axes: axes.clone(),
-        };
+        let arm = Arm { springs, axes: axes.clone() };
         let rope = saved(&cell, &arm, postures, 41);
         let (code, sentence) = said(&cell, &rope, false).unwrap();
-        assert_eq!(
-            code,
-            if ruled {
-                "never-loaded"
-            } else {
-                "never-turned"
-            }
-        );
+        assert_eq!(code, if ruled { "never-loaded" } else { "never-turned" });
         assert!(sentence.contains("the base"), "{sentence}");
         assert!(sentence.contains(" about x"), "{sentence}");
         assert!(sentence.contains("A weight of 500 N hung in the same postures would"));
@@ -405,15 +303,8 @@ fn loads_that_were_never_applied_are_said() {
 /// RMS error of the shifts of the tip, its part from directions of which readings told less than half, and the error after
 /// a weight in the same postures, from dense matrices [m].
 fn dense(cell: &Cell, saved: &Saved, work: &[LoadedPosture]) -> [f64; 3] {
-    let (extra, spread) = (
-        &saved.predictor.extra,
-        saved.predictor.spread.as_ref().unwrap(),
-    );
-    let (robot, doubt, covariance) = (
-        &cell.setup.robot,
-        spread.doubt.as_ref().unwrap(),
-        &spread.covariance,
-    );
+    let (extra, spread) = (&saved.predictor.extra, saved.predictor.spread.as_ref().unwrap());
+    let (robot, doubt, covariance) = (&cell.setup.robot, spread.doubt.as_ref().unwrap(), &spread.covariance);
     let mut setup = cell.setup.clone();
     setup.tool.loading_point = setup.tool.measuring_points[0].position;
     let rows: Vec<DMatrix<f64>> = work
@@ -424,15 +315,11 @@ fn dense(cell: &Cell, saved: &Saved, work: &[LoadedPosture]) -> [f64; 3] {
         })
         .collect();
     let error = |covariance: &DMatrix<f64>| {
-        let squares = rows
-            .iter()
-            .map(|rows| (rows * covariance * rows.transpose()).trace());
+        let squares = rows.iter().map(|rows| (rows * covariance * rows.transpose()).trace());
         (squares.sum::<f64>() / work.len() as f64).sqrt()
     };
     // Prior covariance of the effects that are anything, by its definition: a class by itself and its common mean.
-    let kept: Vec<usize> = (0..covariance.ncols())
-        .filter(|i| doubt.prior[*i] > 0.0)
-        .collect();
+    let kept: Vec<usize> = (0..covariance.ncols()).filter(|i| doubt.prior[*i] > 0.0).collect();
     let mean = |i: usize| doubt.means.iter().position(|mean| mean.contains(&i));
     let prior = DMatrix::from_fn(kept.len(), kept.len(), |a, b| {
         let (i, j) = (kept[a], kept[b]);
@@ -443,20 +330,10 @@ fn dense(cell: &Cell, saved: &Saved, work: &[LoadedPosture]) -> [f64; 3] {
     let own = covariance.select_rows(&kept).select_columns(&kept);
     let eigen = (&root * own * root.transpose()).symmetric_eigen();
     let mut untold = 0.0;
-    for (value, vector) in eigen
-        .eigenvalues
-        .iter()
-        .zip(eigen.eigenvectors.column_iter())
-    {
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
         let along = covariance.select_columns(&kept) * root.transpose() * vector;
-        let parts = rows
-            .iter()
-            .map(|rows| (rows * &along).norm_squared() / value);
-        untold += if *value > 0.5 {
-            parts.sum::<f64>()
-        } else {
-            0.0
-        };
+        let parts = rows.iter().map(|rows| (rows * &along).norm_squared() / value);
+        untold += if *value > 0.5 { parts.sum::<f64>() } else { 0.0 };
     }
     // All readings under the weight at once.
     let weight = with_weight(cell).setup.cases().remove(1);
@@ -465,32 +342,22 @@ fn dense(cell: &Cell, saved: &Saved, work: &[LoadedPosture]) -> [f64; 3] {
     let mut noise = DMatrix::identity(count, count) * spread.sigma.powi(2);
     for (p, load) in saved.loads.iter().enumerate() {
         let terms = PostureTerms::new(&weight, &load.q, None).unwrap();
-        further
-            .rows_mut(12 * p, 12)
-            .copy_from(&terms.block_with(robot, extra));
-        let shared = DMatrix::from_fn(12, 12, |i, j| {
-            f64::from(u8::from(i % 3 == j % 3)) * spread.shift.powi(2)
-        });
+        further.rows_mut(12 * p, 12).copy_from(&terms.block_with(robot, extra));
+        let shared = DMatrix::from_fn(12, 12, |i, j| f64::from(u8::from(i % 3 == j % 3)) * spread.shift.powi(2));
         let mut block = noise.view_mut((12 * p, 12 * p), (12, 12));
         block += shared;
     }
     let with = covariance * further.transpose();
-    let after =
-        covariance - &with * (noise + further * &with).try_inverse().unwrap() * with.transpose();
-    [
-        error(covariance),
-        (untold / work.len() as f64).sqrt(),
-        error(&after),
-    ]
+    let after = covariance - &with * (noise + further * &with).try_inverse().unwrap() * with.transpose();
+    [error(covariance), (untold / work.len() as f64).sqrt(), error(&after)]
 }
 
 /// Bearings, links and base as the drawing of such an arm may have them, none of them exact.
 fn drawing(cell: &Cell, links: f64, factor: f64) -> Vec<KnownElement> {
     let per_radian = f64::to_degrees(1.0) * 60.0;
     let bearings = [4900.0, 4900.0, 2940.0, 1176.0, 931.0, 372.0].into_iter();
-    let bearings = bearings
-        .enumerate()
-        .map(|(j, k)| KnownElement::new(ExtraTerm::JointTilt(j), k * per_radian, factor));
+    let bearings =
+        bearings.enumerate().map(|(j, k)| KnownElement::new(ExtraTerm::JointTilt(j), k * per_radian, factor));
     // E I and G J of tubes and boxes along each row: the column, and the links.
     let beams = beams(&cell.setup.robot).into_iter().filter_map(|term| {
         let ExtraTerm::Beam { joint, part, twist } = term else {
@@ -519,10 +386,7 @@ fn a_drawing_counts_beside_the_readings() {
     let axes = compliance_of(cell.require_prior().unwrap());
     let (mut with, mut without) = (0.0, 0.0);
     for (i, name) in ARMS.into_iter().enumerate() {
-        let arm = Arm {
-            springs: structure(name),
-            axes: axes.clone(),
-        };
+        let arm = Arm { springs: structure(name), axes: axes.clone() };
         let measured = arm.measured(&cell, 6, 40 + i as u64);
         let links = if name == "links_half" { 0.5 } else { 1.0 };
         for known in [Vec::new(), drawing(&cell, links, 1.5)] {
@@ -571,9 +435,7 @@ fn dense_values(cell: &Cell, measured: &[MeasuredPosture], mixed: &MixedFit) -> 
         left += &weighed * &rows;
         right += weighed * DVector::from_iterator(12, values);
     }
-    let kept: Vec<usize> = (0..count)
-        .filter(|i| *i < springs || doubt.prior[*i] > 0.0)
-        .collect();
+    let kept: Vec<usize> = (0..count).filter(|i| *i < springs || doubt.prior[*i] > 0.0).collect();
     let mean = |i: usize| doubt.means.iter().position(|mean| mean.contains(&i));
     let random: Vec<usize> = kept.iter().copied().filter(|i| *i >= springs).collect();
     let prior = DMatrix::from_fn(random.len(), random.len(), |a, b| {
@@ -588,23 +450,13 @@ fn dense_values(cell: &Cell, measured: &[MeasuredPosture], mixed: &MixedFit) -> 
         }
     }
     for own in &cell.known_elements {
-        let i = springs
-            + found
-                .extra
-                .iter()
-                .position(|term| *term == own.term)
-                .unwrap();
+        let i = springs + found.extra.iter().position(|term| *term == own.term).unwrap();
         left[(i, i)] += own.std.powi(-2);
         right[i] += own.compliance * own.std.powi(-2);
     }
     let scale = DVector::from_iterator(kept.len(), kept.iter().map(|i| left[(*i, *i)].sqrt()));
-    let own = DMatrix::from_fn(kept.len(), kept.len(), |a, b| {
-        left[(kept[a], kept[b])] / (scale[a] * scale[b])
-    });
-    let solved = own
-        .cholesky()
-        .unwrap()
-        .solve(&right.select_rows(&kept).component_div(&scale));
+    let own = DMatrix::from_fn(kept.len(), kept.len(), |a, b| left[(kept[a], kept[b])] / (scale[a] * scale[b]));
+    let solved = own.cholesky().unwrap().solve(&right.select_rows(&kept).component_div(&scale));
     let mut out = DVector::zeros(count);
     for (a, i) in kept.iter().enumerate() {
         out[*i] = solved[a] / scale[a];

@@ -38,37 +38,14 @@ fn the_default_cell_has_every_part_of_the_paper() {
     let cell = cell();
     let result = run(&cell, &options(4, 1000));
     let names: Vec<&str> = result.groups.iter().map(|g| g.name.as_str()).collect();
-    assert_eq!(
-        names,
-        [
-            "Group 1",
-            "Group 2 (classical)",
-            "Group 3 (novel)",
-            "scaled",
-            "expected error"
-        ]
-    );
+    assert_eq!(names, ["Group 1", "Group 2 (classical)", "Group 3 (novel)", "scaled", "expected error"]);
     assert_eq!(result.recommended, Some(Index::ExpectedError));
     for group in &result.groups {
         // Table 7: twelve measuring points; Table 6: six joints.
         assert_eq!(group.validation.as_ref().unwrap().points.len(), 12);
-        assert_eq!(
-            group
-                .identification
-                .as_ref()
-                .unwrap()
-                .estimates
-                .joints
-                .len(),
-            6
-        );
+        assert_eq!(group.identification.as_ref().unwrap().estimates.joints.len(), 6);
         if let Some(selection) = &group.selection {
-            assert_eq!(
-                selection.termination,
-                Termination::Converged,
-                "{}",
-                group.name
-            );
+            assert_eq!(selection.termination, Termination::Converged, "{}", group.name);
             assert!(selection.smallest_margin_m.unwrap() >= -1e-9);
         }
         // Eq. (19) bounds what it is shown beside.
@@ -76,10 +53,7 @@ fn the_default_cell_has_every_part_of_the_paper() {
         // 500 N: K_C alone stays below 4 µm.
         assert!(group.correction_share_m < 4e-6);
     }
-    assert_eq!(
-        result.starts.kinds.iter().map(|k| k.count).sum::<usize>(),
-        4
-    );
+    assert_eq!(result.starts.kinds.iter().map(|k| k.count).sum::<usize>(), 4);
     for kind in &result.starts.kinds {
         let expected_error = kind.rows.last().unwrap();
         assert_eq!(expected_error.improved, kind.count);
@@ -142,21 +116,11 @@ fn five_joints_have_no_dexterity_and_no_paper_order() {
                 kind = \"rope\"\nmagnitude_n = 300\nanchor_mm = [1500, 0, -500]\n[stiffness]\nprior_nm_per_rad = [5e5, \
                 1e6, 5e5, 1e5, 1e5]\n";
     let cell = parse_cell(text, "five.toml").unwrap();
-    let angles = [
-        [0.2, 0.3, 0.5, 0.7, 0.9],
-        [-0.5, 0.2, 0.9, -0.3, 0.6],
-        [0.9, -0.7, 0.3, 0.2, -1.0],
-    ];
+    let angles = [[0.2, 0.3, 0.5, 0.7, 0.9], [-0.5, 0.2, 0.9, -0.3, 0.6], [0.9, -0.7, 0.3, 0.2, -1.0]];
     let initial = PostureGroup::from_angles("Group 1", angles.map(|q| q.to_vec()));
     let result = study(&cell, &initial, &options(2, 100), Control::default()).unwrap();
     assert_eq!(result.groups.len(), 2);
     assert_eq!(result.recommended, Some(Index::ExpectedError));
-    assert!(
-        result
-            .starts
-            .kinds
-            .iter()
-            .all(|k| k.paper_order_held.is_none())
-    );
+    assert!(result.starts.kinds.iter().all(|k| k.paper_order_held.is_none()));
     assert!(!has(&result, "paper-order") && !has(&result, "classical-q1"));
 }

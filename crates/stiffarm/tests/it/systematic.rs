@@ -22,11 +22,7 @@ fn plan(cell: &Cell) -> Vec<Posture> {
     numbered(local(cell, Index::ExpectedError, &group1()).unwrap().group)
 }
 
-fn systematic(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    options: &IdentifyOptions,
-) -> SystematicErrors {
+fn systematic(cell: &Cell, measured: &[MeasuredPosture], options: &IdentifyOptions) -> SystematicErrors {
     systematic_errors(&Fit::new(cell, measured, options).unwrap()).unwrap()
 }
 
@@ -46,11 +42,7 @@ fn bias(cell: &Cell, measured: &[MeasuredPosture], options: &IdentifyOptions) ->
 fn assert_same(ours: &[Option<f64>], made: &[f64], what: &str) {
     for (j, (a, b)) in ours.iter().zip(made).enumerate() {
         let a = a.unwrap();
-        assert!(
-            (a - b).abs() < 1e-9 * (1.0 + b.abs()),
-            "{what}, joint {}: {a} and {b}",
-            j + 1
-        );
+        assert!((a - b).abs() < 1e-9 * (1.0 + b.abs()), "{what}, joint {}: {a} and {b}", j + 1);
     }
 }
 
@@ -96,20 +88,11 @@ fn every_source_is_the_error_really_made() {
     let mut other = cell.clone();
     let mut matrix = Matrix6::zeros();
     (3..6).for_each(|i| matrix[(i, i)] = 1e-6);
-    other.setup.tool.series_compliance = Some(SeriesCompliance {
-        origin: Vector3::zeros(),
-        matrix,
-    });
-    assert_same(
-        &source(&systematic, "sensor").change,
-        &seen(&made(&other)),
-        "sensor",
-    );
+    other.setup.tool.series_compliance = Some(SeriesCompliance { origin: Vector3::zeros(), matrix });
+    assert_same(&source(&systematic, "sensor").change, &seen(&made(&other)), "sensor");
 
     let with = |term: ExtraTerm, size: f64| {
-        changed(nominal.clone(), |m| {
-            move_points(&cell, m, |terms| term.column(terms) * size)
-        })
+        changed(nominal.clone(), |m| move_points(&cell, m, |terms| term.column(terms) * size))
     };
     for axis in 0..3 {
         let force = Wrench::force(Vector3::ith(axis, 20.0));
@@ -131,11 +114,7 @@ fn every_source_is_the_error_really_made() {
         assert_same(&part.change, &seen(&moved), "common shift");
     }
     let tilted = seen(&with(ExtraTerm::BaseTilt, 1e-8));
-    assert_same(
-        &source(&systematic, "base-tilt").change,
-        &tilted,
-        "base tilt",
-    );
+    assert_same(&source(&systematic, "base-tilt").change, &tilted, "base tilt");
     for j in 0..6 {
         let loose = seen(&with(ExtraTerm::LostMotion(j), 0.1 * ARC_MINUTE));
         let part = &source(&systematic, "lost-motion").parts[j];
@@ -156,11 +135,7 @@ fn the_budget_of_the_default_cell() {
     let of = |cell: &Cell, name: &str| -> Vec<f64> {
         let all = systematic(cell, &measured, &by(Estimator::Ordinary));
         let source = source(&all, name);
-        source
-            .change
-            .iter()
-            .map(|c| 100.0 * c.unwrap().abs())
-            .collect()
+        source.change.iter().map(|c| 100.0 * c.unwrap().abs()).collect()
     };
     let range = |values: &[f64]| {
         let low = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -174,18 +149,12 @@ fn the_budget_of_the_default_cell() {
     assert!((0.14..0.18).contains(&high), "{high}");
     assert!((of(&cell, "base-tilt")[1] - 4.6).abs() < 0.3);
     let (low, high) = range(&of(&cell, "lost-motion"));
-    assert!(
-        (12.0..13.0).contains(&low) && (38.0..42.0).contains(&high),
-        "{low} {high}"
-    );
+    assert!((12.0..13.0).contains(&low) && (38.0..42.0).contains(&high), "{low} {high}");
     // A spring in series with joint 6 about its own axis: 1/k adds up, so that
     // 3.3e5 N·m/rad takes 30 % of k6, and not 21 %: that would be 5.4e5 N·m/rad.
     let sensor = of(&cell, "sensor");
     let k6 = truth(&cell)[5];
-    assert!(
-        (sensor[5] - 100.0 * k6 / (k6 + 3.3e5)).abs() < 1.0,
-        "{sensor:?}"
-    );
+    assert!((sensor[5] - 100.0 * k6 / (k6 + 3.3e5)).abs() < 1.0, "{sensor:?}");
     assert!((10.0..15.0).contains(&sensor[3]) && (10.0..15.0).contains(&sensor[4]));
     cell.uncertainty.base_tilt_compliance = Some(1.0 / 2e7);
     assert!((of(&cell, "base-tilt")[1] - 19.5).abs() < 1.0);
@@ -204,10 +173,7 @@ fn the_budget_of_the_default_cell() {
         assert!((parts - anchor.change[j].unwrap()).abs() < 1e-15);
         let combined = all.combined[j].unwrap();
         let force = all.sources[0].bounded[j].unwrap();
-        assert!(
-            combined > 0.5 * force && (force - 0.01 / 1.01).abs() < 1e-4,
-            "{force}"
-        );
+        assert!(combined > 0.5 * force && (force - 0.01 / 1.01).abs() < 1e-4, "{force}");
         assert!((all.sources[0].remaining.unwrap() - 1.0).abs() < 1e-6);
         assert_eq!(all.total[j], all.statistical[j].map(|s| s.hypot(combined)));
         assert!(anchor.worst.as_ref().unwrap()[j].unwrap() >= parts);
@@ -235,31 +201,15 @@ fn measured_wrenches_have_the_sources_that_made_them() {
     let mut sensing = cell.clone();
     sensing.setup.load = Load::Measured;
     sensing.setup.tool.has_sensor = true;
-    sensing.sensor = Some(Sensor {
-        mount: Mount::Flange,
-        pose: Isometry3::identity(),
-        reports_by_robot: false,
-        mirrored: None,
-    });
+    sensing.sensor =
+        Some(Sensor { mount: Mount::Flange, pose: Isometry3::identity(), reports_by_robot: false, mirrored: None });
     let mut moments = along.clone();
     for m in &mut moments {
-        m.wrench = Some(Wrench {
-            moment: Vector3::new(3.0, -2.0, 1.0),
-            ..m.wrench.unwrap()
-        });
+        m.wrench = Some(Wrench { moment: Vector3::new(3.0, -2.0, 1.0), ..m.wrench.unwrap() });
     }
     let c = systematic(&sensing, &moments, &by(Estimator::Ordinary));
     let names: Vec<&str> = c.sources.iter().map(|s| s.name.as_str()).collect();
-    assert_eq!(
-        names,
-        [
-            "force-scale",
-            "registration",
-            "base-tilt",
-            "sensor",
-            "lost-motion"
-        ]
-    );
+    assert_eq!(names, ["force-scale", "registration", "base-tilt", "sensor", "lost-motion"]);
     assert!(c.sources.iter().all(|s| !s.declared));
     assert_same(&c.sources[0].change, &[0.01; 6], "force");
 }
@@ -278,25 +228,12 @@ fn the_force_scale_is_in_every_budget() {
         let force = &all.sources[0];
         assert!(force.name == "force-scale" && force.declared && force.size == 0.02);
         // The prior pulls a little the other way.
-        let room = if estimator == Estimator::Prior {
-            2e-4
-        } else {
-            1e-9
-        };
+        let room = if estimator == Estimator::Prior { 2e-4 } else { 1e-9 };
         for (j, change) in force.change.iter().enumerate() {
             let change = change.unwrap();
-            assert!(
-                (change - 0.02).abs() < room,
-                "{} joint {}: {change}",
-                estimator.as_str(),
-                j + 1
-            );
+            assert!((change - 0.02).abs() < room, "{} joint {}: {change}", estimator.as_str(), j + 1);
         }
-        assert!(
-            all.statistical
-                .iter()
-                .all(|s| s.is_some_and(|s| s > 0.0 && s < 0.1))
-        );
+        assert!(all.statistical.iter().all(|s| s.is_some_and(|s| s > 0.0 && s < 0.1)));
         let said = &all.findings[0];
         assert_eq!(said.code, "force-scale");
         let said = &said.sentence;
@@ -317,15 +254,9 @@ fn the_profile_of_least_squares_is_the_t_interval() {
                     o.estimator = estimator;
                     o.noise = noise;
                 });
-                let found = profile(&Fit::new(&cell, &measured, &options).unwrap())
-                    .unwrap()
-                    .unwrap();
+                let found = profile(&Fit::new(&cell, &measured, &options).unwrap()).unwrap().unwrap();
                 let difference = found.difference.unwrap();
-                assert!(
-                    difference < 1e-8,
-                    "{} {noise:?}: {difference}",
-                    estimator.as_str()
-                );
+                assert!(difference < 1e-8, "{} {noise:?}: {difference}", estimator.as_str());
                 assert!(found.joints.iter().all(|j| j.interval[1].is_some()));
                 assert_eq!(found.finding.code, "profile-agrees");
             }
@@ -345,19 +276,14 @@ fn the_profile_of_two_variances_ends_at_its_level() {
     let mut largest = 0.0_f64;
     for seed in 0..5 {
         let measured = measure(&cell, &plan(&default_cell()), 100 + seed);
-        let found = profile(&Fit::new(&cell, &measured, &options).unwrap())
-            .unwrap()
-            .unwrap();
+        let found = profile(&Fit::new(&cell, &measured, &options).unwrap()).unwrap().unwrap();
         largest = largest.max(found.difference.unwrap());
         let system = measured_system(&cell, &measured, &[], Weights::Readings).unwrap();
         assert_eq!(options.noise, NoiseSource::Estimated);
         let (rows, n) = system.psi.shape();
         let free = (rows - n) as f64;
         let t = {
-            let joint = &identify(&cell, &measured, &options)
-                .unwrap()
-                .estimates
-                .joints[0];
+            let joint = &identify(&cell, &measured, &options).unwrap().estimates.joints[0];
             let low = 1.0 / joint.interval[0].unwrap();
             (low - joint.compliance.unwrap()) / joint.compliance_standard_error.unwrap()
         };
@@ -410,21 +336,12 @@ fn the_profile_of_two_variances_ends_at_its_level() {
             best.0
         };
         let ends = found.joints[j].compliance_interval.map(Option::unwrap);
-        let centre = identify(&cell, &measured, &options)
-            .unwrap()
-            .estimates
-            .joints[j]
-            .compliance
-            .unwrap();
-        let lowest = (-20..=20)
-            .map(|i| best(centre + f64::from(i) * 0.01 * (ends[1] - ends[0])))
-            .fold(f64::INFINITY, f64::min);
+        let centre = identify(&cell, &measured, &options).unwrap().estimates.joints[j].compliance.unwrap();
+        let lowest =
+            (-20..=20).map(|i| best(centre + f64::from(i) * 0.01 * (ends[1] - ends[0]))).fold(f64::INFINITY, f64::min);
         for end in ends {
             let reached = best(end) - lowest;
-            assert!(
-                (reached / level - 1.0).abs() < 2e-3,
-                "{reached} for {level}"
-            );
+            assert!((reached / level - 1.0).abs() < 2e-3, "{reached} for {level}");
         }
     }
     // 6 postures leave 12 degrees of freedom for γ.
@@ -433,10 +350,7 @@ fn the_profile_of_two_variances_ends_at_its_level() {
     for estimator in [Estimator::Huber, Estimator::NonNegative, Estimator::Prior] {
         let options = by(estimator);
         let measured = measure(&cell, &numbered(group1()), 1);
-        assert_eq!(
-            profile(&Fit::new(&cell, &measured, &options).unwrap()).unwrap(),
-            None
-        );
+        assert_eq!(profile(&Fit::new(&cell, &measured, &options).unwrap()).unwrap(), None);
     }
 }
 
@@ -452,31 +366,18 @@ fn budgets_and_profiles_of_poor_data() {
     let all = systematic(&cell, &measured, &options);
     for (j, joint) in result.estimates.joints.iter().enumerate() {
         let known = joint.compliance.is_some_and(|h| h > 0.0);
-        assert_eq!(
-            all.statistical[j].is_some(),
-            known && result.estimates.degrees_of_freedom > 0
-        );
+        assert_eq!(all.statistical[j].is_some(), known && result.estimates.degrees_of_freedom > 0);
         assert!(known || all.sources.iter().all(|s| s.change[j].is_none()));
     }
     profile(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
     // Without noise the residuals are rounding: no profile to speak of.
     let quiet = quiet_cell();
     let exact = measure(&quiet, &numbered(group1()), 1);
-    let found = profile(&Fit::new(&quiet, &exact, &IdentifyOptions::default()).unwrap())
-        .unwrap()
-        .unwrap();
-    assert!(
-        found
-            .joints
-            .iter()
-            .all(|j| j.difference.is_none_or(|d| d < 1e-6))
-    );
+    let found = profile(&Fit::new(&quiet, &exact, &IdentifyOptions::default()).unwrap()).unwrap().unwrap();
+    assert!(found.joints.iter().all(|j| j.difference.is_none_or(|d| d < 1e-6)));
     // A large lost motion leaves no stiffness at all.
     let mut loose = cell.clone();
     loose.uncertainty.lost_motion = Some(1.0);
-    let all = systematic_errors(
-        &Fit::new(&loose, measure(&cell, &numbered(group1()), 1), &options).unwrap(),
-    )
-    .unwrap();
+    let all = systematic_errors(&Fit::new(&loose, measure(&cell, &numbered(group1()), 1), &options).unwrap()).unwrap();
     assert!(all.findings.iter().all(|f| !f.sentence.contains("NaN")));
 }

@@ -58,8 +58,7 @@ fn value_is_the_spread_of_predictions_from_simulated_readings() {
         let postures = group1();
         let sigma = cell.noise.displacement_std();
         let psi = observation_matrix(&cell.setup, &postures, Rows::Translations).unwrap();
-        let truth =
-            DVector::from_iterator(6, cell.require_prior().unwrap().iter().map(|k| 1.0 / k));
+        let truth = DVector::from_iterator(6, cell.require_prior().unwrap().iter().map(|k| 1.0 / k));
         // Least squares with the covariance of the readings, by its Cholesky factor.
         let (rows, per_posture) = (psi.nrows(), 12);
         let covariance = DMatrix::from_fn(rows, rows, |i, j| {
@@ -85,10 +84,7 @@ fn value_is_the_spread_of_predictions_from_simulated_readings() {
         // Three standard errors of a root mean square, at most
         // as uncertain as with one degree of freedom each.
         let tolerance = 3.0 / (2.0 * f64::from(runs)).sqrt();
-        assert!(
-            (spread / ours - 1.0).abs() < tolerance,
-            "tau {tau}: {spread} {ours}"
-        );
+        assert!((spread / ours - 1.0).abs() < tolerance, "tau {tau}: {spread} {ours}");
     }
 }
 

@@ -65,9 +65,7 @@ fn noises(degrees_of_freedom: Option<usize>) -> Vec<(f64, f64)> {
     let n = n as f64;
     let at = |k: i32| (f64::from(k) * 0.5 * (2.0 / n).sqrt()).exp();
     let points = (-6..=6).map(at);
-    let all: Vec<(f64, f64)> = points
-        .map(|w| (w, (0.5 * n * (w.ln() - w + 1.0)).exp()))
-        .collect();
+    let all: Vec<(f64, f64)> = points.map(|w| (w, (0.5 * n * (w.ln() - w + 1.0)).exp())).collect();
     let sum: f64 = all.iter().map(|(_, weight)| weight).sum();
     all.iter().map(|(w, weight)| (*w, weight / sum)).collect()
 }
@@ -89,13 +87,7 @@ fn gls(unit: &DMatrix<f64>, y: &DVector<f64>, covariance: DMatrix<f64>) -> Gls {
     let left = factor.solve(&(y - unit * &h));
     let ln = |l: &DMatrix<f64>| l.diagonal().iter().map(|d| d.ln()).sum::<f64>();
     let likelihood = -ln(&factor.l()) - ln(&information.l()) - 0.5 * left.dot(y);
-    Gls {
-        factor,
-        information,
-        h,
-        left,
-        likelihood,
-    }
+    Gls { factor, information, h, left, likelihood }
 }
 
 fn dense(
@@ -124,8 +116,7 @@ fn dense(
             let whole = gls(&unit, y, noise / w + shifts * &prior * shifts.transpose());
             let (factor, information) = (&whole.factor, &whole.information);
             let solved = factor.solve(shifts);
-            let projected =
-                &solved - factor.solve(&unit) * information.solve(&unit.tr_mul(&solved));
+            let projected = &solved - factor.solve(&unit) * information.solve(&unit.tr_mul(&solved));
             let mean = &prior * shifts.tr_mul(&whole.left);
             let covariance = &prior - &prior * shifts.tr_mul(&projected) * &prior;
             // What the residuals say of σ alone is in the weight of w already.
@@ -140,11 +131,8 @@ fn dense(
     }
     let best = all.iter().map(|a| a.0).fold(f64::NEG_INFINITY, f64::max);
     let total: f64 = all.iter().map(|a| (a.0 - best).exp()).sum();
-    let mut out = Dense {
-        mean: DVector::zeros(count),
-        second: DMatrix::zeros(count, count),
-        error: DMatrix::zeros(6, 6),
-    };
+    let mut out =
+        Dense { mean: DVector::zeros(count), second: DMatrix::zeros(count, count), error: DMatrix::zeros(6, 6) };
     for (likelihood, mean, covariance, error) in all {
         let weight = (likelihood - best).exp() / total;
         out.second += (covariance + &mean * mean.transpose()) * weight;
@@ -215,15 +203,7 @@ fn what_readings_leave_under_the_mixed_model() {
         }
     }
     let estimate = compliance.values.rows(0, 6).into_owned();
-    let by_dense = dense(
-        &psi.into_owned(),
-        &system.delta,
-        &noise,
-        spread.degrees_of_freedom,
-        &shifts,
-        1,
-        &estimate,
-    );
+    let by_dense = dense(&psi.into_owned(), &system.delta, &noise, spread.degrees_of_freedom, &shifts, 1, &estimate);
     let off = (&mean - &by_dense.mean).amax();
     assert!(off < 1e-7 * (1.0 + mean.amax()), "{off:e} {mean}");
     let off = (&second - &by_dense.second).amax();
@@ -235,17 +215,9 @@ fn what_readings_leave_is_what_the_whole_model_says() {
     let mut cell = cell();
     cell.noise.posture_common_std = cell.noise.displacement_std();
     let prior = cell.prior.clone().unwrap();
-    for (seed, sizes) in [
-        (1, [0.0; 8]),
-        (2, [1.5, -0.7, 1.0, 0.3, -1.2, 2.0, 1.0, -1.0]),
-    ] {
+    for (seed, sizes) in [(1, [0.0; 8]), (2, [1.5, -0.7, 1.0, 0.3, -1.2, 2.0, 1.0, -1.0])] {
         let measured = measured(&cell, &sizes, seed);
-        for estimator in [
-            Estimator::Ordinary,
-            Estimator::Weighted,
-            Estimator::TwoVariance,
-            Estimator::Prior,
-        ] {
+        for estimator in [Estimator::Ordinary, Estimator::Weighted, Estimator::TwoVariance, Estimator::Prior] {
             let options = by(estimator);
             let fit = Fit::new(&cell, &measured, &options).unwrap();
             let found = fit.identification().unwrap();
@@ -266,10 +238,7 @@ fn what_readings_leave_is_what_the_whole_model_says() {
                 let own = f64::from(u8::from(a == b)) + if common { ratio } else { 0.0 };
                 own * sigma * sigma
             });
-            let estimate = DVector::from_iterator(
-                6,
-                found.estimates.joints.iter().map(|j| j.compliance.unwrap()),
-            );
+            let estimate = DVector::from_iterator(6, found.estimates.joints.iter().map(|j| j.compliance.unwrap()));
             let mut shifts = DMatrix::zeros(rows, 8);
             shifts.set_column(0, &(&psi * &estimate * (1.0 / (1.0 + FORCE_SCALE) - 1.0)));
             for (at, (term, size)) in terms().into_iter().enumerate() {
@@ -301,10 +270,7 @@ fn what_readings_leave_is_what_the_whole_model_says() {
                 _ => dense(&psi, &y, &noise, dof, &shifts, 2, &estimate),
             };
             let name = estimator.as_str();
-            assert!(
-                (&mean - &by_dense.mean).amax() < 1e-9 * (1.0 + mean.amax()),
-                "{name}: {mean}"
-            );
+            assert!((&mean - &by_dense.mean).amax() < 1e-9 * (1.0 + mean.amax()), "{name}: {mean}");
             let off = (&second - &by_dense.second).amax();
             assert!(off < 1e-9 * (1.0 + second.amax()), "{name}: {off:e}");
             // C + R E[c cᵀ] Rᵀ is the mean square of what the estimate misses.
@@ -314,10 +280,7 @@ fn what_readings_leave_is_what_the_whole_model_says() {
             for j in 0..6 {
                 let ours = found.estimates.covariance[j][j].unwrap() + common[(j, j)];
                 let theirs = by_dense.error[(j, j)];
-                assert!(
-                    (ours / theirs - 1.0).abs() < 1e-9,
-                    "{name} {j}: {ours:e} {theirs:e}"
-                );
+                assert!((ours / theirs - 1.0).abs() < 1e-9, "{name} {j}: {ours:e} {theirs:e}");
                 let total = systematic.total[j].unwrap() * estimate[j];
                 assert!((total * total / ours - 1.0).abs() < 1e-9);
             }
@@ -341,11 +304,7 @@ fn readings_bound_lost_motion_and_say_nothing_of_the_force() {
         let name = estimator.as_str();
         assert!(left("lost-motion") < 0.4, "{name}: {}", left("lost-motion"));
         // But for a prior of the stiffness, against which the force is one more reading.
-        let room = if estimator == Estimator::Prior {
-            0.05
-        } else {
-            1e-3
-        };
+        let room = if estimator == Estimator::Prior { 0.05 } else { 1e-3 };
         assert!((left("force-scale") - 1.0).abs() < room, "{name}");
         for joint in &none.uncertainty {
             let (total, statistical) = (joint.total.unwrap(), joint.statistical.unwrap());
@@ -412,10 +371,7 @@ fn total_bands_hold_where_common_errors_are_real() {
         }
         let count = experiments as f64 * work.len() as f64;
         let share = |n: [i32; 3]| n.map(|n| f64::from(n) / count);
-        let (inside, plain) = (
-            share(inside.map(|n| n as i32)),
-            share(plain.map(|n| n as i32)),
-        );
+        let (inside, plain) = (share(inside.map(|n| n as i32)), share(plain.map(|n| n as i32)));
         ratios.sort_by(f64::total_cmp);
         let ratio = ratios[ratios.len() / 2];
         println!("size {size}: inside {inside:.3?}, statistical {plain:.3?}, ratio {ratio:.2}");
@@ -453,16 +409,11 @@ fn lost_motion_that_no_reading_shows_keeps_its_size_at_work() {
     assert!(said.contains(&"reached-from-load"), "{said:?}");
     let mut lost_too = by(Estimator::Ordinary);
     lost_too.extra = vec![ExtraTerm::LostMotion(1)];
-    let error = Fit::new(&cell, readings.clone(), &lost_too)
-        .map(|_| ())
-        .unwrap_err();
+    let error = Fit::new(&cell, readings.clone(), &lost_too).map(|_| ()).unwrap_err();
     assert_eq!(error.code(), Code::Conflict);
     let lost = source(&kept, "lost-motion");
     assert!((lost.remaining.unwrap() - 1.0).abs() < 1e-12, "{lost:?}");
-    assert!(
-        lost.bounded.iter().all(|part| *part == Some(0.0)),
-        "{lost:?}"
-    );
+    assert!(lost.bounded.iter().all(|part| *part == Some(0.0)), "{lost:?}");
     cell.uncertainty.lost_motion = Some(0.0);
     let (_, without) = of(&cell);
     let arm = LoadedArm::from_stiffness(&cell, cell.prior.as_ref().unwrap()).unwrap();

@@ -3,9 +3,7 @@
 use nalgebra::UnitQuaternion;
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_2;
-use stiffarm::units::{
-    Sense, deg_to_rad, degrees, m_to_shortest_mm, mm_to_m, rad_to_shortest_deg, roll_pitch_yaw,
-};
+use stiffarm::units::{Sense, deg_to_rad, degrees, m_to_shortest_mm, mm_to_m, rad_to_shortest_deg, roll_pitch_yaw};
 use stiffarm_files::internals::fixed;
 
 #[test]
@@ -25,8 +23,7 @@ fn angles_are_degrees_in_json_only() {
         turn: deg_to_rad(15.0),
     };
     let text = serde_json::to_string(&record).unwrap();
-    let expected =
-        r#"{"q_deg":[[15.0,-72.81]],"held_deg":[null,45.0],"turn_deg":14.999999999999998}"#;
+    let expected = r#"{"q_deg":[[15.0,-72.81]],"held_deg":[null,45.0],"turn_deg":14.999999999999998}"#;
     assert_eq!(text, expected);
     let read: Record = serde_json::from_str(&text).unwrap();
     assert_eq!((&read.q, read.held), (&record.q, record.held));
@@ -105,18 +102,13 @@ fn a_name_ends_in_its_unit() {
         ("task[1].force_n", "A force of 1e200 N"),
         ("--force-n", "A force of 1e200 N"),
         ("fx_n", "A force of 1e200 N"),
-        (
-            "stiffness.prior_nm_per_rad[3]",
-            "A stiffness of 1e200 N·m/rad",
-        ),
+        ("stiffness.prior_nm_per_rad[3]", "A stiffness of 1e200 N·m/rad"),
         ("work.milling.axial_depth_mm", "A depth of cut of 1e200 mm"),
         ("x_m", "A length of 1e200 m"),
         ("--levels", "A factor on the variance of 1e200"),
     ] {
         let said = Sense::of(name).unwrap().refuse(1e200).unwrap();
-        let rest = said
-            .strip_prefix(expected)
-            .unwrap_or_else(|| panic!("{said}"));
+        let rest = said.strip_prefix(expected).unwrap_or_else(|| panic!("{said}"));
         assert!(rest.starts_with(" cannot be meant"), "{said}");
     }
     assert!(Sense::of("robot.theta_from_q[1][2]").is_none());
@@ -130,10 +122,7 @@ fn what_cannot_be_meant_is_said_with_its_unit() {
         said("force_n", 2e11).as_deref(),
         Some("A force of 2e11 N cannot be meant: it must be below 1000000 N.")
     );
-    assert_eq!(
-        said("q_deg", -4e4).as_deref(),
-        Some("An angle of -40000° cannot be meant: it must be below 36000°.")
-    );
+    assert_eq!(said("q_deg", -4e4).as_deref(), Some("An angle of -40000° cannot be meant: it must be below 36000°."));
     assert_eq!(said("force_n", 2e5), None);
     assert!(said("load_uncertainty_percent", 1e4).is_some());
 }

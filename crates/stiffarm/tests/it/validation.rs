@@ -57,10 +57,7 @@ fn bands_hold_as_many_readings_as_they_say() {
     let known = changed(by(Estimator::Weighted), |o| o.noise = NoiseSource::Known);
     // Shares of single components, one of each experiment, are independent.
     let binomial = Binomial::new(0.95, runs as u64).unwrap();
-    let (least, most) = (
-        binomial.inverse_cdf(FALSE_ALARM),
-        binomial.inverse_cdf(1.0 - FALSE_ALARM),
-    );
+    let (least, most) = (binomial.inverse_cdf(FALSE_ALARM), binomial.inverse_cdf(1.0 - FALSE_ALARM));
     for (cell, options, what) in [
         (&independent, &by(Estimator::Ordinary), "ordinary"),
         (&independent, &known, "known noise"),
@@ -75,14 +72,8 @@ fn bands_hold_as_many_readings_as_they_say() {
             all += band.inside;
             one += u64::from(result.points[run % 24].band.as_ref().unwrap().inside[run % 3]);
         }
-        println!(
-            "{what}: {one} of {runs} single components, {:.2} % of all",
-            100.0 * all as f64 / (72 * runs) as f64
-        );
-        assert!(
-            (least..=most).contains(&one),
-            "{what}: {one}, expected {least} to {most}"
-        );
+        println!("{what}: {one} of {runs} single components, {:.2} % of all", 100.0 * all as f64 / (72 * runs) as f64);
+        assert!((least..=most).contains(&one), "{what}: {one}, expected {least} to {most}");
     }
     // Both variances estimated: conservative by its degrees of freedom.
     let (mut one, runs) = (0, runs / 5);
@@ -117,23 +108,14 @@ fn a_band_is_that_of_the_dense_formula() {
     measured.extend(half);
     let result = validate_with(&cell, &predictor, &measured, Model::Linear, None).unwrap();
     assert_eq!(result.points.len(), 48);
-    let t = StudentsT::new(0.0, 1.0, spread.degrees_of_freedom.unwrap() as f64)
-        .unwrap()
-        .inverse_cdf(0.975);
+    let t = StudentsT::new(0.0, 1.0, spread.degrees_of_freedom.unwrap() as f64).unwrap().inverse_cdf(0.975);
     for (p, point) in result.points.iter().enumerate() {
         let m = &measured[p / 4];
         let terms = PostureTerms::new(&cell.setup, &m.posture.q, m.wrench.as_ref()).unwrap();
-        let psi = terms
-            .block(&cell.setup.robot)
-            .rows(3 * (p % 4), 3)
-            .into_owned();
+        let psi = terms.block(&cell.setup.robot).rows(3 * (p % 4), 3).into_owned();
         let calculated = &psi * &predictor.values;
         let prediction = &psi * &spread.covariance * psi.transpose();
-        let (readings, load) = if p < 24 {
-            (1.0, 1.0)
-        } else {
-            (0.5 / 4.0 + 0.5, 0.5)
-        };
+        let (readings, load) = if p < 24 { (1.0, 1.0) } else { (0.5 / 4.0 + 0.5, 0.5) };
         let noise = (readings * spread.sigma.powi(2) + (load * spread.shift).powi(2)).sqrt();
         let band = point.band.as_ref().unwrap();
         let unit = calculated.normalize();
@@ -175,11 +157,7 @@ fn readings_that_the_fit_does_not_explain_are_said_to_lie_outside() {
 fn leaving_out_one_posture_is_what_the_identification_says_it_is() {
     let cell = reference_cell();
     let measured = measure(&cell, &group(random_group()), 3);
-    for estimator in [
-        Estimator::TwoVariance,
-        Estimator::Ordinary,
-        Estimator::Huber,
-    ] {
+    for estimator in [Estimator::TwoVariance, Estimator::Ordinary, Estimator::Huber] {
         let options = by(estimator);
         let count = measured.len();
         let result = folded(&cell, &measured, &options, count, Some(1.0)).unwrap();
@@ -200,29 +178,17 @@ fn each_fold_is_predicted_by_a_fit_without_it() {
     let mut angles = group1();
     angles.extend(random_group());
     let measured = measure(&cell, &group(angles), 4);
-    let options = changed(by(Estimator::Ordinary), |o| {
-        o.extra = vec![ExtraTerm::JointTilt(2)]
-    });
+    let options = changed(by(Estimator::Ordinary), |o| o.extra = vec![ExtraTerm::JointTilt(2)]);
     let result = folded(&cell, &measured, &options, 3, None).unwrap();
     for fold in 0..3 {
-        let (left, others): (Vec<_>, Vec<_>) = measured
-            .iter()
-            .cloned()
-            .enumerate()
-            .partition(|(i, _)| i % 3 == fold);
-        let strip = |list: Vec<(usize, MeasuredPosture)>| {
-            list.into_iter().map(|(_, m)| m).collect::<Vec<_>>()
-        };
+        let (left, others): (Vec<_>, Vec<_>) = measured.iter().cloned().enumerate().partition(|(i, _)| i % 3 == fold);
+        let strip = |list: Vec<(usize, MeasuredPosture)>| list.into_iter().map(|(_, m)| m).collect::<Vec<_>>();
         let (left, others) = (strip(left), strip(others));
         let fit = identify(&cell, &others, &options).unwrap();
         let predictor = IdentifiedCompliance::from_identification(&cell, &fit).unwrap();
         let apart = validate_with(&cell, &predictor, &left, Model::Linear, None).unwrap();
         for point in apart.points {
-            let same = result
-                .points
-                .iter()
-                .find(|p| p.posture == point.posture && p.point == point.point)
-                .unwrap();
+            let same = result.points.iter().find(|p| p.posture == point.posture && p.point == point.point).unwrap();
             let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * 1e-3;
             assert!((0..3).all(|i| close(same.calculated_m[i], point.calculated_m[i])));
             let (a, b) = (same.band.as_ref().unwrap(), point.band.as_ref().unwrap());

@@ -13,14 +13,7 @@ fn pose(dice: &mut Dice, reach: f64) -> Isometry3<f64> {
 
 fn postures(cell: &Cell, count: usize) -> Vec<Posture> {
     let group = random_group(cell, StartKind::Uniform, count, 21, 0).unwrap();
-    group
-        .into_iter()
-        .enumerate()
-        .map(|(i, q)| Posture {
-            name: (i + 1).to_string(),
-            q,
-        })
-        .collect()
+    group.into_iter().enumerate().map(|(i, q)| Posture { name: (i + 1).to_string(), q }).collect()
 }
 
 #[test]
@@ -33,11 +26,7 @@ fn stiffness_lies_in_its_intervals() {
     for run in 0..experiments {
         let mut cell = default_cell();
         cell.sensor = Some(Sensor {
-            mount: if run % 3 == 0 {
-                Mount::Base
-            } else {
-                Mount::Flange
-            },
+            mount: if run % 3 == 0 { Mount::Base } else { Mount::Flange },
             pose: pose(&mut dice, 0.1),
             reports_by_robot: run % 2 == 0,
             mirrored: None,
@@ -70,10 +59,7 @@ fn stiffness_lies_in_its_intervals() {
     }
     // 95 % or more, less four standard errors.
     let least = (experiments as f64 * (0.95 - 4.0 * standard_error(0.95, experiments))) as u64;
-    assert!(
-        inside.iter().all(|count| *count >= least),
-        "{inside:?} of {experiments}"
-    );
+    assert!(inside.iter().all(|count| *count >= least), "{inside:?} of {experiments}");
     assert!(worst < 0.25, "{worst}");
     // At most 1 % of clean experiments raise a doubt; 8 of 240 would be too many.
     assert!(alarms <= most(0.03, experiments, 240), "{alarms}");

@@ -98,37 +98,17 @@ const SLIPS: &[(&str, &str, &str)] = &[
     (FORCE, "tip_mm = [0, 0, 350]", "tip_m = [0, 0, 0.35]"),
     (FORCE, "tip_mm = [0, 0, 350]", "tip_rpy_deg = [0, 0]"),
     (FORCE, "tip_mm = [0, 0, 350]", "workpeice_mm = [0, 0, 350]"),
-    (
-        FORCE,
-        "axes = \"path\"\n",
-        "axes = \"path\"\n[work.milling]\nteeth = 2\n",
-    ),
+    (FORCE, "axes = \"path\"\n", "axes = \"path\"\n[work.milling]\nteeth = 2\n"),
     // Features.
-    (
-        FORCE,
-        "[work.force]",
-        "feature = [{ name = 'A' }]\n[work.force]",
-    ),
-    (
-        FORCE,
-        "[work.force]",
-        "[[work.feature]]\ntolerance_mm = 0.1\n[work.force]",
-    ),
-    (
-        FORCE,
-        "[work.force]",
-        "[[work.feature]]\nname = 'A'\ntolerance_mm = 0\n[work.force]",
-    ),
+    (FORCE, "[work.force]", "feature = [{ name = 'A' }]\n[work.force]"),
+    (FORCE, "[work.force]", "[[work.feature]]\ntolerance_mm = 0.1\n[work.force]"),
+    (FORCE, "[work.force]", "[[work.feature]]\nname = 'A'\ntolerance_mm = 0\n[work.force]"),
     (
         FORCE,
         "[work.force]",
         "feature = [{ name = 'A', tolerance_mm = 1 }, { name = 'A', tolerance_mm = 2 }]\n[work.force]",
     ),
-    (
-        FORCE,
-        "[work.force]",
-        "[[work.feature]]\nname = 'A'\n[work.feature.force]\nforce_n = [1, 2, 3]\n[work.force]",
-    ),
+    (FORCE, "[work.force]", "[[work.feature]]\nname = 'A'\n[work.feature.force]\nforce_n = [1, 2, 3]\n[work.force]"),
     (
         FORCE,
         "[work.force]",
@@ -144,26 +124,14 @@ const SLIPS: &[(&str, &str, &str)] = &[
     (MILLING, "axial_depth_mm = 3\n", ""),
     (MILLING, "radial_depth_mm = 8", "radial_depth_mm = 16.5"),
     (MILLING, "radial_depth_mm = 8\n", ""),
-    (
-        MILLING,
-        "feed_per_tooth_mm = 0.1",
-        "feed_per_tooth_mm = 0.0001",
-    ),
-    (
-        MILLING,
-        "feed_per_tooth_mm = 0.1",
-        "feed_per_tooth_mm = 100",
-    ),
+    (MILLING, "feed_per_tooth_mm = 0.1", "feed_per_tooth_mm = 0.0001"),
+    (MILLING, "feed_per_tooth_mm = 0.1", "feed_per_tooth_mm = 100"),
     (
         MILLING,
         "diameter_mm = 16\naxial_depth_mm = 3\nradial_depth_mm = 8\nfeed_per_tooth_mm = 0.1",
         "diameter_mm = 1\naxial_depth_mm = 3\nradial_depth_mm = 0.5\nfeed_per_tooth_mm = 0.6",
     ),
-    (
-        MILLING,
-        "feed_per_tooth_mm = 0.1",
-        "feed_per_tooth_m = 0.0001",
-    ),
+    (MILLING, "feed_per_tooth_mm = 0.1", "feed_per_tooth_m = 0.0001"),
     (MILLING, "feed_per_tooth_mm = 0.1\n", ""),
     (MILLING, "direction = \"down\"\n", ""),
     (MILLING, "direction = \"down\"", "direction = \"climb\""),
@@ -173,11 +141,7 @@ const SLIPS: &[(&str, &str, &str)] = &[
     (MILLING, "k_tc_n_per_mm2 = 800", "k_tc_n_per_mm2 = 0"),
     (MILLING, "k_rc_n_per_mm2 = 200\n", ""),
     (MILLING, "k_rc_n_per_mm2 = 200", "k_rc_n_per_mm2 = inf"),
-    (
-        MILLING,
-        "k_rc_n_per_mm2 = 200",
-        "k_rc_n_per_mm2 = 200\nk_te_n_per_mm = -20",
-    ),
+    (MILLING, "k_rc_n_per_mm2 = 200", "k_rc_n_per_mm2 = 200\nk_te_n_per_mm = -20"),
     (MILLING, "k_rc_n_per_mm2", "k_rc"),
 ];
 

@@ -37,11 +37,7 @@ fn deviations(cell: &Cell, q: &[f64]) -> [f64; 2] {
     let theta = robot.serial_angles(q);
     let frames = Frames::new(robot, q);
     let loading = &cell.setup.tool.loading_point;
-    let load = cell
-        .setup
-        .load
-        .wrench(&frames, &frames.point(loading))
-        .unwrap();
+    let load = cell.setup.load.wrench(&frames, &frames.point(loading)).unwrap();
     let wrench = DVector::from_iterator(6, load.force.iter().chain(load.moment.iter()).copied());
     let torque = |theta: &DVector<f64>| {
         let frames = Frames::at_serial_angles(robot, theta.as_slice());
@@ -66,8 +62,7 @@ fn deviations(cell: &Cell, q: &[f64]) -> [f64; 2] {
     }
     let stiffness = DMatrix::from_diagonal(&DVector::from_row_slice(cell.prior.as_ref().unwrap()));
     let jacobian = frames.jacobian(&frames.point(&cell.setup.tool.tcp()));
-    let shift =
-        |stiffness: DMatrix<f64>| &jacobian * stiffness.lu().solve(&torque(&theta)).unwrap();
+    let shift = |stiffness: DMatrix<f64>| &jacobian * stiffness.lu().solve(&torque(&theta)).unwrap();
     let (without, with) = (shift(stiffness.clone()), shift(stiffness - correction));
     [0, 3].map(|at| {
         let before = without.rows(at, 3);
@@ -84,25 +79,9 @@ fn values_are_those_of_the_formulas() {
     let cell = reference_cell();
     let found = zones(&cell, &options(7)).unwrap();
     assert_eq!(found.joints, ["joint 2", "joint 3"]);
-    assert_eq!(
-        found.held,
-        [
-            Some(0.0),
-            None,
-            None,
-            Some(FRAC_PI_4),
-            Some(FRAC_PI_4),
-            Some(FRAC_PI_4)
-        ]
-    );
-    assert_eq!(
-        [found.q2[0], found.q2[6]].map(rad_to_shortest_deg),
-        [-60.0, 40.0]
-    );
-    assert_eq!(
-        [found.q3[0], found.q3[6]].map(rad_to_shortest_deg),
-        [-180.0, -40.0]
-    );
+    assert_eq!(found.held, [Some(0.0), None, None, Some(FRAC_PI_4), Some(FRAC_PI_4), Some(FRAC_PI_4)]);
+    assert_eq!([found.q2[0], found.q2[6]].map(rad_to_shortest_deg), [-60.0, 40.0]);
+    assert_eq!([found.q3[0], found.q3[6]].map(rad_to_shortest_deg), [-180.0, -40.0]);
     assert_eq!((found.postures, found.within_limits), (49, 49));
     for (row, column) in [(0, 0), (2, 5), (6, 1), (3, 3)] {
         let q = posture(&found, row, column);
@@ -113,10 +92,7 @@ fn values_are_those_of_the_formulas() {
         assert!((ours * k - 1.0).abs() < 1e-12, "{ours} {k}");
         let [translation, rotation] = deviations(&cell, &q);
         let ours = found.translation_deviation[row][column].unwrap();
-        assert!(
-            (ours / translation - 1.0).abs() < 1e-5,
-            "{ours} {translation}"
-        );
+        assert!((ours / translation - 1.0).abs() < 1e-5, "{ours} {translation}");
         let ours = found.rotation_deviation[row][column].unwrap();
         assert!((ours / rotation - 1.0).abs() < 1e-5, "{ours} {rotation}");
     }
@@ -143,11 +119,7 @@ fn postures_outside_the_limits_have_no_values() {
             let q = posture(&found, row, column);
             let terms = PostureTerms::new(&cell.setup, &q, None).unwrap();
             let margin = cell.margins().smallest(&terms).unwrap().margin;
-            let maps = [
-                &found.inverse_condition,
-                &found.translation_deviation,
-                &found.rotation_deviation,
-            ];
+            let maps = [&found.inverse_condition, &found.translation_deviation, &found.rotation_deviation];
             for map in maps {
                 assert_eq!(map[row][column].is_some(), margin >= 0.0, "{row} {column}");
             }
@@ -169,27 +141,19 @@ fn the_best_zone_is_dexterous_untouched_and_in_one_piece() {
         let sorted = |map: &ZoneMap| changed(values(map), |o| o.sort_by(f64::total_cmp));
         let dexterity = sorted(&found.inverse_condition);
         // As many postures as the upper quarter holds.
-        let above = dexterity
-            .iter()
-            .filter(|v| **v > best.inverse_condition)
-            .count();
+        let above = dexterity.iter().filter(|v| **v > best.inverse_condition).count();
         assert!(above < dexterity.len() / 4);
         assert!(best.translation_deviation <= found.translation_range.unwrap().median);
         assert!(best.rotation_deviation <= found.rotation_range.unwrap().median);
-        assert_eq!(
-            found.inverse_condition_range.unwrap().largest,
-            dexterity[dexterity.len() - 1]
-        );
+        assert_eq!(found.inverse_condition_range.unwrap().largest, dexterity[dexterity.len() - 1]);
         // Nothing else that is as little touched is more dexterous.
         for row in 0..31 {
             for column in 0..31 {
                 let Some(value) = found.inverse_condition[row][column] else {
                     continue;
                 };
-                let calm = found.translation_deviation[row][column].unwrap()
-                    <= found.translation_range.unwrap().median
-                    && found.rotation_deviation[row][column].unwrap()
-                        <= found.rotation_range.unwrap().median;
+                let calm = found.translation_deviation[row][column].unwrap() <= found.translation_range.unwrap().median
+                    && found.rotation_deviation[row][column].unwrap() <= found.rotation_range.unwrap().median;
                 assert!(!calm || value <= best.inverse_condition);
             }
         }
@@ -230,10 +194,7 @@ fn what_is_missing_is_said() {
     let mut other = cell.clone();
     other.prior = None;
     let fault = error(&other, &options(3));
-    assert_eq!(
-        fault.place().key.as_deref(),
-        Some("stiffness.prior_nm_per_rad")
-    );
+    assert_eq!(fault.place().key.as_deref(), Some("stiffness.prior_nm_per_rad"));
     let mut other = cell.clone();
     other.characteristic_length = None;
     assert_eq!(error(&other, &options(3)).code(), Code::MissingKey);
@@ -242,10 +203,7 @@ fn what_is_missing_is_said() {
     assert_eq!(error(&other, &options(3)).code(), Code::MissingKey);
     let held = |q: Vec<f64>| held(3, Some(q));
     assert_eq!(error(&cell, &held(vec![0.0; 5])).code(), Code::Dimension);
-    assert_eq!(
-        error(&cell, &held(vec![f64::NAN; 6])).code(),
-        Code::NotFinite
-    );
+    assert_eq!(error(&cell, &held(vec![f64::NAN; 6])).code(), Code::NotFinite);
     let mut limited = cell.clone();
     let limits = vec![[-3.2, 3.2]; 6];
     limited.setup.robot = limited.setup.robot.with_limits(&limits).unwrap();
@@ -258,20 +216,14 @@ fn what_is_missing_is_said() {
     assert_eq!(error(&five, &options(3)).code(), Code::Unsupported);
     let seven = dice.model(7, 0, false, false).cell();
     let fault = error(&seven, &options(3));
-    assert!(
-        fault.hint_text().unwrap().contains("all 7 joints"),
-        "{fault}"
-    );
+    assert!(fault.hint_text().unwrap().contains("all 7 joints"), "{fault}");
     assert!(zones(&seven, &held(vec![0.3; 7])).is_ok());
 }
 
 #[test]
 fn a_load_that_bends_nothing_gives_no_values_and_no_zone() {
     let mut cell = reference_cell();
-    cell.setup.load = Load::Constant {
-        wrench: Wrench::force(Vector3::zeros()),
-        axes: Axes::Base,
-    };
+    cell.setup.load = Load::Constant { wrench: Wrench::force(Vector3::zeros()), axes: Axes::Base };
     let found = zones(&cell, &options(4)).unwrap();
     assert!(values(&found.inverse_condition).is_empty());
     assert_eq!((found.within_limits, found.best), (16, None));

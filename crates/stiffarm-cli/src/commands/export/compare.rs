@@ -16,8 +16,8 @@ use stiffarm::model::posture::Posture;
 use stiffarm::plan::feasibility::{Violation, violations};
 use stiffarm::units::deg_to_rad;
 use stiffarm_files::program::{
-    Difference, Move, MoveKind, Program, ProgramFile, compare_moves, compare_statements,
-    missing_stops, read_program, write_program,
+    Difference, Move, MoveKind, Program, ProgramFile, compare_moves, compare_statements, missing_stops, read_program,
+    write_program,
 };
 use stiffarm_files::source::Source;
 
@@ -92,15 +92,9 @@ fn at_limits(task: &Task, found: &Program, differences: &[Difference]) -> Vec<Po
         let planned = task.plan.iter().find(|posture| posture.name == target.name);
         planned.filter(|_| !is_other(&target.name)).cloned()
     };
-    let measured = found
-        .moves()
-        .filter(|target| target.kind == MoveKind::Posture);
-    let postures = measured.map(|target| {
-        own(target).unwrap_or_else(|| Posture {
-            name: target.name.clone(),
-            q: target.q.clone(),
-        })
-    });
+    let measured = found.moves().filter(|target| target.kind == MoveKind::Posture);
+    let postures = measured
+        .map(|target| own(target).unwrap_or_else(|| Posture { name: target.name.clone(), q: target.q.clone() }));
     postures.collect()
 }
 
@@ -140,21 +134,9 @@ fn table(task: &Task, result: &Compared) -> String {
             result.program, result.found_postures, result.planned_postures
         )
     };
-    let joints: Vec<String> = task
-        .cell
-        .cell
-        .setup
-        .robot
-        .joints()
-        .iter()
-        .map(|j| j.name.clone())
-        .collect();
-    let is_line = |difference: &&Difference| {
-        matches!(
-            difference,
-            Difference::Line { .. } | Difference::MissingLine { .. }
-        )
-    };
+    let joints: Vec<String> = task.cell.cell.setup.robot.joints().iter().map(|j| j.name.clone()).collect();
+    let is_line =
+        |difference: &&Difference| matches!(difference, Difference::Line { .. } | Difference::MissingLine { .. });
     let lines = result.differences.iter().filter(is_line).count();
     let others = result.differences.len() - lines;
     for difference in result.differences.iter().take(others + MOST_LINES) {
@@ -165,12 +147,7 @@ fn table(task: &Task, result: &Compared) -> String {
         out += &format!("… and {} lines more (--json has all)\n", lines - MOST_LINES);
     }
     for violation in &result.violations {
-        let line = format!(
-            "{}: posture {} {}",
-            red("limit"),
-            violation.posture,
-            violation.sentence
-        );
+        let line = format!("{}: posture {} {}", red("limit"), violation.posture, violation.sentence);
         out += &(wrapped(&line, columns()) + "\n");
     }
     if result.violations.is_empty() {

@@ -27,8 +27,7 @@ use stiffarm::units::rad_to_deg;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::check_name;
 use stiffarm_files::program::{
-    Language, Move, Program, ProgramFile, ProgramOptions, program_of_stops, read_program,
-    write_program,
+    Language, Move, Program, ProgramFile, ProgramOptions, program_of_stops, read_program, write_program,
 };
 use stiffarm_files::source::{NamedCell, group_name, read_postures};
 use stiffarm_files::table::{SheetOptions, sha256_hex};
@@ -132,17 +131,12 @@ impl Task {
         let cell = session.read_cell(&args.cell)?;
         let robot = &cell.cell.setup.robot;
         let asked = args.controller.controller;
-        let language = args
-            .language
-            .map_or_else(|| language_of(robot, asked), Ok)?;
+        let language = args.language.map_or_else(|| language_of(robot, asked), Ok)?;
         language.check_robot(robot, asked)?;
         let plan = read_postures(session, "plan", &args.plan, robot)?;
         let start = match args.start.as_deref() {
             Some(from) => Some(only_posture(session, from, &cell)?),
-            None => cell.cell.route.start.clone().map(|q| Posture {
-                name: START.to_string(),
-                q,
-            }),
+            None => cell.cell.route.start.clone().map(|q| Posture { name: START.to_string(), q }),
         };
         for state in &args.states {
             check_name(state).map_err(|e| e.key("--states"))?;
@@ -152,11 +146,7 @@ impl Task {
         let states = sheet.all_states(&cell.cell);
         let mut violated = violations(&cell.cell, start.as_slice())?;
         // Nothing is measured where the program begins: sight and loads do not matter there.
-        violated.retain(|v| {
-            v.limit
-                .as_ref()
-                .is_none_or(|limit| limit.kind.is_of_place())
-        });
+        violated.retain(|v| v.limit.as_ref().is_none_or(|limit| limit.kind.is_of_place()));
         violated.extend(violations(&cell.cell, &plan)?);
         let name = match &args.name {
             Some(name) => name.clone(),
@@ -168,21 +158,8 @@ impl Task {
             percent.clamp(1.0, 100.0) as u8
         });
         let driven = Driven::new(&cell.cell, &plan, start.as_ref(), &states)?;
-        let header = header(
-            session,
-            &cell,
-            plan.len(),
-            speed_percent,
-            violated.len(),
-            &driven,
-        );
-        let program = program_of_stops(
-            name,
-            header,
-            &driven.stops,
-            driven.start.as_ref(),
-            speed_percent,
-        );
+        let header = header(session, &cell, plan.len(), speed_percent, violated.len(), &driven);
+        let program = program_of_stops(name, header, &driven.stops, driven.start.as_ref(), speed_percent);
         Ok(Task {
             speed_percent,
             driven,
@@ -234,8 +211,7 @@ impl Task {
 fn program_options(args: &ControllerArgs) -> ProgramOptions {
     ProgramOptions {
         controller_axes: (!args.controller_axes.is_empty()).then(|| args.controller_axes.clone()),
-        pulses_per_degree: (!args.pulses_per_degree.is_empty())
-            .then(|| args.pulses_per_degree.clone()),
+        pulses_per_degree: (!args.pulses_per_degree.is_empty()).then(|| args.pulses_per_degree.clone()),
         tool: args.tool.clone(),
     }
 }
@@ -244,15 +220,11 @@ fn only_posture(session: &Session, from: &str, cell: &NamedCell) -> Result<Postu
     let mut postures = read_postures(session, "start", from, &cell.cell.setup.robot)?;
     match (postures.pop(), postures.len()) {
         (Some(only), 0) => Ok(only),
-        (_, more) => Err(Error::new(
-            Code::Usage,
-            format!(
-                "The program begins at one posture; this table has {}.",
-                more + 1
-            ),
-        )
-        .file(from)
-        .hint("give a table with a single row")),
+        (_, more) => {
+            Err(Error::new(Code::Usage, format!("The program begins at one posture; this table has {}.", more + 1))
+                .file(from)
+                .hint("give a table with a single row"))
+        }
     }
 }
 
@@ -278,9 +250,7 @@ fn header(
         driven.sentence(),
     ];
     if violated > 0 {
-        lines.push(format!(
-            "WARNING: postures of this plan violate limits of its cell ({violated} in all)."
-        ));
+        lines.push(format!("WARNING: postures of this plan violate limits of its cell ({violated} in all)."));
     }
     lines.extend([
         format!("cell {}", cell.cell.name),
@@ -300,18 +270,14 @@ fn export(session: &Session, args: &ExportArgs, task: &Task, folder: &Path) -> R
     if is_written {
         check_folder(session, folder, names.iter().copied(), args.force)?;
     }
-    let hashed = files.iter().filter(|_| is_written).map(|file| WrittenFile {
-        name: file.name.clone(),
-        sha256: sha256_hex(file.text.as_bytes()),
-    });
+    let hashed = files
+        .iter()
+        .filter(|_| is_written)
+        .map(|file| WrittenFile { name: file.name.clone(), sha256: sha256_hex(file.text.as_bytes()) });
     let result = Exported {
         program: task.program.name.clone(),
         files: hashed.collect(),
-        postures: task
-            .plan
-            .iter()
-            .map(|posture| posture.name.clone())
-            .collect(),
+        postures: task.plan.iter().map(|posture| posture.name.clone()).collect(),
         moves: task.program.moves().count(),
         moves_with_via: task.driven.with_via,
         blocked_moves: task.driven.blocked.clone(),
@@ -325,10 +291,7 @@ fn export(session: &Session, args: &ExportArgs, task: &Task, folder: &Path) -> R
     let table = || {
         let mut out = task.cell.line() + &doubts + &task.limit_lines();
         for blocked in &task.driven.blocked {
-            let line = format!(
-                "{}: the move {blocked} has no free way that was found",
-                red("move")
-            );
+            let line = format!("{}: the move {blocked} has no free way that was found", red("move"));
             out += &(wrapped(&line, columns()) + "\n");
         }
         if !is_written {
@@ -349,11 +312,7 @@ fn export(session: &Session, args: &ExportArgs, task: &Task, folder: &Path) -> R
 
 /// What was written, and what is to be done with it.
 fn said(task: &Task, names: &[&str], folder: &Path, rounding: f64) -> String {
-    let first = task
-        .program
-        .moves()
-        .next()
-        .map_or(0, |first| first.speed_percent);
+    let first = task.program.moves().next().map_or(0, |first| first.speed_percent);
     let speed = format!(
         "{}: program {}, {}, speed {} % of {}, first move {first} %\n",
         task.language.title(),
@@ -387,19 +346,14 @@ fn said(task: &Task, names: &[&str], folder: &Path, rounding: f64) -> String {
 fn rounding_deg(program: &Program, read: &Program) -> Result<f64> {
     let pairs: Vec<(&Move, &Move)> = program.moves().zip(read.moves()).collect();
     let same = program.moves().count() == read.moves().count()
-        && pairs
-            .iter()
-            .all(|(a, b)| a.kind == b.kind && a.q.len() == b.q.len());
+        && pairs.iter().all(|(a, b)| a.kind == b.kind && a.q.len() == b.q.len());
     let angles = pairs.iter().flat_map(|(a, b)| a.q.iter().zip(&b.q));
     let largest = angles.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
     // Half a pulse of the coarsest encoder is the most that any language rounds by.
     if same && rad_to_deg(largest) < 0.011 {
         Ok(rad_to_deg(largest))
     } else {
-        Err(Error::new(
-            Code::Internal,
-            "The written program is not read back as the plan.",
-        ))
+        Err(Error::new(Code::Internal, "The written program is not read back as the plan."))
     }
 }
 
@@ -408,8 +362,6 @@ fn language_of(robot: &Robot, asked: Option<Controller>) -> Result<Language> {
     let controller = asked.map_or_else(|| robot.known_controller(), Ok)?;
     Language::of(controller).ok_or_else(|| {
         let message = format!("No language of {} is written here.", controller.title());
-        Error::new(Code::Usage, message)
-            .key("--language")
-            .hint("--language csv writes a table of the moves")
+        Error::new(Code::Usage, message).key("--language").hint("--language csv writes a table of the moves")
     })
 }

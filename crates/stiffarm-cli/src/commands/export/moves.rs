@@ -30,12 +30,7 @@ pub struct Driven {
 impl Driven {
     /// The plan in its order, by the joint moves that the cell allows: the only place that decides how the
     /// robot gets from one posture to the next.
-    pub fn new(
-        cell: &Cell,
-        plan: &[Posture],
-        start: Option<&Posture>,
-        states: &[String],
-    ) -> Result<Self> {
+    pub fn new(cell: &Cell, plan: &[Posture], start: Option<&Posture>, states: &[String]) -> Result<Self> {
         let mut cell = cell.clone();
         cell.route.start = start.map(|start| start.q.clone());
         let mut options = RouteOptions::default();
@@ -51,10 +46,7 @@ impl Driven {
                     states.reverse();
                 }
                 let last = number + 1 == plan.len();
-                Stop::new(
-                    posture.clone(),
-                    task(&states, cell.route.load_stays_on && !last),
-                )
+                Stop::new(posture.clone(), task(&states, cell.route.load_stays_on && !last))
             })
             .collect();
         let mut back = Vec::new();
@@ -68,10 +60,11 @@ impl Driven {
             if !each.free {
                 blocked.push(format!("{} to {}", name(each.from), name(each.to)));
             }
-            let via = each.via.iter().enumerate().map(|(number, q)| Posture {
-                name: format!("{}_via_{}", name(each.to), number + 1),
-                q: q.clone(),
-            });
+            let via = each
+                .via
+                .iter()
+                .enumerate()
+                .map(|(number, q)| Posture { name: format!("{}_via_{}", name(each.to), number + 1), q: q.clone() });
             match each.to {
                 Some(stop) => stops[stop].via = via.collect(),
                 None => back = via.collect(),
@@ -81,10 +74,7 @@ impl Driven {
             is_approached: found.is_approached(),
             not_approached: not_approached(&cell, plan, &found)?,
             with_via: found.moves.iter().filter(|m| !m.via.is_empty()).count(),
-            start: start.map(|start| Start {
-                posture: start.clone(),
-                back,
-            }),
+            start: start.map(|start| Start { posture: start.clone(), back }),
             checked: found.checked,
             blocked,
             stops,
@@ -97,16 +87,10 @@ impl Driven {
             Some(_) => "",
             None => " The way to the first posture was not checked.",
         };
-        let approach = if self.is_approached {
-            " The via posture before a posture takes up lost motion: keep it."
-        } else {
-            ""
-        };
+        let approach =
+            if self.is_approached { " The via posture before a posture takes up lost motion: keep it." } else { "" };
         let checked = if !self.blocked.is_empty() {
-            format!(
-                "WARNING: no way free of collision was found for the move {}.",
-                list(&self.blocked)
-            )
+            format!("WARNING: no way free of collision was found for the move {}.", list(&self.blocked))
         } else if self.checked.contains(&LimitKind::Shapes) {
             let checked: Vec<_> = self.checked.iter().map(|kind| kind.short()).collect();
             let checked = list(&checked);

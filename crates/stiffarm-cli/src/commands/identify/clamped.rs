@@ -22,8 +22,7 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
     let asked = &args.options;
     let options = asked.options(&named.cell.setup.robot)?;
     if asked.fit.elastic == Some(ElasticChoice::Mixed) {
-        let message =
-            "With the flange fixed only the joint axes can be told: angles show nothing else.";
+        let message = "With the flange fixed only the joint axes can be told: angles show nothing else.";
         return Err(Error::new(Code::Unsupported, message)
             .key("--elastic")
             .hint("leave it out, or measure displacements with the flange free"));
@@ -31,9 +30,7 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
     let noise = asked.angle_noise_deg.map(deg_to_rad);
     if options.noise == NoiseSource::Known && noise.is_none() {
         let message = "Known noise with --clamped needs the standard deviation of the angles.";
-        return Err(Error::new(Code::Usage, message)
-            .key("--noise")
-            .hint("give it with --angle-noise-deg"));
+        return Err(Error::new(Code::Usage, message).key("--noise").hint("give it with --angle-noise-deg"));
     }
     let result = identify_clamped(&named.cell, &clamped, noise, &options)?;
 
@@ -46,11 +43,7 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
 
 fn read(session: &Session, args: &IdentifyArgs, named: &NamedCell) -> Result<Vec<ClampedPosture>> {
     let robot = &named.cell.setup.robot;
-    let postures = args
-        .postures
-        .as_deref()
-        .map(|from| read_postures(session, "postures", from, robot))
-        .transpose()?;
+    let postures = args.postures.as_deref().map(|from| read_postures(session, "postures", from, robot)).transpose()?;
     let [measurements] = args.measurements.as_slice() else {
         let error = Error::new(Code::Usage, "--clamped reads one table.").key("--clamped");
         return Err(error.hint("give all postures in one file"));
@@ -59,9 +52,7 @@ fn read(session: &Session, args: &IdentifyArgs, named: &NamedCell) -> Result<Vec
     let clamped = read_clamped(&bytes, &file, &named.cell, postures.as_deref())?;
     if clamped.is_empty() {
         let message = "The table has no measurements, only a heading.";
-        return Err(Error::new(Code::TooFewData, message)
-            .file(file)
-            .hint("add one row per posture and load state"));
+        return Err(Error::new(Code::TooFewData, message).file(file).hint("add one row per posture and load state"));
     }
     without(clamped, &args.options.exclude)
 }

@@ -23,17 +23,10 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
     let asked = &args.options;
     let options = asked.options(&named.cell.setup.robot)?;
-    let measurements = read_measurements(
-        session,
-        &args.measurements,
-        args.postures.as_deref(),
-        &named.cell,
-    )?;
+    let measurements = read_measurements(session, &args.measurements, args.postures.as_deref(), &named.cell)?;
     let reduce = read_registration(session, args.registration.as_deref())?;
     let mut measured = prepare(&named.cell, measurements, &reduce)?;
-    measured
-        .exclude(&asked.exclude)
-        .map_err(|e| e.key("exclude"))?;
+    measured.exclude(&asked.exclude).map_err(|e| e.key("exclude"))?;
     let progress = Progress::new(session, "examining the identification");
     let fit = Fit::watched(&named.cell, measured, &options, progress.shared())?;
     let result = progress.watch(|control| Identified::new(&fit, asked, control))?;

@@ -39,17 +39,10 @@ pub fn run(session: &Session, args: &InitArgs) -> Result<Answer> {
     let robot = cell.setup.robot.name().to_string();
     let mut findings = robot_doubts(&cell.setup.robot);
     findings.extend(start.findings);
-    let bounds: Vec<[f64; 2]> = cell
-        .bounds
-        .iter()
-        .map(|b| b.map(rad_to_shortest_deg))
-        .collect();
+    let bounds: Vec<[f64; 2]> = cell.bounds.iter().map(|b| b.map(rad_to_shortest_deg)).collect();
     let kept = joints_kept_inside(&cell.setup.robot, &bounds);
     if !kept.is_empty() {
-        let sentence = format!(
-            "bounds.q_deg end {BOUNDS_MARGIN_DEG}° before the machine's limits of {}.",
-            list(&kept)
-        );
+        let sentence = format!("bounds.q_deg end {BOUNDS_MARGIN_DEG}° before the machine's limits of {}.", list(&kept));
         findings.push(Finding::note("bounds-margin", "bounds.q_deg", sentence));
     }
     let files = [
@@ -64,10 +57,7 @@ pub fn run(session: &Session, args: &InitArgs) -> Result<Answer> {
     let files = Files::folder(folder, files, args.force);
     let shown = |name: &str| {
         let path = args.output_dir.join(name);
-        path.strip_prefix(".")
-            .unwrap_or(&path)
-            .display()
-            .to_string()
+        path.strip_prefix(".").unwrap_or(&path).display().to_string()
     };
     let lines = names.iter().map(|name| format!("  {}\n", shown(name)));
     let lines: String = lines.collect();
@@ -78,12 +68,7 @@ pub fn run(session: &Session, args: &InitArgs) -> Result<Answer> {
         shown("cell.toml")
     );
     let options = Options::of(args);
-    let result = Written {
-        robot,
-        files: names,
-        chain: start.chain,
-        findings,
-    };
+    let result = Written { robot, files: names, chain: start.chain, findings };
     let envelope = session.envelope("init", None, options, result);
     Ok(Answer::table(Exit::Done, envelope, table).with(files))
 }

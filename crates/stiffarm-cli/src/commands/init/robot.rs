@@ -93,12 +93,7 @@ fn of_rows(session: &Session, from: &str, convention: DhConvention) -> Result<St
          the table has them. Compare a pose with the pendant (`stiffarm pose`).",
         last_name(from)
     );
-    Ok(Start {
-        text: template_of(&robot, &origin)?,
-        findings: Vec::new(),
-        line: String::new(),
-        chain: None,
-    })
+    Ok(Start { text: template_of(&robot, &origin)?, findings: Vec::new(), line: String::new(), chain: None })
 }
 
 fn of_urdf(session: &Session, args: &InitArgs, from: &str) -> Result<Start> {
@@ -118,10 +113,7 @@ fn of_urdf(session: &Session, args: &InitArgs, from: &str) -> Result<Start> {
             Error::new(Code::Encoding, message).file(name.as_str())
         })?
     };
-    let options = UrdfOptions {
-        base: args.base.clone(),
-        tip: args.tip.clone(),
-    };
+    let options = UrdfOptions { base: args.base.clone(), tip: args.tip.clone() };
     let read = read_urdf(&text, &name, &options)?;
     let mut findings = read.findings.clone();
     let mut capsules = Vec::new();
@@ -162,10 +154,7 @@ fn of_urdf(session: &Session, args: &InitArgs, from: &str) -> Result<Start> {
         (false, 1) => "shapes of links: 1 capsule\n".to_string(),
         (false, n) => format!("shapes of links: {n} capsules\n"),
     };
-    let line = format!(
-        "chain: {joints} from {} to {}\n{around}",
-        read.base_link, read.tip_link
-    );
+    let line = format!("chain: {joints} from {} to {}\n{around}", read.base_link, read.tip_link);
     Ok(Start {
         text: template_with_shapes(&read.robot, &origin, &capsules)?,
         findings,

@@ -24,23 +24,17 @@ pub fn link_capsules(
     name: &str,
 ) -> Result<Vec<LinkCapsule>> {
     let folder = Path::new(from).parent().map(Path::to_path_buf);
-    let folders = MeshFolders {
-        urdf: folder.filter(|_| from != "-").unwrap_or_default(),
-        packages: args.package_dir.clone(),
-    };
+    let folders =
+        MeshFolders { urdf: folder.filter(|_| from != "-").unwrap_or_default(), packages: args.package_dir.clone() };
     // Meshes of a link go into its capsules together, for seconds where they are many.
-    let is_mesh =
-        |shape: &&CollisionShape| matches!(shape.geometry, CollisionGeometry::Mesh { .. });
+    let is_mesh = |shape: &&CollisionShape| matches!(shape.geometry, CollisionGeometry::Mesh { .. });
     let count = read.shapes.iter().filter(is_mesh).count();
     let progress = Progress::new(session, MESHES);
     let mut done = 0;
     let capsules = read.link_capsules(|path, unit| {
         progress.report(MESHES, done, count);
         if session.stopped() {
-            return Err(Error::new(
-                Code::Interrupted,
-                "Interrupted: there is no result.",
-            ));
+            return Err(Error::new(Code::Interrupted, "Interrupted: there is no result."));
         }
         done += 1;
         let file = folders.find(path).map_err(|error| error.file(name))?;
@@ -51,9 +45,7 @@ pub fn link_capsules(
                 return error;
             }
             let scale = r#"<mesh … scale="0.001 0.001 0.001"/>"#;
-            error.hint(format!(
-                "say so in {name}: {scale}; or go without shapes: --no-shapes"
-            ))
+            error.hint(format!("say so in {name}: {scale}; or go without shapes: --no-shapes"))
         })
     });
     capsules.map_err(|error| match error.place().file {

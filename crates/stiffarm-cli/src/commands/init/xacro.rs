@@ -27,10 +27,7 @@ const LOOK_UP: &str = "ament_index_python";
 pub fn expanded(path: &str, name: &str, packages: &[PathBuf]) -> Result<String> {
     let mut output = run(path, name, None)?;
     if !output.status.success() && !packages.is_empty() {
-        let folders = MeshFolders {
-            packages: packages.to_vec(),
-            ..MeshFolders::default()
-        };
+        let folders = MeshFolders { packages: packages.to_vec(), ..MeshFolders::default() };
         let own = OwnLookUp::new(&folders).map_err(|error| {
             let message = format!("Where packages are could not be told to xacro: {error}.");
             Error::new(Code::FileWrite, message).file(name)
@@ -38,11 +35,7 @@ pub fn expanded(path: &str, name: &str, packages: &[PathBuf]) -> Result<String> 
         output = run(path, name, Some(&own.0))?;
     }
     if !output.status.success() {
-        return Err(refused(
-            name,
-            &String::from_utf8_lossy(&output.stderr),
-            packages,
-        ));
+        return Err(refused(name, &String::from_utf8_lossy(&output.stderr), packages));
     }
     String::from_utf8(output.stdout).map_err(|_| {
         let message = "What xacro made of the file is not UTF-8.";
@@ -89,9 +82,7 @@ fn refused(name: &str, said: &str, packages: &[PathBuf]) -> Error {
     let lines: Vec<&str> = said.lines().map(str::trim_end).collect();
     let last = lines[lines.len().saturating_sub(LINES)..].join("\n  ");
     let message = format!("xacro could not expand the file. It says:\n  {last}");
-    let is_lookup = [LOOK_UP, "rospkg", "ackage"]
-        .iter()
-        .any(|word| said.contains(word));
+    let is_lookup = [LOOK_UP, "rospkg", "ackage"].iter().any(|word| said.contains(word));
     let hint = match (is_lookup, packages.is_empty()) {
         (true, true) => {
             "$(find NAME) asks for a package: without ROS say where it is with --package-dir DIR, its folder or one that \
@@ -108,11 +99,7 @@ fn refused(name: &str, said: &str, packages: &[PathBuf]) -> Error {
 /// Runs xacro, with a folder of modules of Python where one is given.
 fn run(path: &str, name: &str, modules: Option<&Path>) -> Result<Output> {
     // A name that begins with a sign is no option.
-    let path = if path.starts_with('-') {
-        Path::new(".").join(path)
-    } else {
-        path.into()
-    };
+    let path = if path.starts_with('-') { Path::new(".").join(path) } else { path.into() };
     let mut command = Command::new("xacro");
     command.arg(path).stdin(Stdio::null());
     if let Some(modules) = modules {
@@ -126,14 +113,10 @@ fn run(path: &str, name: &str, modules: Option<&Path>) -> Result<Output> {
     command.output().map_err(|error| match error.kind() {
         ErrorKind::NotFound => {
             let message = "This is a xacro file, and the program xacro was not found.";
-            Error::new(Code::Unsupported, message).file(name).hint(
-                "install it with `pip install xacro`, or expand the file yourself: xacro FILE > robot.urdf",
-            )
+            Error::new(Code::Unsupported, message)
+                .file(name)
+                .hint("install it with `pip install xacro`, or expand the file yourself: xacro FILE > robot.urdf")
         }
-        _ => Error::new(
-            Code::FileRead,
-            format!("The program xacro could not be started: {error}."),
-        )
-        .file(name),
+        _ => Error::new(Code::FileRead, format!("The program xacro could not be started: {error}.")).file(name),
     })
 }

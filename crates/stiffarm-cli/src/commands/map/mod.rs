@@ -43,12 +43,7 @@ fn map(session: &Session, args: &MapArgs) -> Result<Answer> {
     // A larger grid is refused at once.
     let nodes = nodes * usize::from(nodes <= MapOptions::MOST);
     let postures = nodes.saturating_mul(options.free_turn.unwrap_or(1));
-    announce(
-        session,
-        postures,
-        MANY,
-        "positions and turns of the tip to look at",
-    );
+    announce(session, postures, MANY, "positions and turns of the tip to look at");
     let result = Progress::new(session, "mapping")
         .watch(|control| stiffness_map(&named.cell, &saved.predictor, &options, control));
     let result = result?;
@@ -64,11 +59,7 @@ fn map(session: &Session, args: &MapArgs) -> Result<Answer> {
 }
 
 /// Picture and table in the folder, where one is asked for.
-fn pictures_of(
-    args: &MapArgs,
-    names: [&str; 2],
-    texts: impl FnOnce() -> [String; 2],
-) -> Option<Files> {
+fn pictures_of(args: &MapArgs, names: [&str; 2], texts: impl FnOnce() -> [String; 2]) -> Option<Files> {
     let folder = args.output_dir.as_ref()?;
     let files = names.map(String::from).into_iter().zip(texts());
     let said = format!("{} to {}", names.join(" and "), shown(folder));

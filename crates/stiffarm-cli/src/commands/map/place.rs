@@ -30,28 +30,15 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Answer> {
     }
     let saved = read_stiffness(session, &args.stiffness, cell)?;
     let axes = args.place.axes;
-    let NamedPath {
-        table,
-        name,
-        findings,
-        ..
-    } = read_path(session, path, cell, args.place.language, axes, None)?;
+    let NamedPath { table, name, findings, .. } = read_path(session, path, cell, args.place.language, axes, None)?;
     let options = request.place_options(cell)?;
-    let places = options
-        .steps
-        .iter()
-        .fold(1_usize, |n, s| n.saturating_mul(*s));
+    let places = options.steps.iter().fold(1_usize, |n, s| n.saturating_mul(*s));
     // A larger grid is refused at once.
     let places = places * usize::from(places <= MapOptions::MOST);
     let rounds = options.refinements + 1;
     let places = places.saturating_mul(options.yaws.len().saturating_mul(rounds));
     let points = places.saturating_mul(table.points.len().min(SEARCHED));
-    announce(
-        session,
-        points,
-        MANY,
-        "points of the path to look at, over all places",
-    );
+    announce(session, points, MANY, "points of the path to look at, over all places");
     let result = Progress::new(session, "placing")
         .watch(|control| place(cell, &saved.predictor, &table.points, &options, control));
     let mut result = result.map_err(|e| match e.place().line {
@@ -60,12 +47,7 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Answer> {
     })?;
     result.findings.extend(findings);
     let said = request.of_places(&options);
-    let pictures = || {
-        [
-            render_svg(&placement_figure(&result)),
-            placement_table(&result).csv(),
-        ]
-    };
+    let pictures = || [render_svg(&placement_figure(&result)), placement_table(&result).csv()];
     let pictures = pictures_of(args, FILES, pictures);
     let findings = result.findings.clone();
     let exit = Exit::so_far(result.interrupted, &findings);

@@ -30,17 +30,9 @@ pub fn run(session: &Session, args: &MeasureArgs) -> Result<Answer> {
     check_goal(&named.cell, args)?;
     let found = Progress::new(session, "judging the readings")
         .watch(|control| look(session, (&named.cell, &plan), args, control))?;
-    let exit = if session.stopped() {
-        Exit::Interrupted
-    } else {
-        Exit::finding(found.is_serious() || found.is_missed())
-    };
-    let envelope = session.envelope(
-        "measure",
-        Some(args.options.seed),
-        args.options.clone(),
-        found,
-    );
+    let exit =
+        if session.stopped() { Exit::Interrupted } else { Exit::finding(found.is_serious() || found.is_missed()) };
+    let envelope = session.envelope("measure", Some(args.options.seed), args.options.clone(), found);
     Ok(Answer::told(exit, envelope, named, true))
 }
 
@@ -60,14 +52,10 @@ fn look(
 fn check_goal(cell: &Cell, args: &MeasureArgs) -> Result<()> {
     match args.options.until {
         Some(Goal::Deflection(_)) => tasks(cell).map(|_| ()).map_err(|error| {
-            let hint =
-                "add [[task]] to the cell, or give a percentage of the stiffness, such as 2%";
-            Error::new(
-                error.code(),
-                "A goal in mm is for the deflection at the cell's tasks, of one tip.",
-            )
-            .key("--until")
-            .hint(hint)
+            let hint = "add [[task]] to the cell, or give a percentage of the stiffness, such as 2%";
+            Error::new(error.code(), "A goal in mm is for the deflection at the cell's tasks, of one tip.")
+                .key("--until")
+                .hint(hint)
         }),
         _ => Ok(()),
     }

@@ -79,13 +79,7 @@ struct Day {
 
 impl Day {
     /// Looks at the files again; an exit where there is nothing left to wait for.
-    fn look(
-        &mut self,
-        session: &Session,
-        cell: &Cell,
-        plan: &[Posture],
-        args: &MeasureArgs,
-    ) -> Result<Option<Exit>> {
+    fn look(&mut self, session: &Session, cell: &Cell, plan: &[Posture], args: &MeasureArgs) -> Result<Option<Exit>> {
         // A look of its own: what is quoted in messages is what is there now.
         let own = session.afresh();
         let found = Progress::new(session, "judging the readings")
@@ -121,13 +115,7 @@ impl Day {
     }
 
     /// What is new since the last look; nothing where only parts of a posture have come.
-    fn news(
-        &self,
-        session: &Session,
-        cell: &Cell,
-        found: &Judgement,
-        args: &MeasureArgs,
-    ) -> Result<String> {
+    fn news(&self, session: &Session, cell: &Cell, found: &Judgement, args: &MeasureArgs) -> Result<String> {
         let is_new = |name: &&String| !self.measured.contains(name);
         let postures: Vec<String> = found.measured.iter().filter(is_new).cloned().collect();
         let known = |list: &[Finding], f: &Finding| {
@@ -135,10 +123,7 @@ impl Day {
             list.iter().any(same)
         };
         let is_new = found.readings.iter().any(|f| !known(&self.findings, f));
-        let settled = self
-            .findings
-            .iter()
-            .filter(|f| f.severity == Severity::Serious && !known(&found.readings, f));
+        let settled = self.findings.iter().filter(|f| f.severity == Severity::Serious && !known(&found.readings, f));
         let settled: Vec<&Finding> = settled.collect();
         if postures.is_empty() && !is_new && settled.is_empty() {
             return Ok(String::new());
@@ -151,16 +136,10 @@ impl Day {
             let sound = green("sound");
             out += &format!("posture {}: readings {sound}\n", list(&postures));
         }
-        let envelope = session.envelope(
-            "measure",
-            Some(args.options.seed),
-            args.options.clone(),
-            found,
-        );
+        let envelope = session.envelope("measure", Some(args.options.seed), args.options.clone(), found);
         let mut told = told(&envelope, Some(cell))?;
         // What is still to settle is said again.
-        told.findings
-            .retain(|f| f.severity == Severity::Serious || !known(&self.findings, f));
+        told.findings.retain(|f| f.severity == Severity::Serious || !known(&self.findings, f));
         told.sections.clear();
         Ok(out + &text::told(&told, true))
     }

@@ -27,19 +27,11 @@ struct Job<'a> {
 pub fn run(session: &Session, args: &PoseArgs) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
     let request = args.options.of(&named.cell)?;
-    let job = Job {
-        session,
-        args,
-        named,
-        request,
-    };
+    let job = Job { session, args, named, request };
     match (&args.poses, &args.postures) {
         (Some(from), _) => job.postures_of(from),
         (None, Some(postures)) => job.poses_of(postures),
-        (None, None) => Err(Error::new(
-            Code::Usage,
-            "Neither postures nor poses are given.",
-        )),
+        (None, None) => Err(Error::new(Code::Usage, "Neither postures nor poses are given.")),
     }
 }
 

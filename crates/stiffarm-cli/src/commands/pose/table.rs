@@ -19,11 +19,7 @@ impl Job<'_> {
         for finding in findings {
             out += &(wrapped_line(finding) + "\n");
         }
-        out += &format!(
-            "orientation: {} ({})\n",
-            self.request.convention.describe(),
-            self.request.convention.as_str()
-        );
+        out += &format!("orientation: {} ({})\n", self.request.convention.describe(), self.request.convention.as_str());
         let base = self.request.frame_in(self.cell());
         let frame = match self.request.frame {
             PoseFrame::Cell => "the cell's base frame".to_string(),
@@ -34,22 +30,14 @@ impl Job<'_> {
                 "the controller's base frame, which is the cell's".to_string()
             }
             PoseFrame::Controller => {
-                let p: Vec<String> = base
-                    .translation
-                    .vector
-                    .iter()
-                    .map(|v| coarse_mm(*v))
-                    .collect();
+                let p: Vec<String> = base.translation.vector.iter().map(|v| coarse_mm(*v)).collect();
                 let turns = roll_pitch_yaw(&base.rotation).map(|angle| fixed(rad_to_deg(angle), 1));
                 let turned = if base.rotation.angle() > 1e-9 {
                     format!(", turned by {} deg about x, y, z", turns.join(", "))
                 } else {
                     String::new()
                 };
-                format!(
-                    "the controller's base frame, ({}) mm in the cell's{turned}",
-                    p.join(", ")
-                )
+                format!("the controller's base frame, ({}) mm in the cell's{turned}", p.join(", "))
             }
         };
         out + &wrapped(&format!("frame: {frame}"), columns()) + "\n"
@@ -57,12 +45,7 @@ impl Job<'_> {
 
     pub(super) fn table_of_poses(&self, result: &Poses) -> String {
         let mut out = self.heading(&result.findings);
-        let tip = self
-            .cell()
-            .work
-            .tip(&self.cell().setup.tool)
-            .translation
-            .vector;
+        let tip = self.cell().work.tip(&self.cell().setup.tool).translation.vector;
         let tip: Vec<String> = tip.iter().map(|v| coarse_mm(*v)).collect();
         out += &title("Flange");
         out += &self.poses(result.postures.iter().map(|p| (&p.posture.name, &p.flange)));
@@ -131,10 +114,8 @@ impl Job<'_> {
         let described: Vec<&Described> = shown.iter().map(|p| &p.posture).collect();
         out += &configurations(&described, Some(&turns));
         for posture in shown.iter().filter(|p| p.is_singular) {
-            let said = format!(
-                "note: {}: singular: where angles are free it stands for all of them",
-                posture.posture.name
-            );
+            let said =
+                format!("note: {}: singular: where angles are free it stands for all of them", posture.posture.name);
             out += &(wrapped(&said, columns()) + "\n");
         }
         if turns.iter().any(|count| *count > 1) {
@@ -182,14 +163,7 @@ fn configurations(postures: &[&Described], turns: Option<&[usize]>) -> String {
 
 /// Matrices in three rows each, their last column the position.
 fn matrices<'p>(poses: impl Iterator<Item = (&'p String, &'p Pose)>) -> String {
-    let mut table = Table::new([
-        "posture",
-        "axis",
-        "x axis",
-        "y axis",
-        "z axis",
-        "position [mm]",
-    ]);
+    let mut table = Table::new(["posture", "axis", "x axis", "y axis", "z axis", "position [mm]"]);
     table.align(1, Align::Left);
     for (name, pose) in poses {
         for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {

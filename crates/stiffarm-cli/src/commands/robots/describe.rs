@@ -73,11 +73,7 @@ pub(super) struct Stiffness {
 /// The entry with its units in the keys.
 pub(super) fn describe(entry: &CatalogueEntry) -> Result<Robot> {
     let robot = entry.robot()?;
-    let limits = robot
-        .joints()
-        .iter()
-        .map(|j| j.limits.map(rad_to_shortest_deg))
-        .collect();
+    let limits = robot.joints().iter().map(|j| j.limits.map(rad_to_shortest_deg)).collect();
     let stiffness = entry.stiffness.iter().map(|set| Stiffness {
         values_nm_per_rad: set.values,
         source: set.source,
@@ -93,10 +89,7 @@ pub(super) fn describe(entry: &CatalogueEntry) -> Result<Robot> {
         ]
     });
     let coupling = robot.coupling().row_iter();
-    let doubts = entry.doubts.iter().map(|doubt| Doubt {
-        about: doubt.about.as_str(),
-        sentence: doubt.sentence,
-    });
+    let doubts = entry.doubts.iter().map(|doubt| Doubt { about: doubt.about.as_str(), sentence: doubt.sentence });
     Ok(Robot {
         key: entry.key,
         brand: entry.brand,

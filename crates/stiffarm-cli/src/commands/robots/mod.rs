@@ -31,17 +31,12 @@ pub fn run(session: &Session, args: &RobotsArgs) -> Result<Answer> {
         Some(name) => vec![entry_of(session, name)?],
         None => by_brand(),
     };
-    let robots = entries
-        .iter()
-        .map(|entry| describe(entry))
-        .collect::<Result<Vec<_>>>()?;
+    let robots = entries.iter().map(|entry| describe(entry)).collect::<Result<Vec<_>>>()?;
     let text = match (&args.name, robots.first()) {
         (Some(_), Some(robot)) => one(robot),
         _ => all(&robots),
     };
-    let options = Options {
-        name: args.name.clone(),
-    };
+    let options = Options { name: args.name.clone() };
     let envelope = session.envelope("robots", None, options, Robots { robots });
     Ok(Answer::table(Exit::Done, envelope, text))
 }
@@ -69,14 +64,7 @@ fn by_brand() -> Vec<&'static CatalogueEntry> {
 }
 
 fn all(robots: &[Robot]) -> String {
-    let mut table = Table::new([
-        "name for [robot]",
-        "robot",
-        "kg",
-        "reach [mm]",
-        "limits",
-        "k",
-    ]);
+    let mut table = Table::new(["name for [robot]", "robot", "kg", "reach [mm]", "limits", "k"]);
     table.align(1, Align::Left);
     table.align(4, Align::Left);
     for robot in robots {
@@ -88,18 +76,9 @@ fn all(robots: &[Robot]) -> String {
         table.row([
             robot.key.to_string(),
             // What stands in brackets is in the robot's own text.
-            robot
-                .name
-                .split(" (")
-                .next()
-                .unwrap_or_default()
-                .to_string(),
-            robot
-                .payload_kg
-                .map_or_else(|| NONE.to_string(), |kg| kg.to_string()),
-            robot
-                .reach_mm
-                .map_or_else(|| NONE.to_string(), |mm| format!("{mm:.0}")),
+            robot.name.split(" (").next().unwrap_or_default().to_string(),
+            robot.payload_kg.map_or_else(|| NONE.to_string(), |kg| kg.to_string()),
+            robot.reach_mm.map_or_else(|| NONE.to_string(), |mm| format!("{mm:.0}")),
             limits.to_string(),
             match robot.stiffness.len() {
                 0 => NONE.to_string(),
@@ -124,20 +103,8 @@ fn one(robot: &Robot) -> String {
         (Some(value), Some(source)) => format!("{value} ({source})"),
         _ => "not known".to_string(),
     };
-    out += &said(
-        "payload",
-        &known(
-            robot.payload_kg.map(|kg| format!("{kg} kg")),
-            robot.payload_source,
-        ),
-    );
-    out += &said(
-        "reach",
-        &known(
-            robot.reach_mm.map(|mm| format!("{mm:.0} mm")),
-            robot.reach_source,
-        ),
-    );
+    out += &said("payload", &known(robot.payload_kg.map(|kg| format!("{kg} kg")), robot.payload_source));
+    out += &said("reach", &known(robot.reach_mm.map(|mm| format!("{mm:.0} mm")), robot.reach_source));
     out += &match robot.file {
         "" => wrapped(robot.source, columns()) + "\n",
         file => {
@@ -147,10 +114,7 @@ fn one(robot: &Robot) -> String {
         }
     };
     for doubt in &robot.doubts {
-        out += &wrapped(
-            &format!("{}: {}: {}", yellow("doubt"), doubt.about, doubt.sentence),
-            columns(),
-        );
+        out += &wrapped(&format!("{}: {}: {}", yellow("doubt"), doubt.about, doubt.sentence), columns());
         out.push('\n');
     }
     out += &title("Kinematics");
@@ -174,14 +138,7 @@ fn kinematics(robot: &Robot) -> String {
         ),
         columns(),
     ) + "\n";
-    let mut table = Table::new([
-        "row",
-        "alpha [deg]",
-        "a [mm]",
-        "d [mm]",
-        "offset [deg]",
-        "theta",
-    ]);
+    let mut table = Table::new(["row", "alpha [deg]", "a [mm]", "d [mm]", "offset [deg]", "theta"]);
     table.align(5, Align::Left);
     for (i, row) in robot.dh_deg_mm_mm_deg.iter().enumerate() {
         let rounded = |v: f64| ((v * 1e4).round() / 1e4 + 0.0).to_string();
@@ -198,10 +155,7 @@ fn kinematics(robot: &Robot) -> String {
     for (pose, what) in [
         (&robot.base_mm_deg, "frame 0 in the base frame"),
         (&robot.flange_mm_deg, "flange in the last frame"),
-        (
-            &robot.controller_base_mm_deg,
-            "the controller's base frame in the base frame",
-        ),
+        (&robot.controller_base_mm_deg, "the controller's base frame in the base frame"),
     ] {
         if *pose != [0.0; 6] {
             let numbers = pose.map(|v| ((v * 1e4).round() / 1e4 + 0.0).to_string());
@@ -210,11 +164,7 @@ fn kinematics(robot: &Robot) -> String {
                 &if pose[3..] == [0.0; 3] {
                     format!("{} mm", numbers[..3].join(", "))
                 } else {
-                    format!(
-                        "{} mm, turns about x, y, z {} deg",
-                        numbers[..3].join(", "),
-                        numbers[3..].join(", ")
-                    )
+                    format!("{} mm, turns about x, y, z {} deg", numbers[..3].join(", "), numbers[3..].join(", "))
                 },
             );
         }
@@ -234,10 +184,7 @@ fn shapes(robot: &Robot) -> String {
             let ignored = if pairs.is_empty() {
                 String::new()
             } else {
-                format!(
-                    "; those of links {} may overlap, as those of neighbours",
-                    pairs.join(", ")
-                )
+                format!("; those of links {} may overlap, as those of neighbours", pairs.join(", "))
             };
             format!(
                 "{count} capsules around links 0 to {}{ignored}. {} Tool, hoses and cables are in none.",
@@ -270,20 +217,13 @@ fn stiffness_sets(robot: &Robot) -> String {
     let sets = (1..=robot.stiffness.len()).map(|i| format!("set {i}"));
     let mut table = Table::new(std::iter::once("joint".to_string()).chain(sets));
     for j in 0..robot.joint_count {
-        let values = robot.stiffness.iter().map(|s| {
-            s.values_nm_per_rad
-                .get(j)
-                .map_or(String::new(), |k| stiffness(*k))
-        });
+        let values =
+            robot.stiffness.iter().map(|s| s.values_nm_per_rad.get(j).map_or(String::new(), |k| stiffness(*k)));
         table.row(std::iter::once((j + 1).to_string()).chain(values));
     }
     let mut out = table.to_string();
     for (i, set) in robot.stiffness.iter().enumerate() {
-        let doubt = if set.verified {
-            String::new()
-        } else {
-            format!(" {}", yellow("(not verified)"))
-        };
+        let doubt = if set.verified { String::new() } else { format!(" {}", yellow("(not verified)")) };
         out += &said(&format!("set {}", i + 1), &format!("{}{doubt}", set.source));
     }
     out
@@ -292,8 +232,7 @@ fn stiffness_sets(robot: &Robot) -> String {
 fn limits(robot: &Robot) -> String {
     let mut out = String::new();
     if robot.limits_deg.is_none() {
-        out +=
-            "limits not known; -360 to 360 stand for them: give limits_deg from the data sheet\n";
+        out += "limits not known; -360 to 360 stand for them: give limits_deg from the data sheet\n";
         if robot.speeds_deg_per_s.is_none() {
             return out;
         }
@@ -305,12 +244,7 @@ fn limits(robot: &Robot) -> String {
             limits.map_or_else(|| NONE.to_string(), |l| l[j][end].to_string())
         };
         let speed = robot.speeds_deg_per_s.and_then(|speeds| speeds.get(j));
-        table.row([
-            (j + 1).to_string(),
-            limit(0),
-            limit(1),
-            speed.map_or_else(|| NONE.to_string(), f64::to_string),
-        ]);
+        table.row([(j + 1).to_string(), limit(0), limit(1), speed.map_or_else(|| NONE.to_string(), f64::to_string)]);
     }
     out + &table.to_string()
 }

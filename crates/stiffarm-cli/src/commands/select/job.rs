@@ -19,9 +19,7 @@ use stiffarm::plan::select::RoundReport;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::check_name;
 use stiffarm_files::source::NamedCell;
-use stiffarm_files::table::{
-    SheetOptions, displacement_sheet, reading_sheet, write_postures, write_sheet_workbook,
-};
+use stiffarm_files::table::{SheetOptions, displacement_sheet, reading_sheet, write_postures, write_sheet_workbook};
 use stiffarm_report::tell::{Number, Telling, index_quantity};
 use stiffarm_report::{Full, cell_drawing, plan_page, render_drawing};
 
@@ -39,21 +37,13 @@ impl Job<'_> {
     }
 
     /// The result, with its postures as plan, sheet and pictures where these are wanted.
-    pub fn answer<R: Serialize + Telling<Asked> + 'static>(
-        &self,
-        planned: Planned<R>,
-        exit: Exit,
-    ) -> Result<Answer> {
+    pub fn answer<R: Serialize + Telling<Asked> + 'static>(&self, planned: Planned<R>, exit: Exit) -> Result<Answer> {
         let files = self.outputs.postures(&planned.cell, &planned.postures)?;
         Ok(self.told(planned, exit).with(files))
     }
 
     /// The result alone.
-    pub fn told<R: Serialize + Telling<Asked> + 'static>(
-        &self,
-        planned: Planned<R>,
-        exit: Exit,
-    ) -> Answer {
+    pub fn told<R: Serialize + Telling<Asked> + 'static>(&self, planned: Planned<R>, exit: Exit) -> Answer {
         let (options, result) = (planned.options, planned.result);
         let session = self.session;
         let envelope = session.envelope("select", planned.seed, options, result);
@@ -77,11 +67,7 @@ impl Job<'_> {
             format!(", best {} {number}", index.as_str())
         });
         match self.args.options.rounds {
-            Some(of) => progress.report(
-                &format!("selecting{best}"),
-                to_usize(round.rounds),
-                to_usize(of),
-            ),
+            Some(of) => progress.report(&format!("selecting{best}"), to_usize(round.rounds), to_usize(of)),
             None => progress.tell(&format!("selecting: round {}{best}", round.rounds)),
         }
     }
@@ -125,11 +111,7 @@ pub(super) struct Outputs {
 
 impl Outputs {
     pub fn new(session: &Session, args: &OutputArgs) -> Result<Self> {
-        let target = |path: &Option<String>| {
-            path.as_deref()
-                .map(|path| Target::new(path, args.force))
-                .transpose()
-        };
+        let target = |path: &Option<String>| path.as_deref().map(|path| Target::new(path, args.force)).transpose();
         let format = args.sheet.as_deref().map(SheetFormat::of).transpose()?;
         let (main, sheet) = (target(&args.output)?, target(&args.sheet)?);
         args.figure.as_deref().map(check_picture_name).transpose()?;
@@ -150,18 +132,9 @@ impl Outputs {
         if sheet_of == SheetChoice::Displacements && (args.drift || args.base_reflector) {
             let message = "A displacement has neither drift nor a base reflector: both are subtracted already.";
             let error = Error::new(Code::Usage, message).key("--sheet-of");
-            return Err(
-                error.hint("leave out --drift and --base-reflector, or --sheet-of displacements")
-            );
+            return Err(error.hint("leave out --drift and --base-reflector, or --sheet-of displacements"));
         }
-        Ok(Outputs {
-            main,
-            sheet: sheet.zip(format),
-            figure,
-            print,
-            sheet_of,
-            options,
-        })
+        Ok(Outputs { main, sheet: sheet.zip(format), figure, print, sheet_of, options })
     }
 
     /// Refuses states of the sheet that no reading under the cell's load cases can have.
@@ -174,7 +147,8 @@ impl Outputs {
                 Role::Unloaded => Ok(()),
                 Role::Loaded => cell.setup.load.case_of(state).map(|_| ()),
                 Role::Preload => {
-                    let message = "With several load cases differences are taken against unloaded readings, not a preload.";
+                    let message =
+                        "With several load cases differences are taken against unloaded readings, not a preload.";
                     Err(Error::new(Code::Unsupported, message)
                         .hint("leave the preload out, or put one load alone into [load]"))
                 }

@@ -20,12 +20,7 @@ pub fn run(session: &Session, args: &SelectArgs) -> Result<Answer> {
     let outputs = Outputs::new(session, &args.output)?;
     let named = session.read_cell(&args.cell)?;
     outputs.check_states(&named.cell)?;
-    let job = Job {
-        session,
-        args,
-        named,
-        outputs,
-    };
+    let job = Job { session, args, named, outputs };
     let mut answer = if let Some(list) = &args.candidates {
         candidates::run(&job, list)?
     } else if args.options.space_filling {

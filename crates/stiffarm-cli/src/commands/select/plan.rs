@@ -13,9 +13,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<Answer> {
     let (session, args) = (job.session, job.args);
     let robot = &job.cell().setup.robot;
     let read = |role: &str, from: &Option<String>| {
-        from.as_deref()
-            .map(|from| read_postures(session, role, from, robot))
-            .transpose()
+        from.as_deref().map(|from| read_postures(session, role, from, robot)).transpose()
     };
     let mut inputs = SelectInputs::default();
     inputs.initial = read("initial", &args.initial)?;

@@ -16,8 +16,7 @@ use stiffarm_files::table::write_simulated;
 pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Answer> {
     let options = args.options.elastic_options()?;
     if args.readings.is_some() {
-        let message =
-            "Raw readings are simulated only for an arm of which the joint axes alone give way.";
+        let message = "Raw readings are simulated only for an arm of which the joint axes alone give way.";
         let error = Error::new(Code::Conflict, message).key("--readings");
         return Err(error.hint("write displacements with --measurements, or leave --elastic out"));
     }
@@ -25,8 +24,8 @@ pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let groups = read_groups(session, &args.postures, &cell.setup.robot)?;
-    let result = Progress::new(session, "simulating")
-        .watch(|control| simulate_elastic(cell, &groups, &options, control))?;
+    let result =
+        Progress::new(session, "simulating").watch(|control| simulate_elastic(cell, &groups, &options, control))?;
     let mut files = None;
     if let Some(target) = target {
         let measured = simulate_elastic_measurements(cell, &groups[0].postures, args.options.seed)?;

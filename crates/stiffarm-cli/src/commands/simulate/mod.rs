@@ -25,11 +25,7 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Answer> {
     if args.options.elastic() != ElasticChoice::Axes {
         return elastic::run(session, args);
     }
-    let target_of = |path: &Option<String>| {
-        path.as_deref()
-            .map(|path| Target::new(path, args.force))
-            .transpose()
-    };
+    let target_of = |path: &Option<String>| path.as_deref().map(|path| Target::new(path, args.force)).transpose();
     let displacements = target_of(&args.measurements)?;
     let readings = target_of(&args.readings)?;
     check_targets(session, &[displacements.as_ref(), readings.as_ref()])?;
@@ -38,8 +34,7 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let groups = read_groups(session, &args.postures, &cell.setup.robot)?;
-    let result = Progress::new(session, "simulating")
-        .watch(|control| simulate(cell, &groups, &options, control))?;
+    let result = Progress::new(session, "simulating").watch(|control| simulate(cell, &groups, &options, control))?;
 
     let (truth, first) = (cell.require_prior()?, &groups[0].postures);
     let mut files: Vec<(Target, Box<dyn Contents>)> = Vec::new();

@@ -19,9 +19,7 @@ pub(super) fn check_slowly(pause: Option<Duration>, readings: Option<&Target>) -
         return Ok(());
     }
     let message = "Readings that come one after the other need a file.";
-    Err(Error::new(Code::Usage, message)
-        .key("--slowly")
-        .hint("give --readings the name of a file"))
+    Err(Error::new(Code::Usage, message).key("--slowly").hint("give --readings the name of a file"))
 }
 
 /// Writes a table of readings, first its heading alone, then with the rows of one more state of a posture after each

@@ -64,15 +64,9 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Ans
     let study = Progress::new(session, "splitting the experiment")
         .watch(|control| measured_study(&named.cell, measured, &options, control))?;
     let interrupted = study.split_count < options.splits;
-    let written = Written {
-        files: names().map(String::from).collect(),
-        study,
-    };
+    let written = Written { files: names().map(String::from).collect(), study };
     let study = &written.study;
-    let texts = [
-        render_svg(&measured_figure(study)),
-        measured_table(study).csv(),
-    ];
+    let texts = [render_svg(&measured_figure(study)), measured_table(study).csv()];
     let files = FILES.map(String::from).into_iter().zip(texts).collect();
     let names = written.files.clone();
     let options = Options { measured: true };

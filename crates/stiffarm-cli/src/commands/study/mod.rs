@@ -103,21 +103,10 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Answer> {
         files.push((format!("{}.csv", table.id), table.csv()));
     }
     let names = std::iter::once(RESULT).chain(files.iter().map(|(name, _)| name.as_str()));
-    let result = Written {
-        files: names.chain([REPORT]).map(String::from).collect(),
-        study: result,
-    };
+    let result = Written { files: names.chain([REPORT]).map(String::from).collect(), study: result };
     let exit = Exit::so_far(result.study.interrupted, &result.study.findings);
     let names = result.files.clone();
-    let envelope = session.envelope(
-        "study",
-        Some(args.seed),
-        Options {
-            initial: origin,
-            study: options,
-        },
-        result,
-    );
+    let envelope = session.envelope("study", Some(args.seed), Options { initial: origin, study: options }, result);
     answer(args, exit, (envelope, names), named, files)
 }
 
@@ -138,45 +127,23 @@ fn answer<O: Serialize + 'static, R: Serialize + Telling<O> + 'static>(
     let said = format!("{count} files to {shown} (start with {page})");
     let earlier = Earlier::of(&folder);
     let files = Files::folder(&folder, files, args.force).said(Said::As(said));
-    let files = files.then(move || {
-        earlier
-            .remove_all_but(&folder, &names)
-            .trim_end()
-            .to_string()
-    });
+    let files = files.then(move || earlier.remove_all_but(&folder, &names).trim_end().to_string());
     Ok(Answer::told(exit, envelope, named, args.details).with(files))
 }
 
 /// Group 1: given, the shipped one where it fits the cell, or drawn with small
 /// wrist angles as an engineer picks postures by hand.
-fn initial_group(
-    session: &Session,
-    args: &StudyArgs,
-    cell: &Cell,
-) -> Result<(PostureGroup, &'static str)> {
+fn initial_group(session: &Session, args: &StudyArgs, cell: &Cell) -> Result<(PostureGroup, &'static str)> {
     let robot = &cell.setup.robot;
-    let named = |postures| PostureGroup {
-        name: "Group 1".to_string(),
-        postures,
-    };
+    let named = |postures| PostureGroup { name: "Group 1".to_string(), postures };
     if let Some(from) = &args.initial {
-        return Ok((
-            named(read_postures(session, "initial", from, robot)?),
-            "given",
-        ));
+        return Ok((named(read_postures(session, "initial", from, robot)?), "given"));
     }
     if let Ok(postures) = builtin::postures("comau-group1", robot) {
-        let inside = postures.iter().all(|p| {
-            p.q.iter()
-                .zip(&cell.bounds)
-                .all(|(q, b)| (b[0]..=b[1]).contains(q))
-        });
+        let inside = postures.iter().all(|p| p.q.iter().zip(&cell.bounds).all(|(q, b)| (b[0]..=b[1]).contains(q)));
         let same_robot = builtin::cell("comau").is_ok_and(|c| c.setup.robot == *robot);
         if same_robot && inside && smallest_margin(cell, &postures)?.is_none_or(|m| m >= 0.0) {
-            return Ok((
-                named(read_postures(session, "initial", GROUP_1, robot)?),
-                GROUP_1,
-            ));
+            return Ok((named(read_postures(session, "initial", GROUP_1, robot)?), GROUP_1));
         }
     }
     // Its stream is none of those the study draws its other groups from.

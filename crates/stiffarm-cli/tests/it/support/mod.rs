@@ -18,8 +18,7 @@ impl Folder {
     /// An empty folder.
     pub fn new() -> Self {
         let number = FOLDERS.fetch_add(1, Ordering::Relaxed);
-        let path =
-            std::env::temp_dir().join(format!("stiffarm-test-{}-{number}", std::process::id()));
+        let path = std::env::temp_dir().join(format!("stiffarm-test-{}-{number}", std::process::id()));
         fs::create_dir_all(&path).unwrap();
         Folder(path)
     }
@@ -54,9 +53,7 @@ impl Folder {
     /// Names in a folder of it, sorted.
     pub fn names_in(&self, name: &str) -> Vec<String> {
         let entries = fs::read_dir(self.path(name)).unwrap();
-        let mut names: Vec<String> = entries
-            .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
-            .collect();
+        let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
         names.sort();
         names
     }
@@ -79,11 +76,7 @@ impl Folder {
         let _ = child.stdin.take().unwrap().write_all(input);
         let output = child.wait_with_output().unwrap();
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-        Ran {
-            code: output.status.code(),
-            out: text(output.stdout),
-            err: text(output.stderr),
-        }
+        Ran { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
     }
 
     /// Runs a line, and gives the transcript.
@@ -101,12 +94,7 @@ impl Folder {
     /// Runs a line that must be refused before any work, and gives the reason.
     pub fn refused(&self, line: &str) -> String {
         let ran = self.run(line);
-        assert_eq!(
-            (ran.code, ran.out.as_str()),
-            (Some(2), ""),
-            "{line}\n{}",
-            ran.err
-        );
+        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{line}\n{}", ran.err);
         ran.err
     }
 
@@ -116,11 +104,7 @@ impl Folder {
         for line in lines {
             let ran = self.run(line);
             assert_eq!(ran.code, Some(2), "{line}\n{}{}", ran.out, ran.err);
-            let printed = if line.ends_with("--json") {
-                &ran.err
-            } else {
-                &ran.out
-            };
+            let printed = if line.ends_with("--json") { &ran.err } else { &ran.out };
             assert_eq!(printed, "", "{line} printed a part of a result");
             report += &ran.transcript(line).replace("-- standard error\n", "");
             report.push('\n');
@@ -145,9 +129,7 @@ impl Drop for Folder {
 /// What `line` writes into a file, which it names `out`.
 fn written(line: &str, out: &str, input: &[(&str, &str)]) -> String {
     let folder = Folder::new();
-    input
-        .iter()
-        .for_each(|(name, text)| folder.write(name, text));
+    input.iter().for_each(|(name, text)| folder.write(name, text));
     folder.ok(line);
     folder.read(out)
 }
@@ -155,8 +137,7 @@ fn written(line: &str, out: &str, input: &[(&str, &str)]) -> String {
 /// Displacements of one simulated run at Group 1 of the default cell.
 pub fn measurements() -> &'static str {
     static TEXT: OnceLock<String> = OnceLock::new();
-    let line =
-        "simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv";
+    let line = "simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv";
     TEXT.get_or_init(|| written(line, "m.csv", &[]))
 }
 
@@ -197,11 +178,7 @@ pub fn blocks(page: &str) -> Vec<(&str, &str)> {
 /// The command in a folder, in surroundings that are always the same.
 pub fn command(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stiffarm"));
-    command
-        .current_dir(folder)
-        .env_remove("NO_COLOR")
-        .env_remove("CLICOLOR_FORCE")
-        .env("TERM", "dumb");
+    command.current_dir(folder).env_remove("NO_COLOR").env_remove("CLICOLOR_FORCE").env("TERM", "dumb");
     command
 }
 
@@ -251,17 +228,12 @@ impl Ran {
 
 /// A number in a result.
 pub fn number(value: &Value) -> f64 {
-    value
-        .as_f64()
-        .unwrap_or_else(|| panic!("{value} is no number"))
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
 /// The text without what differs from version to version.
 pub fn redact(text: &str) -> String {
-    text.replace(
-        &format!("\"stiffarm\": \"{}\"", env!("CARGO_PKG_VERSION")),
-        "\"stiffarm\": \"[version]\"",
-    )
+    text.replace(&format!("\"stiffarm\": \"{}\"", env!("CARGO_PKG_VERSION")), "\"stiffarm\": \"[version]\"")
 }
 
 /// JSON with the last digits of its numbers and its hashes taken off, so that
@@ -276,13 +248,8 @@ pub fn rounded(value: &Value) -> Value {
             _ => value.clone(),
         },
         Value::Array(items) => items.iter().map(rounded).collect(),
-        Value::Object(entries) => entries
-            .iter()
-            .map(|(key, v)| (key.clone(), rounded(v)))
-            .collect(),
-        Value::String(text) if text.len() == 64 && text.bytes().all(|b| b.is_ascii_hexdigit()) => {
-            "[sha256]".into()
-        }
+        Value::Object(entries) => entries.iter().map(|(key, v)| (key.clone(), rounded(v))).collect(),
+        Value::String(text) if text.len() == 64 && text.bytes().all(|b| b.is_ascii_hexdigit()) => "[sha256]".into(),
         other => other.clone(),
     }
 }
@@ -293,21 +260,11 @@ pub fn block(size: [f64; 3]) -> String {
         let at = |axis: usize| (i >> axis & 1) as f64 * size[axis] - 0.5 * size[axis];
         format!("vertex {} {} {}\n", at(0), at(1), at(2))
     };
-    let sides = [
-        [0, 1, 3, 2],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 3, 7, 6],
-        [0, 2, 6, 4],
-        [1, 3, 7, 5],
-    ];
+    let sides = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
     let facet = |corners: [usize; 3]| {
         let corners: String = corners.into_iter().map(corner).collect();
         format!("facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet\n")
     };
-    let facets: String = sides
-        .iter()
-        .flat_map(|[a, b, c, d]| [facet([*a, *b, *c]), facet([*a, *c, *d])])
-        .collect();
+    let facets: String = sides.iter().flat_map(|[a, b, c, d]| [facet([*a, *b, *c]), facet([*a, *c, *d])]).collect();
     format!("solid block\n{facets}endsolid block\n")
 }

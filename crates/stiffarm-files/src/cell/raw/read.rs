@@ -77,20 +77,11 @@ macro_rules! tables {
 }
 
 /// Notes a table; false where no format has tables that deep, as of load cases in load cases.
-pub(super) fn add_table(
-    path: &str,
-    is_array: bool,
-    keys: &'static [&'static str],
-    all: &mut Vec<Table>,
-) -> bool {
+pub(super) fn add_table(path: &str, is_array: bool, keys: &'static [&'static str], all: &mut Vec<Table>) -> bool {
     let is_one = path.matches('.').count() < 2;
     if is_one {
         let path = path.to_string();
-        all.push(Table {
-            path,
-            is_array,
-            keys,
-        });
+        all.push(Table { path, is_array, keys });
     }
     is_one
 }
@@ -106,39 +97,22 @@ pub(in crate::cell) struct Reading<'s> {
 
 impl<'s> Reading<'s> {
     pub(in crate::cell) fn of(source: &'s Source<'s>) -> Self {
-        Reading {
-            source,
-            found: Vec::new(),
-            paths: Vec::new(),
-        }
+        Reading { source, found: Vec::new(), paths: Vec::new() }
     }
 
     /// The value of a key of a table, where it is there and can be read.
-    pub(super) fn key<T: Value>(
-        &mut self,
-        node: &Node<'_>,
-        table: &DeTable<'_>,
-        name: &str,
-    ) -> Option<T> {
+    pub(super) fn key<T: Value>(&mut self, node: &Node<'_>, table: &DeTable<'_>, name: &str) -> Option<T> {
         self.inner(table.get(name)?, join(&node.path, name))
     }
 
     /// What stands inside another value.
-    pub(super) fn inner<T: Value>(
-        &mut self,
-        value: &Spanned<DeValue<'_>>,
-        path: String,
-    ) -> Option<T> {
+    pub(super) fn inner<T: Value>(&mut self, value: &Spanned<DeValue<'_>>, path: String) -> Option<T> {
         self.paths.push((value.span(), path.clone()));
         T::read(&Node { value, path }, self)
     }
 
     /// The keys of a table, those that it does not know noted.
-    pub(super) fn table<'v>(
-        &mut self,
-        node: &Node<'v>,
-        known: &'static [&'static str],
-    ) -> Option<&'v DeTable<'v>> {
+    pub(super) fn table<'v>(&mut self, node: &Node<'v>, known: &'static [&'static str]) -> Option<&'v DeTable<'v>> {
         let Some(table) = node.value.get_ref().as_table() else {
             let path = &node.path;
             let hint = || format!("write [{path}] on a line of its own, and its keys below it");
@@ -154,13 +128,7 @@ impl<'s> Reading<'s> {
         Some(table)
     }
 
-    fn unknown_key(
-        &self,
-        name: &str,
-        span: Range<usize>,
-        table: &str,
-        known: &'static [&'static str],
-    ) -> Error {
+    fn unknown_key(&self, name: &str, span: Range<usize>, table: &str, known: &'static [&'static str]) -> Error {
         let here = without_indices(table);
         let elsewhere = || {
             let mut all = Vec::new();
@@ -182,18 +150,11 @@ impl<'s> Reading<'s> {
             .unwrap_or_else(|| format!("known keys here: {}", known.join(", ")));
         let message = format!("The format has no key \"{name}\" here.");
         let source = self.source;
-        source
-            .error_at(Code::UnknownKey, &join(table, name), span, message)
-            .hint(hint)
+        source.error_at(Code::UnknownKey, &join(table, name), span, message).hint(hint)
     }
 
     /// Notes that something else stands there.
-    pub(super) fn wrong<T>(
-        &mut self,
-        node: &Node<'_>,
-        expected: &str,
-        hint: Option<String>,
-    ) -> Option<T> {
+    pub(super) fn wrong<T>(&mut self, node: &Node<'_>, expected: &str, hint: Option<String>) -> Option<T> {
         let found = match node.value.get_ref() {
             DeValue::String(_) => "text",
             DeValue::Float(_) if expected == i64::KIND => "a number with a decimal point",
@@ -207,16 +168,8 @@ impl<'s> Reading<'s> {
         self.note(Code::WrongType, node, message, hint)
     }
 
-    fn note<T>(
-        &mut self,
-        code: Code,
-        node: &Node<'_>,
-        message: impl Into<String>,
-        hint: Option<String>,
-    ) -> Option<T> {
-        let error = self
-            .source
-            .error_at(code, &node.path, node.value.span(), message);
+    fn note<T>(&mut self, code: Code, node: &Node<'_>, message: impl Into<String>, hint: Option<String>) -> Option<T> {
+        let error = self.source.error_at(code, &node.path, node.value.span(), message);
         self.found.push(error.hint_if(hint));
         None
     }
@@ -248,11 +201,9 @@ impl Value for f64 {
                 let meant = |n: &f64| !n.is_infinite() || text.contains("inf");
                 reading.number(node, number.filter(meant))
             }
-            DeValue::String(text) if text.trim().parse::<f64>().is_ok() => reading.wrong(
-                node,
-                Self::KIND,
-                Some("write the number without quotes".into()),
-            ),
+            DeValue::String(text) if text.trim().parse::<f64>().is_ok() => {
+                reading.wrong(node, Self::KIND, Some("write the number without quotes".into()))
+            }
             _ => reading.wrong(node, Self::KIND, None),
         }
     }
@@ -296,15 +247,11 @@ impl<T: Value> Value for Vec<T> {
         let path = &node.path;
         if let Some(entries) = node.value.get_ref().as_array() {
             let entries = entries.iter().enumerate();
-            let read =
-                entries.filter_map(|(i, entry)| reading.inner(entry, format!("{path}[{}]", i + 1)));
+            let read = entries.filter_map(|(i, entry)| reading.inner(entry, format!("{path}[{}]", i + 1)));
             return Some(read.collect());
         }
         if T::KIND == TABLE {
-            let hint = format!(
-                "write [[{}]] once for each, and its keys below it",
-                without_indices(path)
-            );
+            let hint = format!("write [[{}]] once for each, and its keys below it", without_indices(path));
             return reading.wrong(node, "an array of tables", Some(hint));
         }
         let nested = "a list of lists is needed here: [[…], […]]";
@@ -351,22 +298,12 @@ impl<const N: usize, U> Value for Fixed<N, U> {
 /// Key path of `name` below `path`, with quotes where TOML needs them.
 pub(super) fn join(path: &str, name: &str) -> String {
     let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    let name = if !name.is_empty() && name.chars().all(bare) {
-        name.to_string()
-    } else {
-        format!("{name:?}")
-    };
-    if path.is_empty() {
-        name
-    } else {
-        format!("{path}.{name}")
-    }
+    let name = if !name.is_empty() && name.chars().all(bare) { name.to_string() } else { format!("{name:?}") };
+    if path.is_empty() { name } else { format!("{path}.{name}") }
 }
 
 /// The path of the table of the format that a table of the file is one of.
 fn without_indices(path: &str) -> String {
-    let parts = path
-        .split('.')
-        .map(|part| part.split('[').next().unwrap_or(part));
+    let parts = path.split('.').map(|part| part.split('[').next().unwrap_or(part));
     parts.collect::<Vec<_>>().join(".")
 }

@@ -18,11 +18,7 @@ const CAPSULES: usize = 4;
 const SMALLEST: f64 = 0.001;
 
 /// Capsules around a mesh of the tool, boxes around one that stands.
-pub(super) fn solids(
-    source: &Source<'_>,
-    shape: &At<RawShape>,
-    carrier: Carrier,
-) -> Result<Vec<Solid>> {
+pub(super) fn solids(source: &Source<'_>, shape: &At<RawShape>, carrier: Carrier) -> Result<Vec<Solid>> {
     let raw = shape.get();
     let hint = "give the mesh: file = \"name.stl\", counted from the folder of the cell file";
     let text = source.required(shape, &raw.file, "file", hint)?;
@@ -32,9 +28,7 @@ pub(super) fn solids(
     let turn = source.optional(&raw.rpy_deg, Source::rotation)?;
     let shift = Translation3::from(shift.unwrap_or_default());
     let pose = Isometry3::from_parts(shift, turn.unwrap_or_default());
-    let solids = source
-        .read(&file)
-        .and_then(|bytes| around(&bytes, &file, unit, carrier));
+    let solids = source.read(&file).and_then(|bytes| around(&bytes, &file, unit, carrier));
     let solids = solids.map_err(|error| {
         let message = format!("{file}: {}", error.message());
         let wrong = Error::new(error.code(), message);
@@ -45,10 +39,7 @@ pub(super) fn solids(
         };
         source.place(wrong, text)
     })?;
-    Ok(solids
-        .into_iter()
-        .map(|solid| solid.placed(&pose))
-        .collect())
+    Ok(solids.into_iter().map(|solid| solid.placed(&pose)).collect())
 }
 
 /// Length of the mesh's unit \[m\].
@@ -76,10 +67,7 @@ fn around(bytes: &[u8], file: &str, unit: f64, carrier: Carrier) -> Result<Vec<S
     let mesh = parse_mesh(bytes, file, unit)?;
     let across = mesh.extent().amax();
     if across < SMALLEST {
-        let message = format!(
-            "The mesh is {:.2} mm across: probably its unit is m.",
-            across * 1e3
-        );
+        let message = format!("The mesh is {:.2} mm across: probably its unit is m.", across * 1e3);
         return Err(Error::invalid(message).hint("give `unit = \"m\"`"));
     }
     Ok(match carrier {

@@ -43,10 +43,7 @@ pub(super) fn scene(
     let scene = SceneParts {
         parts,
         clearance: shapes,
-        ignored: rules::ignored(source, clearance)?
-            .into_iter()
-            .chain(Part::ignored_links(&setup.robot))
-            .collect(),
+        ignored: rules::ignored(source, clearance)?.into_iter().chain(Part::ignored_links(&setup.robot)).collect(),
         rope: rules::rope(source, clearance, setup, has_parts)?,
         sight: rules::sight(source, raw, setup)?,
         torque: rules::torque(source, raw, setup)?,
@@ -80,10 +77,7 @@ pub(super) fn with_link_shapes(
         let link = source.required(entry, &raw.link, "link", hint)?;
         let number = usize::try_from(*link.get()).ok().filter(|link| *link <= n);
         let number = number.ok_or_else(|| {
-            let message = format!(
-                "There is no link {}: the robot has links 0 to {n}.",
-                link.get()
-            );
+            let message = format!("There is no link {}: the robot has links 0 to {n}.", link.get());
             let error = source.error(Code::InvalidValue, link, message);
             error.hint(hint)
         })?;
@@ -93,12 +87,7 @@ pub(super) fn with_link_shapes(
         let radius = source.required(entry, &raw.radius_mm, "radius_mm", hint)?;
         let radius = source.positive(radius)?;
         let capsule = source.placed(entry, Capsule::new(from, to, radius))?;
-        capsules.push(LinkCapsule {
-            link: number,
-            capsule: capsule.placed(&robot.row_frame(number)),
-        });
+        capsules.push(LinkCapsule { link: number, capsule: capsule.placed(&robot.row_frame(number)) });
     }
-    robot
-        .with_link_capsules(capsules, Vec::new())
-        .map_err(|error| source.place_at(error, "robot.shape", shapes.span()))
+    robot.with_link_capsules(capsules, Vec::new()).map_err(|error| source.place_at(error, "robot.shape", shapes.span()))
 }

@@ -9,9 +9,7 @@ use stiffarm::error::{Code, Result};
 use stiffarm::model::implausible::tool_in_metres;
 use stiffarm::model::load::Load;
 use stiffarm::model::observation::Setup;
-use stiffarm::model::scene::{
-    DisplacementLimits, Facing, RopeRules, Scene, Sight, Station, TorqueLimits,
-};
+use stiffarm::model::scene::{DisplacementLimits, Facing, RopeRules, Scene, Sight, Station, TorqueLimits};
 use stiffarm::model::stiffness::joint_compliance;
 use stiffarm::units::{STANDARD_GRAVITY, deg_to_rad, mm_to_m};
 
@@ -25,10 +23,7 @@ const SIGHT_MM: f64 = 5.0;
 const ACCEPTANCE_DEG: f64 = 30.0;
 
 /// Pairs that may come as near as they like.
-pub(super) fn ignored(
-    source: &Source<'_>,
-    table: Option<&RawClearance>,
-) -> Result<Vec<(String, String)>> {
+pub(super) fn ignored(source: &Source<'_>, table: Option<&RawClearance>) -> Result<Vec<(String, String)>> {
     let Some(list) = table.and_then(|table| table.ignore.as_ref()) else {
         return Ok(Vec::new());
     };
@@ -50,20 +45,13 @@ pub(super) fn rope(
     if let (Some(table), false) = (table, is_rope) {
         let given = [
             ("rope_mm", table.rope_mm.as_ref().map(Placed::span)),
-            (
-                "rope_free_mm",
-                table.rope_free_mm.as_ref().map(Placed::span),
-            ),
+            ("rope_free_mm", table.rope_free_mm.as_ref().map(Placed::span)),
             ("rope_axis", table.rope_axis.as_ref().map(Placed::span)),
-            (
-                "rope_cone_deg",
-                table.rope_cone_deg.as_ref().map(Placed::span),
-            ),
+            ("rope_cone_deg", table.rope_cone_deg.as_ref().map(Placed::span)),
         ];
         let mut given = given.into_iter();
         if let Some((key, Some(span))) = given.find(|(_, span)| span.is_some()) {
-            let message =
-                format!("{key} needs a load of kind \"rope\", or \"cylinder\" with anchor_mm.");
+            let message = format!("{key} needs a load of kind \"rope\", or \"cylinder\" with anchor_mm.");
             let key = format!("clearance.{key}");
             let error = source.error_at(Code::Conflict, &key, span, message);
             return Err(error.hint("remove it, or set load.kind = \"rope\" or \"cylinder\""));
@@ -88,9 +76,7 @@ pub(super) fn rope(
     let hint = "the cone needs both rope_axis (from the anchor outwards) and rope_cone_deg";
     let cone = match table.map(|table| (&table.rope_axis, &table.rope_cone_deg)) {
         None | Some((None, None)) => None,
-        Some((Some(axis), Some(angle))) => {
-            Some((direction(source, axis)?, source.positive(angle)?))
-        }
+        Some((Some(axis), Some(angle))) => Some((direction(source, axis)?, source.positive(angle)?)),
         Some((Some(axis), None)) => {
             return Err(source.missing(axis, "clearance.rope_cone_deg", hint));
         }
@@ -98,11 +84,7 @@ pub(super) fn rope(
             return Err(source.missing(angle, "clearance.rope_axis", hint));
         }
     };
-    Ok((has_parts || cone.is_some()).then_some(RopeRules {
-        clearance: has_parts.then_some(clearance),
-        free,
-        cone,
-    }))
+    Ok((has_parts || cone.is_some()).then_some(RopeRules { clearance: has_parts.then_some(clearance), free, cone }))
 }
 
 /// What is asked of the tracker's beams, where its stations are given.
@@ -139,33 +121,23 @@ pub(super) fn sight(source: &Source<'_>, raw: &RawCell, setup: &Setup) -> Result
     if stations.is_empty() {
         return Ok(None);
     }
-    let points = raw
-        .tool
-        .as_ref()
-        .and_then(|tool| tool.get().measuring_point.as_ref());
+    let points = raw.tool.as_ref().and_then(|tool| tool.get().measuring_point.as_ref());
     let mut facings = Vec::new();
     for point in points.into_iter().flat_map(At::get) {
         let raw = point.get();
         facings.push(source.optional(&raw.axis, |source, axis| {
             let acceptance = source.optional(&raw.acceptance_deg, Source::positive)?;
-            Ok(Facing {
-                axis: direction(source, axis)?,
-                acceptance: acceptance.unwrap_or(deg_to_rad(ACCEPTANCE_DEG)),
-            })
+            Ok(Facing { axis: direction(source, axis)?, acceptance: acceptance.unwrap_or(deg_to_rad(ACCEPTANCE_DEG)) })
         })?);
     }
     let all = setup.tool.point_count();
     let visible_points = match clearance.and_then(|table| table.visible_points.as_ref()) {
         None => all,
         Some(value) => {
-            let number = usize::try_from(*value.get())
-                .ok()
-                .filter(|v| (1..=all).contains(v));
+            let number = usize::try_from(*value.get()).ok().filter(|v| (1..=all).contains(v));
             number.ok_or_else(|| {
-                let message = format!(
-                    "visible_points must be 1 to {all}, the number of measuring points, got {}.",
-                    value.get()
-                );
+                let message =
+                    format!("visible_points must be 1 to {all}, the number of measuring points, got {}.", value.get());
                 source.error(Code::InvalidValue, value, message)
             })?
         }
@@ -174,27 +146,17 @@ pub(super) fn sight(source: &Source<'_>, raw: &RawCell, setup: &Setup) -> Result
         Some(value) => source.not_negative(value)?,
         None => mm_to_m(SIGHT_MM),
     };
-    Ok(Some(Sight {
-        stations,
-        facings,
-        clearance: distance,
-        visible_points,
-    }))
+    Ok(Some(Sight { stations, facings, clearance: distance, visible_points }))
 }
 
 /// What the joints may carry, with the tool's weight.
-pub(super) fn torque(
-    source: &Source<'_>,
-    raw: &RawCell,
-    setup: &Setup,
-) -> Result<Option<TorqueLimits>> {
+pub(super) fn torque(source: &Source<'_>, raw: &RawCell, setup: &Setup) -> Result<Option<TorqueLimits>> {
     let robot = raw.robot.as_ref().map(At::get);
     let tool = raw.tool.as_ref().map(At::get);
     let mass = tool.and_then(|tool| tool.mass_kg.as_ref());
     let Some(list) = robot.and_then(|robot| robot.torque_limits_nm.as_ref()) else {
         if let Some(mass) = mass {
-            let message =
-                "The tool's mass counts against the joints' largest torques, which are not given.";
+            let message = "The tool's mass counts against the joints' largest torques, which are not given.";
             let error = source.error(Code::MissingKey, mass, message);
             return Err(error.hint("add robot.torque_limits_nm, or remove mass_kg"));
         }
@@ -204,11 +166,7 @@ pub(super) fn torque(
     let mass = mass.map_or(Ok(0.0), |mass| source.not_negative(mass))?;
     let centre = tool.and_then(|tool| tool.centre_of_mass_mm.as_ref());
     let centre = centre.map_or(Ok(Vector3::zeros()), |centre| source.vector(centre))?;
-    Ok(Some(TorqueLimits {
-        largest,
-        tool_weight: mass * STANDARD_GRAVITY,
-        centre_of_mass: centre,
-    }))
+    Ok(Some(TorqueLimits { largest, tool_weight: mass * STANDARD_GRAVITY, centre_of_mass: centre }))
 }
 
 /// How far the load may move the measuring points, by the prior stiffness.
@@ -225,16 +183,14 @@ pub(super) fn displacement(
     let [least, most] = source.range(list)?;
     source.not_negative(&list.0.get()[0])?;
     if setup.load == Load::Measured {
-        let message =
-            "A limit of the displacement needs a load that is known before it is measured.";
+        let message = "A limit of the displacement needs a load that is known before it is measured.";
         let error = source.error(Code::Conflict, list, message);
         return Err(error.hint(
             "remove displacement_mm, or set load.kind to \"rope\", \"cylinder\", \"weight\" or \"wrench\" as the load will be",
         ));
     }
     let Some(prior) = prior else {
-        let message =
-            "A limit of the displacement needs a prior joint stiffness, and the cell has none.";
+        let message = "A limit of the displacement needs a prior joint stiffness, and the cell has none.";
         let error = source.error(Code::MissingKey, list, message);
         return Err(error.hint("add [stiffness] with prior_nm_per_rad, or remove displacement_mm"));
     };
@@ -246,12 +202,7 @@ pub(super) fn displacement(
 }
 
 /// Stations inside obstacles and measuring points inside the tool: no posture could mend those.
-pub(super) fn check_places(
-    source: &Source<'_>,
-    raw: &RawCell,
-    setup: &Setup,
-    scene: &Scene,
-) -> Result<()> {
+pub(super) fn check_places(source: &Source<'_>, raw: &RawCell, setup: &Setup, scene: &Scene) -> Result<()> {
     let Some(sight) = scene.sight() else {
         return Ok(());
     };
@@ -263,11 +214,7 @@ pub(super) fn check_places(
         };
         if depth < sight.clearance {
             let message = if depth < 0.0 {
-                format!(
-                    "Station \"{}\" is {:.0} mm inside \"{name}\".",
-                    station.name,
-                    -depth * 1e3
-                )
+                format!("Station \"{}\" is {:.0} mm inside \"{name}\".", station.name, -depth * 1e3)
             } else {
                 format!(
                     "Station \"{}\" is {:.0} mm from \"{name}\", nearer than its beam may come.",
@@ -277,19 +224,11 @@ pub(super) fn check_places(
             };
             let key = source.path_in(raw, "position_mm");
             let error = source.error_at(Code::InvalidValue, &key, raw.span(), message);
-            return Err(
-                error.hint("give the station in the base frame, in mm, outside of every shape")
-            );
+            return Err(error.hint("give the station in the base frame, in mm, outside of every shape"));
         }
     }
-    let points = raw
-        .tool
-        .as_ref()
-        .and_then(|tool| tool.get().measuring_point.as_ref());
-    let points = points
-        .into_iter()
-        .flat_map(At::get)
-        .zip(&setup.tool.measuring_points);
+    let points = raw.tool.as_ref().and_then(|tool| tool.get().measuring_point.as_ref());
+    let points = points.into_iter().flat_map(At::get).zip(&setup.tool.measuring_points);
     for (raw, point) in points {
         let Some((depth, name)) = scene.depth_in_tool(&point.position) else {
             continue;
@@ -314,9 +253,7 @@ pub(super) fn check_places(
             let metres = tool_in_metres(&point.position).filter(|_| point.position.norm() > 0.0);
             return Err(match metres {
                 Some(said) => error.hint(format!("the point {said}")),
-                None => {
-                    error.hint("correct the point or the shape, or set clearance.sight_mm lower")
-                }
+                None => error.hint("correct the point or the shape, or set clearance.sight_mm lower"),
             });
         }
     }

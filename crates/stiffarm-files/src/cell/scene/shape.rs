@@ -50,16 +50,8 @@ pub(super) fn parts(
 fn solids(source: &Source<'_>, shape: &At<RawShape>, carrier: Carrier) -> Result<Vec<Solid>> {
     let raw = shape.get();
     let moves = carrier != Carrier::World;
-    let kinds = || {
-        KINDS
-            .iter()
-            .filter(move |kind| kind.2 || !moves)
-            .map(|kind| kind.0)
-    };
-    let list = kinds()
-        .map(|name| format!("\"{name}\""))
-        .collect::<Vec<_>>()
-        .join(", ");
+    let kinds = || KINDS.iter().filter(move |kind| kind.2 || !moves).map(|kind| kind.0);
+    let list = kinds().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
     let hint = format!("kind is one of {list}");
     let kind = source.required(shape, &raw.kind, "kind", &hint)?;
     let name = kind.get().as_str();
@@ -75,9 +67,7 @@ fn solids(source: &Source<'_>, shape: &At<RawShape>, carrier: Carrier) -> Result
         (message, format!("its keys are {}", keys.join(", ")))
     })?;
     let hint = format!("give {}", keys.join(", "));
-    let point = |list: &Option<Fixed<3, Mm>>, name: &str| {
-        source.vector(source.required(shape, list, name, &hint)?)
-    };
+    let point = |list: &Option<Fixed<3, Mm>>, name: &str| source.vector(source.required(shape, list, name, &hint)?);
     let ends = || -> Result<_> {
         let ends = [point(&raw.from_mm, "from_mm")?, point(&raw.to_mm, "to_mm")?];
         let radius = source.required(shape, &raw.radius_mm, "radius_mm", &hint)?;
@@ -109,17 +99,13 @@ fn solids(source: &Source<'_>, shape: &At<RawShape>, carrier: Carrier) -> Result
                 "floor" => Vector3::z_axis(),
                 _ => -Vector3::z_axis(),
             };
-            Ok(Solid::HalfSpace {
-                point: Vector3::z() * z,
-                normal: up,
-            })
+            Ok(Solid::HalfSpace { point: Vector3::z() * z, normal: up })
         }
     };
-    made.map(|solid| vec![solid])
-        .map_err(|error| match error.place().span {
-            Some(_) => error,
-            None => source.place(error, shape),
-        })
+    made.map(|solid| vec![solid]).map_err(|error| match error.place().span {
+        Some(_) => error,
+        None => source.place(error, shape),
+    })
 }
 
 /// A direction of any length above zero.

@@ -40,11 +40,7 @@ fn columns_where(headings: &[Heading], wanted: impl Fn(&Heading) -> bool) -> Vec
 ///
 /// # Errors
 /// Another number of rows; a row that does not fit the heading.
-pub(in crate::table) fn put<'a>(
-    table: &mut Table<'a>,
-    sheet: &Table<'a>,
-    growing: bool,
-) -> Result<()> {
+pub(in crate::table) fn put<'a>(table: &mut Table<'a>, sheet: &Table<'a>, growing: bool) -> Result<()> {
     let (readings, rows) = (table.rows()?, sheet.rows()?);
     order::check(table, sheet, &readings, &rows, growing)?;
     let (files, name) = (table.files.join(", "), sheet.files[0]);
@@ -69,19 +65,13 @@ pub(in crate::table) fn put<'a>(
     let added = columns_where(&sheet.headings, |heading| !own(heading));
     let beside = |row: &Row<'_>| -> Vec<Field> {
         let fields = added.iter().map(|at| row.fields.get(*at).cloned());
-        fields
-            .map(|field| field.unwrap_or_else(Field::empty))
-            .collect()
+        fields.map(|field| field.unwrap_or_else(Field::empty)).collect()
     };
     let mut out = Rows::default();
     let heading = table.rows.at(0);
     let columns = table.headings.len();
     let first = heading.fields[..columns].iter().cloned();
-    out.push_as(
-        &heading,
-        heading.source,
-        first.chain(beside(&sheet.rows.at(0))),
-    );
+    out.push_as(&heading, heading.source, first.chain(beside(&sheet.rows.at(0))));
     for (reading, row) in readings.iter().zip(&rows) {
         let fields = reading.fields.iter().cloned().chain(beside(row));
         out.push_as(reading, reading.source, fields);
@@ -90,10 +80,7 @@ pub(in crate::table) fn put<'a>(
         let empty = (0..columns).map(|_| Field::empty());
         out.push_as(row, table.files.len(), empty.chain(beside(row)));
     }
-    let sentence = format!(
-        "{files} has no names: {name} says row by row what its {} readings are of.",
-        readings.len()
-    );
+    let sentence = format!("{files} has no names: {name} says row by row what its {} readings are of.", readings.len());
     table.remarks.extend(sheet.remarks.iter().cloned());
     let remark = Finding::note(codes::NAMES_BY_SHEET, "readings", sentence);
     table.remarks.push(remark);

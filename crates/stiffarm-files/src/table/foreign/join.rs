@@ -10,9 +10,8 @@ use stiffarm::error::{Code, Result};
 pub(in crate::table) fn join<'a>(table: &mut Table<'a>, other: Table<'a>) -> Result<()> {
     let first = table.files[0];
     if table.style != other.style {
-        let message = format!(
-            "The file is not written as {first}: one is a workbook, or their columns are separated otherwise."
-        );
+        let message =
+            format!("The file is not written as {first}: one is a workbook, or their columns are separated otherwise.");
         let error = other.heading_error(None, Code::Conflict, message);
         return Err(error.hint("export all files in one format"));
     }
@@ -26,15 +25,9 @@ pub(in crate::table) fn join<'a>(table: &mut Table<'a>, other: Table<'a>) -> Res
     }
     let mut places = Vec::with_capacity(table.headings.len());
     for heading in &table.headings {
-        let place = other
-            .headings
-            .iter()
-            .position(|own| own.name == heading.name);
+        let place = other.headings.iter().position(|own| own.name == heading.name);
         if place.is_none() && !heading.ignored {
-            let message = format!(
-                "The column {} is missing, which {first} has.",
-                heading.shown
-            );
+            let message = format!("The column {} is missing, which {first} has.", heading.shown);
             let error = other.heading_error(None, Code::Conflict, message);
             return Err(error.hint("files that are read together have the same columns"));
         }
@@ -48,9 +41,7 @@ pub(in crate::table) fn join<'a>(table: &mut Table<'a>, other: Table<'a>) -> Res
             continue;
         }
         other.check_length(&row)?;
-        let fields = places
-            .iter()
-            .map(|place| place.map_or_else(Field::empty, |at| row.fields[at].clone()));
+        let fields = places.iter().map(|place| place.map_or_else(Field::empty, |at| row.fields[at].clone()));
         table.rows.push_as(&row, source, fields);
     }
     Ok(())

@@ -36,9 +36,7 @@ impl Names<'_> {
 
 /// True for the names of states that sheets have: `unloaded-2`, `preload`, `loaded`, `up-250`.
 fn is_state(name: &str) -> bool {
-    let end = name
-        .find(|c: char| !c.is_alphabetic())
-        .unwrap_or(name.len());
+    let end = name.find(|c: char| !c.is_alphabetic()).unwrap_or(name.len());
     let word = name[..end].to_lowercase();
     Role::of(name) != Role::Loaded || ["loaded", "up", "down"].contains(&word.as_str())
 }
@@ -74,18 +72,11 @@ pub(super) fn split(table: &mut Table<'_>, pattern: &NamePattern, names: &Names<
                     error.hint("name_pattern in [columns] of the cell file says how names are split; a row that is no reading can be deleted")
                 })?
         };
-        let parts = parts.into_iter().map(|text| Field {
-            text: text.into(),
-            column: whole.column,
-            other: false,
-        });
+        let parts = parts.into_iter().map(|text| Field { text: text.into(), column: whole.column, other: false });
         rows.push_as(&row, row.source, row.fields.iter().cloned().chain(parts));
     }
     let whole = table.headings[at].clone();
-    let own = pattern.columns().map(|name| Heading {
-        name: name.to_string(),
-        ..whole.clone()
-    });
+    let own = pattern.columns().map(|name| Heading { name: name.to_string(), ..whole.clone() });
     table.headings.extend(own.collect::<Vec<_>>());
     table.headings[at].ignored = true;
     table.rows = rows;

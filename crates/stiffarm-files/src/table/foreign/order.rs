@@ -48,8 +48,7 @@ pub(super) fn check(
 ) -> Result<()> {
     // The rows that have come, and one reading more or less among them.
     let come = |more: usize| &rows[..(readings.len() + more).min(rows.len())];
-    let Some(order) = Order::new(table, sheet, readings, if growing { come(0) } else { rows })
-    else {
+    let Some(order) = Order::new(table, sheet, readings, if growing { come(0) } else { rows }) else {
         return Ok(());
     };
     if growing && readings.len() < rows.len() {
@@ -65,18 +64,11 @@ pub(super) fn check(
 
 impl<'o> Order<'o> {
     /// `None` where a number cannot be read: that has an error of its own.
-    fn new(
-        table: &'o Table<'o>,
-        sheet: &'o Table<'o>,
-        readings: &'o [Row<'o>],
-        rows: &'o [Row<'o>],
-    ) -> Option<Self> {
+    fn new(table: &'o Table<'o>, sheet: &'o Table<'o>, readings: &'o [Row<'o>], rows: &'o [Row<'o>]) -> Option<Self> {
         let column = |axis: &str| -> Option<Column> {
             let known = Known::of(axis, Quantity::Length, "position");
             let mut headings = table.headings.iter().enumerate();
-            headings.find_map(|(at, heading)| {
-                known.column(&heading.name, at).filter(|_| !heading.ignored)
-            })
+            headings.find_map(|(at, heading)| known.column(&heading.name, at).filter(|_| !heading.ignored))
         };
         let [x, y, z] = POSITION.map(column);
         let columns = [x?, y?, z?];
@@ -85,16 +77,10 @@ impl<'o> Order<'o> {
             Some(Vector3::new(x?, y?, z?))
         };
         let mut numbers: BTreeMap<[&str; 2], usize> = BTreeMap::new();
-        let name = |heading: &str| {
-            sheet
-                .headings
-                .iter()
-                .position(|h| !h.ignored && stem(&h.name) == heading)
-        };
+        let name = |heading: &str| sheet.headings.iter().position(|h| !h.ignored && stem(&h.name) == heading);
         let names = [name("posture")?, name("point")?];
         let groups = rows.iter().map(|row| {
-            let [posture, point] =
-                names.map(|at| row.fields.get(at).map_or("", |f| f.text.as_str()));
+            let [posture, point] = names.map(|at| row.fields.get(at).map_or("", |f| f.text.as_str()));
             let next = numbers.len();
             *numbers.entry([posture, point]).or_insert(next)
         });
@@ -152,9 +138,7 @@ impl<'o> Order<'o> {
 
     fn error(&self, reading: usize, message: String) -> Error {
         let file = self.table.files[self.readings[reading].source];
-        Error::new(Code::Conflict, message)
-            .file(file)
-            .line(self.line(reading), None)
+        Error::new(Code::Conflict, message).file(file).line(self.line(reading), None)
     }
 
     /// As many readings as rows: one twice and another missing.
@@ -167,20 +151,15 @@ impl<'o> Order<'o> {
         if work.saturating_mul(count) > MOST_WORK {
             return Ok(());
         }
-        let pairs = repeated
-            .iter()
-            .flat_map(|i| (0..count).map(move |j| (*i, j)));
+        let pairs = repeated.iter().flat_map(|i| (0..count).map(move |j| (*i, j)));
         let fitting = pairs.filter(|(i, j)| i != j && self.stray(Some(*i), Some(*j)) == 0);
         let fitting: Vec<(usize, usize)> = fitting.collect();
         // The least that explains it; what fits as well is said.
         let Some((twice, missing)) = fitting.iter().min_by_key(|(i, j)| i.abs_diff(*j)) else {
             return Ok(());
         };
-        let (late, first, last) = if twice <= missing {
-            ("late", *twice, *missing)
-        } else {
-            ("early", *missing, *twice)
-        };
+        let (late, first, last) =
+            if twice <= missing { ("late", *twice, *missing) } else { ("early", *missing, *twice) };
         let others = fitting.iter().filter(|(i, _)| i == twice).map(|(_, j)| *j);
         let message = format!(
             "The readings of lines {} to {} stand one row {late}: line {} is that of line {} once more, and {} has no reading.",
@@ -204,21 +183,10 @@ impl<'o> Order<'o> {
         if self.stray(None, None) < MOST_STRAY {
             return Ok(());
         }
-        let Order {
-            table,
-            sheet,
-            readings,
-            rows: come,
-            ..
-        } = self;
+        let Order { table, sheet, readings, rows: come, .. } = self;
         let with = |rows| {
-            Order::new(table, sheet, readings, rows).map_or(Ok(()), |order| {
-                if rows.len() < readings.len() {
-                    order.twice()
-                } else {
-                    order.missing()
-                }
-            })
+            Order::new(table, sheet, readings, rows)
+                .map_or(Ok(()), |order| if rows.len() < readings.len() { order.twice() } else { order.missing() })
         };
         with(&come[..come.len().saturating_sub(1)])?;
         with(rows)
@@ -253,8 +221,6 @@ impl<'o> Order<'o> {
             self.rows(&fitting)
         );
         let at = (*missing).min(self.readings.len() - 1);
-        Err(self
-            .error(at, message)
-            .hint("delete that line of the sheet, or add the reading here"))
+        Err(self.error(at, message).hint("delete that line of the sheet, or add the reading here"))
     }
 }

@@ -32,9 +32,7 @@ pub(super) fn to_seconds(table: &mut Table<'_>, dates: Option<DateOrder>) -> Res
     };
     let date = find(&|heading| heading.name == DATE);
     let in_days = table.headings[at].name == DAYS;
-    let plain = |field: &Field| {
-        field.text.is_empty() || (!field.other && field.text.parse::<f64>().is_ok())
-    };
+    let plain = |field: &Field| field.text.is_empty() || (!field.other && field.text.parse::<f64>().is_ok());
     let all_plain = {
         let mut fields = table.rows.below().filter_map(|row| row.fields.get(at));
         fields.all(plain)
@@ -51,9 +49,7 @@ pub(super) fn to_seconds(table: &mut Table<'_>, dates: Option<DateOrder>) -> Res
     for ((row, _), value) in stamps.iter().zip(&seconds) {
         let field = &mut table.rows.fields_mut(*row)[at];
         // To a microsecond: days in a double know no more.
-        field.text = (((value - first) * 1e6).round() / 1e6 + 0.0)
-            .to_string()
-            .into();
+        field.text = (((value - first) * 1e6).round() / 1e6 + 0.0).to_string().into();
         field.other = false;
     }
     table.headings[at].name = "time_s".to_string();
@@ -73,20 +69,11 @@ enum Clock {
     /// A date whose parts are known, and a time: day number and seconds, UTC where `zoned`.
     Date { day: i64, time: f64, zoned: bool },
     /// Two numbers that are day and month in some order, the year, the time.
-    Either {
-        parts: [u32; 2],
-        year: i64,
-        time: f64,
-    },
+    Either { parts: [u32; 2], year: i64, time: f64 },
 }
 
 /// The fields of the column that hold something, with the numbers of their rows.
-fn stamps(
-    table: &Table<'_>,
-    at: usize,
-    date: Option<usize>,
-    in_days: bool,
-) -> Result<Vec<(usize, Clock)>> {
+fn stamps(table: &Table<'_>, at: usize, date: Option<usize>, in_days: bool) -> Result<Vec<(usize, Clock)>> {
     let mut out = Vec::new();
     for number in 1..table.rows.len() {
         let row = table.rows.at(number);
@@ -94,10 +81,7 @@ fn stamps(
             continue;
         };
         // Some write a text mark of Excel before a date.
-        let text = field
-            .text
-            .trim_start_matches(DATED)
-            .trim_start_matches('\'');
+        let text = field.text.trim_start_matches(DATED).trim_start_matches('\'');
         let joined = date.and_then(|date| row.fields.get(date)).map(|day| {
             let day = day.text.trim_start_matches(DATED);
             // A workbook shows midnight behind a date, and the beginning of its count before a time.
@@ -125,26 +109,18 @@ fn stamps(
 }
 
 /// The stamps as seconds of one clock.
-fn seconds(
-    table: &Table<'_>,
-    at: usize,
-    stamps: &[(usize, Clock)],
-    dates: Option<DateOrder>,
-) -> Result<Vec<f64>> {
-    let fault = |row: usize, message: &str| -> Error {
-        table.error(&table.rows.at(row), at, Code::TableRow, message)
-    };
+fn seconds(table: &Table<'_>, at: usize, stamps: &[(usize, Clock)], dates: Option<DateOrder>) -> Result<Vec<f64>> {
+    let fault = |row: usize, message: &str| -> Error { table.error(&table.rows.at(row), at, Code::TableRow, message) };
     let kind = |clock: &Clock| match clock {
         Clock::Number(_) => 0,
         Clock::Time(_) => 1,
         Clock::Date { zoned: true, .. } => 2,
         Clock::Date { .. } | Clock::Either { .. } => 3,
     };
-    let other = stamps
-        .windows(2)
-        .find(|pair| kind(&pair[0].1) != kind(&pair[1].1));
+    let other = stamps.windows(2).find(|pair| kind(&pair[0].1) != kind(&pair[1].1));
     if let Some([_, (row, _)]) = other {
-        let message = "This time is not written like the one before: number, time of day, date, or date with time zone.";
+        let message =
+            "This time is not written like the one before: number, time of day, date, or date with time zone.";
         return Err(fault(*row, message).hint("give the whole column in one form"));
     }
     let order = match dates {
@@ -170,21 +146,14 @@ fn seconds(
             // All on one day: the order does not matter.
             return Ok(both.into_iter().next().unwrap_or_default());
         }
-        let row = stamps
-            .iter()
-            .find(|(_, clock)| matches!(clock, Clock::Either { .. }));
+        let row = stamps.iter().find(|(_, clock)| matches!(clock, Clock::Either { .. }));
         let row = row.map_or(0, |(row, _)| *row);
         let message = "Nothing in the column tells whether day or month comes first.";
-        return Err(fault(row, message).hint(
-            "write dates = \"day-first\" or dates = \"month-first\" into [columns] of the cell file",
-        ));
+        return Err(fault(row, message)
+            .hint("write dates = \"day-first\" or dates = \"month-first\" into [columns] of the cell file"));
     };
     let values = by(order)?;
-    let back = stamps
-        .iter()
-        .zip(&values)
-        .zip(values.iter().skip(1))
-        .zip(stamps.iter().skip(1));
+    let back = stamps.iter().zip(&values).zip(values.iter().skip(1)).zip(stamps.iter().skip(1));
     for ((((_, clock), before), after), (row, _)) in back {
         if matches!(clock, Clock::Time(_)) && before - after > MIDNIGHT {
             let message = "The clock goes back: times without a date cannot pass midnight.";
@@ -250,10 +219,7 @@ fn clock(text: &str) -> Option<Clock> {
     } - zone.unwrap_or(0.0);
     let sign = date.find(['-', '.', '/'])?;
     let sign = date[sign..].chars().next()?;
-    let parts: Vec<u32> = date
-        .split(sign)
-        .map(|part| part.parse().ok())
-        .collect::<Option<_>>()?;
+    let parts: Vec<u32> = date.split(sign).map(|part| part.parse().ok()).collect::<Option<_>>()?;
     let [a, b, c] = parts[..] else {
         return None;
     };
@@ -265,18 +231,10 @@ fn clock(text: &str) -> Option<Clock> {
     let year = i64::from(c) + if c < 100 { 2000 } else { 0 };
     match sign {
         // Dates with points have the day first wherever they are used.
-        '.' => Some(Clock::Date {
-            day: day_number(year, b, a)?,
-            time,
-            zoned,
-        }),
+        '.' => Some(Clock::Date { day: day_number(year, b, a)?, time, zoned }),
         _ => {
             day_number(year, a, b).or_else(|| day_number(year, b, a))?;
-            Some(Clock::Either {
-                parts: [a, b],
-                year,
-                time,
-            })
+            Some(Clock::Either { parts: [a, b], year, time })
         }
     }
 }
@@ -303,25 +261,18 @@ fn zone(text: &str) -> Option<(&str, Option<f64>)> {
 
 /// `14:05`, `14:05:12.3`, `2:05:12 PM` \[s\].
 fn time_of_day(text: &str) -> Option<f64> {
-    let lower = text
-        .trim()
-        .to_lowercase()
-        .replace("a.m.", "am")
-        .replace("p.m.", "pm");
-    let half = [("am", 0.0), ("pm", 12.0)]
-        .iter()
-        .find_map(|(word, hours)| {
-            let time = lower.strip_suffix(word)?;
-            Some((time.trim().to_string(), *hours))
-        });
+    let lower = text.trim().to_lowercase().replace("a.m.", "am").replace("p.m.", "pm");
+    let half = [("am", 0.0), ("pm", 12.0)].iter().find_map(|(word, hours)| {
+        let time = lower.strip_suffix(word)?;
+        Some((time.trim().to_string(), *hours))
+    });
     let (time, afternoon) = match half {
         Some((time, hours)) => (time, Some(hours)),
         None => (lower, None),
     };
     let mut parts = time.split(':');
     let whole = |part: &str, below: f64| {
-        let digits =
-            !part.is_empty() && part.len() <= 2 && part.bytes().all(|b| b.is_ascii_digit());
+        let digits = !part.is_empty() && part.len() <= 2 && part.bytes().all(|b| b.is_ascii_digit());
         let value = part.parse::<f64>().ok().filter(|_| digits)?;
         (value < below).then_some(value)
     };
@@ -365,11 +316,7 @@ fn day_number(year: i64, month: u32, day: u32) -> Option<i64> {
         return None;
     }
     let (month, day) = (i64::from(month), i64::from(day));
-    let (year, month) = if month > 2 {
-        (year, month - 3)
-    } else {
-        (year - 1, month + 9)
-    };
+    let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
     let of_year = (153 * month + 2) / 5 + day - 1;
     Some(365 * year + year / 4 - year / 100 + year / 400 + of_year - 719_468)
 }

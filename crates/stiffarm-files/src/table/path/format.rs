@@ -17,11 +17,7 @@ pub(super) struct FormatColumn {
 
 impl FormatColumn {
     pub(super) fn new(heading: String, content: Content, unit: Option<Unit>) -> Self {
-        FormatColumn {
-            heading,
-            content,
-            unit,
-        }
+        FormatColumn { heading, content, unit }
     }
 }
 
@@ -45,8 +41,7 @@ impl PathFormat {
     /// The columns `point` and those of `kind` in the usual units; poses and
     /// tool axes in the workpiece frame of `cell`.
     pub fn new(kind: PathKind, cell: &Cell) -> Self {
-        let columns = usual(cell)
-            .filter(|column| column.content == Content::Name || column.content.belongs_to(kind));
+        let columns = usual(cell).filter(|column| column.content == Content::Name || column.content.belongs_to(kind));
         PathFormat {
             columns: columns.collect(),
             kind,

@@ -10,10 +10,8 @@ use stiffarm::model::cell::Cell;
 
 /// Names of the angles of a pose at controllers, and what they are here:
 /// turns about x, then y, then z of the frame that stays.
-const CONTROLLERS: [(&str, [(&str, &str); 3]); 2] = [
-    ("KUKA", [("a", "yaw"), ("b", "pitch"), ("c", "roll")]),
-    ("FANUC", [("w", "roll"), ("p", "pitch"), ("r", "yaw")]),
-];
+const CONTROLLERS: [(&str, [(&str, &str); 3]); 2] =
+    [("KUKA", [("a", "yaw"), ("b", "pitch"), ("c", "roll")]), ("FANUC", [("w", "roll"), ("p", "pitch"), ("r", "yaw")])];
 
 /// Positions and units of the columns.
 pub(super) struct PathColumns {
@@ -39,9 +37,7 @@ impl PathColumns {
         // A table of postures is a path, too: its names stand under `posture`.
         contents.push((Content::Name, Known::name("posture")));
         let known: Vec<Known> = contents.iter().map(|(_, known)| known.clone()).collect();
-        let found = table
-            .check_heading(&known, joints)
-            .map_err(|error| controller_angles(table, error))?;
+        let found = table.check_heading(&known, joints).map_err(|error| controller_angles(table, error))?;
         let names = [found.get("point"), found.get("posture")];
         if let [Some(_), Some(second)] = names {
             let message = "The table has both points and postures as names.";
@@ -63,8 +59,7 @@ impl PathColumns {
                 };
                 let hint = "give all three coordinates of the tip's position";
                 let position = all(&position(), hint)?;
-                let hint =
-                    "give all three: roll_deg, pitch_deg, yaw_deg, or axis_x, axis_y, axis_z";
+                let hint = "give all three: roll_deg, pitch_deg, yaw_deg, or axis_x, axis_y, axis_z";
                 (Vec::new(), position, all(&orientation, hint)?)
             }
         };
@@ -113,8 +108,7 @@ fn kind(table: &Table<'_>, found: &Found<'_, '_>, joints: usize) -> Result<PathK
     if let (Some(angles), Some(pose)) = (angles, pose) {
         let message = "The table has both joint angles and poses.";
         let error = table.heading_error(Some(angles.max(pose)), Code::Conflict, message);
-        return Err(error
-            .hint("keep one of them; `ignore` in [columns] of the cell file leaves columns out"));
+        return Err(error.hint("keep one of them; `ignore` in [columns] of the cell file leaves columns out"));
     }
     if let (Some(turns), Some(axis)) = (turns, axis) {
         let message = "The table has both roll, pitch, yaw and a tool axis.";
@@ -151,17 +145,10 @@ fn controller_angles(table: &Table<'_>, error: Error) -> Error {
         let mut headings = table.headings.iter();
         headings.any(|heading| !heading.ignored && stem(&heading.name) == name)
     };
-    let theirs = CONTROLLERS
-        .iter()
-        .find(|(_, names)| names.iter().all(|(theirs, _)| has(theirs)));
+    let theirs = CONTROLLERS.iter().find(|(_, names)| names.iter().all(|(theirs, _)| has(theirs)));
     let Some((maker, [a, b, c])) = theirs else {
         return error;
     };
     let ours = |(theirs, ours): &(&str, &str)| format!("{} {ours}_deg", theirs.to_uppercase());
-    error.hint(format!(
-        "{maker}'s angles of a pose have other names here: {}, {}, {}",
-        ours(a),
-        ours(b),
-        ours(c)
-    ))
+    error.hint(format!("{maker}'s angles of a pose have other names here: {}, {}, {}", ours(a), ours(b), ours(c)))
 }

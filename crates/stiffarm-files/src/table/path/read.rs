@@ -18,7 +18,8 @@ use stiffarm::model::process::{ForceAxes, TipLoad};
 const SHORTEST_AXIS: f64 = 1e-9;
 
 /// What helps where a force has no frame.
-const AXES_HINT: &str = "add a column axes with base, tool, workpiece or path in each row, or give the axes of the whole table with --axes";
+const AXES_HINT: &str =
+    "add a column axes with base, tool, workpiece or path in each row, or give the axes of the whole table with --axes";
 
 /// Reads a path of the tool tip from a table with one row per point; `file_name`
 /// is for messages. Each row has one of three forms:
@@ -46,24 +47,14 @@ const AXES_HINT: &str = "add a column axes with base, tool, workpiece or path in
 /// frame, a name that appears twice, angles outside the machine's limits, a tool
 /// axis of length zero, positions whose size shows that they are in another unit:
 /// with line, column and the column's name.
-pub fn read_path(
-    bytes: &[u8],
-    file_name: &str,
-    cell: &Cell,
-    axes: Option<ForceAxes>,
-) -> Result<PathTable> {
+pub fn read_path(bytes: &[u8], file_name: &str, cell: &Cell, axes: Option<ForceAxes>) -> Result<PathTable> {
     let table = Table::read(bytes, file_name, &cell.columns)?;
     read(&table, cell, axes).map_err(|error| table.with_aside(error))
 }
 
 fn read(table: &Table<'_>, cell: &Cell, axes: Option<ForceAxes>) -> Result<PathTable> {
     let columns = PathColumns::of(table, cell)?;
-    let reader = Reader {
-        table,
-        columns: &columns,
-        cell,
-        axes,
-    };
+    let reader = Reader { table, columns: &columns, cell, axes };
     let rows = table.rows()?;
     let mut points = Vec::with_capacity(rows.len());
     let mut lines: HashMap<&str, usize> = HashMap::with_capacity(rows.len());
@@ -71,13 +62,9 @@ fn read(table: &Table<'_>, cell: &Cell, axes: Option<ForceAxes>) -> Result<PathT
         let name = match columns.point {
             Some(column) => {
                 let name = table.name(row, column)?;
-                table
-                    .once(&mut lines, ("point", name), row, column.at)
-                    .map_err(|e| {
-                        e.hint(
-                            "give each point a name of its own, or leave the column out: points are then numbered",
-                        )
-                    })?;
+                table.once(&mut lines, ("point", name), row, column.at).map_err(|e| {
+                    e.hint("give each point a name of its own, or leave the column out: points are then numbered")
+                })?;
                 name.into()
             }
             None => (i + 1).to_string().into(),
@@ -133,9 +120,7 @@ impl Reader<'_> {
             let message = "The tool axis has length zero.";
             let at = columns.orientation[0].at;
             let error = table.error(row, at, Code::InvalidValue, message);
-            return Err(error.hint(
-                "give the direction from the tool into the workpiece, for example 0, 0, -1",
-            ));
+            return Err(error.hint("give the direction from the tool into the workpiece, for example 0, 0, -1"));
         };
         Ok(PathTarget::Axis {
             position: workpiece.rotation * position + workpiece.translation.vector,
@@ -159,9 +144,9 @@ impl Reader<'_> {
         if let Some(empty) = fields().find(blank) {
             let message = "The field is empty, but others of this row's load are not.";
             let error = table.error(row, empty.at, Code::TableRow, message);
-            return Err(error.hint(
-                "write 0 where there is no component; leave all of them empty for the load of the cell",
-            ));
+            return Err(
+                error.hint("write 0 where there is no component; leave all of them empty for the load of the cell")
+            );
         }
         let Some(axes) = own.or(self.axes) else {
             let at = columns.axes.unwrap_or(force[0]).at;
@@ -193,9 +178,7 @@ impl Reader<'_> {
         let feed = self.table.number(row, column)?;
         if !(feed > 0.0 && feed <= FASTEST) {
             let message = "A feed must be above 0, and at most 100 m/s.";
-            let error = self
-                .table
-                .error(row, column.at, Code::InvalidValue, message);
+            let error = self.table.error(row, column.at, Code::InvalidValue, message);
             return Err(error.hint("leave the field empty where the feed is not known"));
         }
         Ok(Some(feed))
@@ -216,8 +199,6 @@ impl Reader<'_> {
         let names = ForceAxes::NAMES.map(|(name, _)| name);
         let message = format!("Axes \"{given}\" are not known.");
         let error: Error = table.error(row, column.at, Code::UnknownName, message);
-        Err(error.hint(
-            did_you_mean(&word, names).unwrap_or_else(|| format!("axes: {}", names.join(", "))),
-        ))
+        Err(error.hint(did_you_mean(&word, names).unwrap_or_else(|| format!("axes: {}", names.join(", ")))))
     }
 }

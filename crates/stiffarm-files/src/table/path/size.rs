@@ -19,12 +19,7 @@ const TINY: f64 = 1.0 / 3000.0;
 const FAR: f64 = 5.0;
 
 /// Refuses positions that look like those in another unit.
-pub(super) fn check_size(
-    table: &Table<'_>,
-    columns: &PathColumns,
-    cell: &Cell,
-    points: &[PathPoint],
-) -> Result<()> {
+pub(super) fn check_size(table: &Table<'_>, columns: &PathColumns, cell: &Cell, points: &[PathPoint]) -> Result<()> {
     let Some(first) = columns.position.first() else {
         return Ok(());
     };
@@ -50,18 +45,9 @@ pub(super) fn check_size(
             arm.reach
         );
         return match suffix {
-            "mm" => refuse(
-                message,
-                "if they are micrometres, name the columns x_um, y_um, z_um",
-            ),
-            "um" => refuse(
-                message,
-                "check the columns and [work] workpiece_mm of the cell",
-            ),
-            _ => refuse(
-                message,
-                "if they are millimetres, name the columns x_mm, y_mm, z_mm",
-            ),
+            "mm" => refuse(message, "if they are micrometres, name the columns x_um, y_um, z_um"),
+            "um" => refuse(message, "check the columns and [work] workpiece_mm of the cell"),
+            _ => refuse(message, "if they are millimetres, name the columns x_mm, y_mm, z_mm"),
         };
     }
     if suffix != "mm" {
@@ -70,7 +56,8 @@ pub(super) fn check_size(
     let small = Extent::of(&positions);
     let inside = |p: &Vector3<f64>| arm.beside_axis(p).xy().amax() < INSIDE * arm.reach;
     if positions.iter().all(inside) && small.largest < 3.0 * INSIDE * arm.reach {
-        let message = "The numbers look like metres: as millimetres, the whole path lies inside the robot, at its axis 1.";
+        let message =
+            "The numbers look like metres: as millimetres, the whole path lies inside the robot, at its axis 1.";
         let hint = "if they are metres, name the columns x_m, y_m, z_m";
         return refuse(message.to_string(), hint);
     }
@@ -89,7 +76,8 @@ pub(super) fn check_size(
             "The numbers look like metres: as millimetres, the whole path is within {}.",
             length(small.largest)
         );
-        let hint = "if they are metres, name the columns x_m, y_m, z_m; a path that small can be given as x_um, y_um, z_um";
+        let hint =
+            "if they are metres, name the columns x_m, y_m, z_m; a path that small can be given as x_um, y_um, z_um";
         return refuse(message, hint);
     }
     Ok(())
@@ -149,10 +137,7 @@ struct Extent {
 impl Extent {
     fn of(positions: &[Vector3<f64>]) -> Self {
         let Some(first) = positions.first() else {
-            return Extent {
-                largest: 0.0,
-                has_shape: false,
-            };
+            return Extent { largest: 0.0, has_shape: false };
         };
         let (mut low, mut high) = (*first, *first);
         for position in positions {
@@ -161,9 +146,6 @@ impl Extent {
         }
         let mut others = positions.iter().filter(|p| *p != first);
         let second = others.next();
-        Extent {
-            largest: (high - low).amax(),
-            has_shape: second.is_some_and(|second| others.any(|p| p != second)),
-        }
+        Extent { largest: (high - low).amax(), has_shape: second.is_some_and(|second| others.any(|p| p != second)) }
     }
 }

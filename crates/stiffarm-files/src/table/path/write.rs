@@ -29,10 +29,7 @@ const AXIS_DECIMALS: i32 = 12;
 /// A target that the columns cannot hold (angles for poses or the reverse, a tool
 /// axis for poses), a wrong number of angles, a load whose axes or moment the
 /// table has no column for.
-pub fn write_path<P: Borrow<PathPoint>>(
-    format: &PathFormat,
-    points: impl IntoIterator<Item = P>,
-) -> Result<String> {
+pub fn write_path<P: Borrow<PathPoint>>(format: &PathFormat, points: impl IntoIterator<Item = P>) -> Result<String> {
     let headings: Vec<String> = format.columns.iter().map(|c| c.heading.clone()).collect();
     let line = |fields: &[String]| separated(fields, format.separator);
     let mut text = line(&headings);
@@ -78,21 +75,14 @@ impl<'p> Numbers<'p> {
                 let count = |c: &&FormatColumn| matches!(c.content, Content::Angle(_));
                 let joints = format.columns.iter().filter(count).count();
                 if q.len() != joints {
-                    let message = format!(
-                        "Point {} has {} angles, the table {joints}.",
-                        point.name,
-                        q.len()
-                    );
+                    let message = format!("Point {} has {} angles, the table {joints}.", point.name, q.len());
                     return Err(Error::new(Code::Dimension, message));
                 }
                 Ok(Numbers::Angles(q))
             }
             (PathKind::Poses, PathTarget::Pose(pose)) => {
                 let pose = from_base * pose;
-                let turn = format
-                    .columns
-                    .iter()
-                    .find(|c| c.content == Content::Turn(0));
+                let turn = format.columns.iter().find(|c| c.content == Content::Turn(0));
                 let unit = turn.and_then(|column| column.unit);
                 let turns = unit.map(|unit| rounded_turns(&pose.rotation, &unit));
                 Ok(Numbers::Pose(pose, turns.unwrap_or_default()))
@@ -117,10 +107,7 @@ impl<'p> Numbers<'p> {
                     PathKind::Poses => "poses",
                     PathKind::ToolAxes => "positions with a tool axis",
                 };
-                let message = format!(
-                    "Point {} is given as {given}; the table holds {wanted}.",
-                    point.name
-                );
+                let message = format!("Point {} is given as {given}; the table holds {wanted}.", point.name);
                 Err(Error::new(Code::Conflict, message))
             }
         }
@@ -146,10 +133,7 @@ fn check_load(format: &PathFormat, point: &PathPoint) -> Result<()> {
     } else {
         return Ok(());
     };
-    let message = format!(
-        "Point {}: the table has no column for {missing}.",
-        point.name
-    );
+    let message = format!("Point {}: the table has no column for {missing}.", point.name);
     Err(Error::new(Code::Conflict, message))
 }
 
@@ -161,18 +145,14 @@ fn field(column: &FormatColumn, point: &PathPoint, target: &Numbers<'_>) -> Stri
     match (column.content, target) {
         (Content::Name, _) => point.name.to_string(),
         (Content::Angle(j), Numbers::Angles(q)) => shortest(column, q[j]),
-        (Content::Position(i), Numbers::Pose(pose, _)) => {
-            length(column, pose.translation.vector[i])
-        }
+        (Content::Position(i), Numbers::Pose(pose, _)) => length(column, pose.translation.vector[i]),
         (Content::Position(i), Numbers::Axis(position, _)) => length(column, position[i]),
         (Content::Turn(i), Numbers::Pose(_, turns)) => turns[i].to_string(),
         (Content::Axis(i), Numbers::Axis(_, axis)) => axis[i].to_string(),
         (Content::Force(i), _) => of_load(|load| &load.force, i),
         (Content::Moment(i), _) => of_load(|load| &load.moment, i),
         (Content::Feature, _) => point.feature.as_deref().unwrap_or_default().to_string(),
-        (Content::Feed, _) => point
-            .feed
-            .map_or_else(String::new, |feed| shortest(column, feed)),
+        (Content::Feed, _) => point.feed.map_or_else(String::new, |feed| shortest(column, feed)),
         (Content::Axes, _) => {
             let axes = load.map(|load| ForceAxes::as_str(load.axes));
             axes.unwrap_or_default().to_string()
@@ -216,11 +196,7 @@ fn rounded_turns(rotation: &UnitQuaternion<f64>, unit: &Unit) -> [f64; 3] {
     // it has as many decimals less. The decades end between powers of ten, so
     // that none ends at a pitch of 0.
     let lost = (unit.to_si)(pitch).cos().max(1e-16).log10().round() as i32;
-    let roll = if lost > -12 {
-        rounded_turn(r[(2, 1)].atan2(r[(2, 2)]), decimals + lost, unit)
-    } else {
-        0.0
-    };
+    let roll = if lost > -12 { rounded_turn(r[(2, 1)].atan2(r[(2, 2)]), decimals + lost, unit) } else { 0.0 };
     // Yaw is what is left once this roll is undone.
     let (s, c) = (unit.to_si)(roll).sin_cos();
     let yaw = (s * r[(0, 2)] - c * r[(0, 1)]).atan2(c * r[(1, 1)] - s * r[(1, 2)]);

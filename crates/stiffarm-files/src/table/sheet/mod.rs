@@ -97,18 +97,9 @@ pub struct SheetRow {
 
 impl Sheet {
     /// Makes a row for each posture, state and point that the tracker sees.
-    fn new(
-        layout: Layout,
-        postures: &[Posture],
-        states: &[String],
-        points: &[&str],
-        cell: &Cell,
-    ) -> Self {
-        let loads = if layout.has(Beside::Load) {
-            loads::planned(states, &cell.setup.load)
-        } else {
-            vec![None; states.len()]
-        };
+    fn new(layout: Layout, postures: &[Posture], states: &[String], points: &[&str], cell: &Cell) -> Self {
+        let loads =
+            if layout.has(Beside::Load) { loads::planned(states, &cell.setup.load) } else { vec![None; states.len()] };
         let mut rows = Vec::with_capacity(postures.len() * states.len() * points.len());
         for (number, posture) in postures.iter().enumerate() {
             let mut own: Vec<(&String, &Option<f64>)> = states.iter().zip(&loads).collect();
@@ -130,20 +121,12 @@ impl Sheet {
                 }));
             }
         }
-        Sheet {
-            headings: layout.heading(cell),
-            rows,
-            layout,
-        }
+        Sheet { headings: layout.heading(cell), rows, layout }
     }
 
     /// What stands in the fields of a row; an empty text is to be filled in.
     fn fields(&self, row: &SheetRow) -> Vec<String> {
-        let mut fields = vec![
-            row.posture.name.clone(),
-            row.state.clone(),
-            row.point.clone(),
-        ];
+        let mut fields = vec![row.posture.name.clone(), row.state.clone(), row.point.clone()];
         fields.extend([""; 3].map(String::from));
         fields.extend(self.layout.fields(&Given {
             station: row.station.as_deref(),
@@ -156,8 +139,7 @@ impl Sheet {
 
     /// The rows of one posture and state after the other.
     pub(super) fn states(&self) -> impl Iterator<Item = &[SheetRow]> {
-        let is_same =
-            |a: &SheetRow, b: &SheetRow| a.posture.name == b.posture.name && a.state == b.state;
+        let is_same = |a: &SheetRow, b: &SheetRow| a.posture.name == b.posture.name && a.state == b.state;
         self.rows.chunk_by(is_same)
     }
 

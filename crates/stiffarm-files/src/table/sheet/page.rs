@@ -45,8 +45,7 @@ struct Page<'w> {
 impl Page<'_> {
     fn title(&mut self, cell: &Cell) -> Done {
         let large = Format::new().set_bold().set_font_size(14);
-        self.worksheet
-            .write_string_with_format(self.line, 0, &cell.name, &large)?;
+        self.worksheet.write_string_with_format(self.line, 0, &cell.name, &large)?;
         self.line += 1;
         let setup = &cell.setup;
         let points = setup.tool.measuring_points.iter();
@@ -57,10 +56,8 @@ impl Page<'_> {
             ("Load", described(&setup.load)),
             ("Date, operator", "_".repeat(40)),
         ] {
-            self.worksheet
-                .write_string_with_format(self.line, 0, what, &self.bold)?;
-            self.worksheet
-                .write_string_with_format(self.line, 1, &text, &self.plain)?;
+            self.worksheet.write_string_with_format(self.line, 0, what, &self.bold)?;
+            self.worksheet.write_string_with_format(self.line, 1, &text, &self.plain)?;
             self.line += 1;
         }
         self.line += 1;
@@ -82,21 +79,14 @@ impl Page<'_> {
                 continue;
             }
             last = Some(&row.posture.name);
-            self.worksheet.write_string_with_format(
-                self.line,
-                0,
-                &row.posture.name,
-                &self.boxed,
-            )?;
+            self.worksheet.write_string_with_format(self.line, 0, &row.posture.name, &self.boxed)?;
             if has_stations {
                 let station = row.station.as_deref().unwrap_or_default();
-                self.worksheet
-                    .write_string_with_format(self.line, 1, station, &self.boxed)?;
+                self.worksheet.write_string_with_format(self.line, 1, station, &self.boxed)?;
             }
             let first = 1 + u16::from(has_stations);
             for (at, q) in (first..).zip(&row.posture.q) {
-                self.worksheet
-                    .write_number_with_format(self.line, at, rad_to_deg(*q), &angle)?;
+                self.worksheet.write_number_with_format(self.line, at, rad_to_deg(*q), &angle)?;
             }
             self.line += 1;
         }
@@ -114,40 +104,24 @@ impl Page<'_> {
         }
         let first = headings.len() as u16;
         headings.extend(points.iter().map(|point| {
-            if ReadingTarget::is_base_name(point) {
-                (*point).to_string()
-            } else {
-                format!("point {point}")
-            }
+            if ReadingTarget::is_base_name(point) { (*point).to_string() } else { format!("point {point}") }
         }));
         self.headings(&headings)?;
         let tick = self.boxed.clone().set_align(FormatAlign::Center);
         for rows in sheet.states() {
             let row = &rows[0];
             for (at, text) in (0..).zip([&row.posture.name, &row.state]) {
-                self.worksheet
-                    .write_string_with_format(self.line, at, text, &self.boxed)?;
+                self.worksheet.write_string_with_format(self.line, at, text, &self.boxed)?;
             }
             if loads {
                 match row.load {
-                    Some(load) => self.worksheet.write_number_with_format(
-                        self.line,
-                        first - 1,
-                        load,
-                        &self.boxed,
-                    )?,
-                    None => self
-                        .worksheet
-                        .write_blank(self.line, first - 1, &self.boxed)?,
+                    Some(load) => self.worksheet.write_number_with_format(self.line, first - 1, load, &self.boxed)?,
+                    None => self.worksheet.write_blank(self.line, first - 1, &self.boxed)?,
                 };
             }
             for (at, point) in (first..).zip(&points) {
-                let sign = rows
-                    .iter()
-                    .find(|row| row.point == **point)
-                    .map_or(UNSEEN, |_| "☐");
-                self.worksheet
-                    .write_string_with_format(self.line, at, sign, &tick)?;
+                let sign = rows.iter().find(|row| row.point == **point).map_or(UNSEEN, |_| "☐");
+                self.worksheet.write_string_with_format(self.line, at, sign, &tick)?;
             }
             self.line += 1;
         }
@@ -157,8 +131,7 @@ impl Page<'_> {
     fn headings(&mut self, headings: &[String]) -> Done {
         let bold = self.boxed.clone().set_bold();
         for (at, text) in (0..).zip(headings) {
-            self.worksheet
-                .write_string_with_format(self.line, at, text, &bold)?;
+            self.worksheet.write_string_with_format(self.line, at, text, &bold)?;
             self.worksheet.set_column_width(at, 13)?;
         }
         self.line += 1;
@@ -174,9 +147,7 @@ fn described(load: &Load) -> String {
         Load::Constant { .. } => "constant force and moment".to_string(),
         Load::Measured => "measured with each reading".to_string(),
         Load::Cases(cases) => {
-            let each = cases
-                .iter()
-                .map(|case| format!("{}: {}", case.name, described(&case.load)));
+            let each = cases.iter().map(|case| format!("{}: {}", case.name, described(&case.load)));
             each.collect::<Vec<_>>().join("; ")
         }
     }

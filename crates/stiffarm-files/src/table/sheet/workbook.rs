@@ -3,9 +3,8 @@
 use super::Sheet;
 use super::page::{self, PAPER_A4};
 use rust_xlsxwriter::{
-    Color, DataValidation, DataValidationErrorStyle, DataValidationRule, DocProperties,
-    ExcelDateTime, Format, FormatAlign, FormatBorder, Formula, ProtectionOptions, Workbook,
-    Worksheet, XlsxError,
+    Color, DataValidation, DataValidationErrorStyle, DataValidationRule, DocProperties, ExcelDateTime, Format,
+    FormatAlign, FormatBorder, Formula, ProtectionOptions, Workbook, Worksheet, XlsxError,
 };
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::model::cell::Cell;
@@ -46,10 +45,7 @@ const CHOICES: &str = "Names";
 /// More rows than a worksheet has.
 pub fn write_sheet_workbook(sheet: &Sheet, cell: &Cell) -> Result<Vec<u8>> {
     if sheet.rows.len() > MOST_ROWS {
-        let message = format!(
-            "The sheet has {} rows; .xlsx has {MOST_ROWS}.",
-            sheet.rows.len()
-        );
+        let message = format!("The sheet has {} rows; .xlsx has {MOST_ROWS}.", sheet.rows.len());
         let error = Error::new(Code::Unsupported, message);
         return Err(error.hint("write it as .csv, or plan fewer postures"));
     }
@@ -113,9 +109,7 @@ fn table(worksheet: &mut Worksheet, sheet: &Sheet) -> std::result::Result<(), Xl
                 None => None,
             };
             match planned {
-                Some(value) => {
-                    worksheet.write_number_with_format(line, at as u16, value, &format)?
-                }
+                Some(value) => worksheet.write_number_with_format(line, at as u16, value, &format)?,
                 None => worksheet.write_blank(line, at as u16, &format)?,
             };
         }
@@ -147,11 +141,7 @@ fn number_format(format: Format, heading: &str) -> Format {
 
 /// Width of a column in characters.
 fn width(sheet: &Sheet, column: u16, heading: &str) -> f64 {
-    let names = if column < NAMES {
-        sheet.names(column)
-    } else {
-        Vec::new()
-    };
+    let names = if column < NAMES { sheet.names(column) } else { Vec::new() };
     let longest = names.iter().map(|name| name.chars().count()).max();
     let wanted = longest.unwrap_or(8).max(heading.chars().count()) + 2;
     wanted.clamp(9, 40) as f64
@@ -177,9 +167,7 @@ fn numbers(heading: &str) -> std::result::Result<DataValidation, XlsxError> {
     DataValidation::new()
         .allow_decimal_number(rule)
         .set_error_title("A number is needed")?
-        .set_error_message(format!(
-            "{heading} is a number alone; its unit stands in the heading."
-        ))
+        .set_error_message(format!("{heading} is a number alone; its unit stands in the heading."))
 }
 
 /// What the drop-downs offer.

@@ -15,10 +15,7 @@ const OURS: [&str; 3] = ["posture", "state", "point"];
 
 /// Keys of `[columns]` that would make these headings known, as far as their words tell;
 /// `None` where nothing in them looks like a position or a name.
-pub(in crate::table) fn suggestion(
-    headings: &[Heading],
-    is_known: impl Fn(&str) -> bool,
-) -> Option<String> {
+pub(in crate::table) fn suggestion(headings: &[Heading], is_known: impl Fn(&str) -> bool) -> Option<String> {
     let mut keys: Vec<(String, &str)> = Vec::new();
     let mut taken: Vec<String> = Vec::new();
     let mut rest: Vec<String> = Vec::new();
@@ -29,13 +26,9 @@ pub(in crate::table) fn suggestion(
             continue;
         }
         let there = |key: &str| {
-            taken.iter().any(|own| own == key)
-                || headings
-                    .iter()
-                    .any(|h| h.name == key && h.name != heading.name)
+            taken.iter().any(|own| own == key) || headings.iter().any(|h| h.name == key && h.name != heading.name)
         };
-        match key(&heading.name).filter(|key| (is_known(key) || !key.contains('_')) && !there(key))
-        {
+        match key(&heading.name).filter(|key| (is_known(key) || !key.contains('_')) && !there(key)) {
             Some(key) => {
                 taken.push(key.clone());
                 keys.push((key, heading.shown.as_str()));
@@ -87,17 +80,7 @@ fn key(name: &str) -> Option<String> {
             return stem(quantity, axis).map(|stem| format!("{stem}_{unit}"));
         }
         Said::Counts(..) | Said::Other => return None,
-        Said::Nothing
-            if has(&[
-                "nominal",
-                "dev",
-                "deviation",
-                "delta",
-                "error",
-                "rms",
-                "sigma",
-            ]) =>
-        {
+        Said::Nothing if has(&["nominal", "dev", "deviation", "delta", "error", "rms", "sigma"]) => {
             return None;
         }
         Said::Nothing => match () {

@@ -5,33 +5,17 @@ use crate::table::quantity::Quantity;
 /// Units as they stand in headings, the usual one of a quantity first; those without a suffix of ours are none that a
 /// column may have.
 const UNITS: [(&[&str], Quantity, Option<&str>); 13] = [
-    (
-        &["mm", "millimetres", "millimeters"],
-        Quantity::Length,
-        Some("mm"),
-    ),
+    (&["mm", "millimetres", "millimeters"], Quantity::Length, Some("mm")),
     (&["m", "metres", "meters"], Quantity::Length, Some("m")),
     (&["um", "microns"], Quantity::Length, Some("um")),
     (&["in", "inch", "inches"], Quantity::Length, Some("in")),
-    (
-        &["cm", "dm", "km", "ft", "feet", "px", "pixel", "pixels"],
-        Quantity::Length,
-        None,
-    ),
+    (&["cm", "dm", "km", "ft", "feet", "px", "pixel", "pixels"], Quantity::Length, None),
     (&["n", "newton", "newtons"], Quantity::Force, Some("n")),
     (&["kn"], Quantity::Force, Some("kn")),
-    (
-        &["lbf", "lb", "lbs", "kgf", "kg", "dan", "kp"],
-        Quantity::Force,
-        None,
-    ),
+    (&["lbf", "lb", "lbs", "kgf", "kg", "dan", "kp"], Quantity::Force, None),
     (&["nm"], Quantity::Moment, Some("nm")),
     (&["nmm"], Quantity::Moment, Some("nmm")),
-    (
-        &["lbin", "lbft", "inlb", "ftlb", "kgm"],
-        Quantity::Moment,
-        None,
-    ),
+    (&["lbin", "lbft", "inlb", "ftlb", "kgm"], Quantity::Moment, None),
     (&["deg", "degrees", "rad", "mrad"], Quantity::Angle, None),
     (&["s", "ms", "hz"], Quantity::Time, None),
 ];
@@ -39,24 +23,13 @@ const UNITS: [(&[&str], Quantity, Option<&str>); 13] = [
 /// Words for quantities.
 const QUANTITIES: [(&[&str], Quantity); 4] = [
     (&["force", "forces", "kraft", "load"], Quantity::Force),
-    (
-        &["moment", "moments", "torque", "torques", "drehmoment"],
-        Quantity::Moment,
-    ),
-    (
-        &["angle", "rot", "rotation", "roll", "pitch", "yaw"],
-        Quantity::Angle,
-    ),
-    (
-        &["velocity", "vel", "speed", "acc", "accel", "acceleration"],
-        Quantity::Feed,
-    ),
+    (&["moment", "moments", "torque", "torques", "drehmoment"], Quantity::Moment),
+    (&["angle", "rot", "rotation", "roll", "pitch", "yaw"], Quantity::Angle),
+    (&["velocity", "vel", "speed", "acc", "accel", "acceleration"], Quantity::Feed),
 ];
 
 /// Numbers of a converter, which are no forces without the calibration of the sensor.
-const COUNTS: [&str; 10] = [
-    "counts", "count", "cnts", "cnt", "cts", "adc", "raw", "bits", "lsb", "digits",
-];
+const COUNTS: [&str; 10] = ["counts", "count", "cnts", "cnt", "cts", "adc", "raw", "bits", "lsb", "digits"];
 
 /// Numbers that are not what was measured: what was wanted, and what differs from it.
 const OTHERS: [&str; 34] = [
@@ -162,9 +135,7 @@ pub(super) fn said(words: &[String]) -> Said {
         () if is_load && has(&COUNTS) => Said::Counts(quantity, axis),
         () if has(&OTHERS) => Said::Other,
         () => match unit {
-            Some((_, of, Some(suffix))) if *of == quantity => {
-                Said::Measured(quantity, axis, suffix)
-            }
+            Some((_, of, Some(suffix))) if *of == quantity => Said::Measured(quantity, axis, suffix),
             None if is_load || quantity == Quantity::Length => {
                 let usual = UNITS.iter().find(|unit| unit.1 == quantity);
                 let usual = usual.and_then(|unit| unit.2).unwrap_or_default();

@@ -59,9 +59,7 @@ fn part(bytes: &[u8], sheet: &str) -> Option<String> {
     let mut sheets = workbook.descendants();
     let own = sheets.find(|node| node.attribute("name") == Some(sheet))?;
     // Its namespace is another one in strict files.
-    let mut ids = own
-        .attributes()
-        .filter(|attribute| attribute.name() == "id");
+    let mut ids = own.attributes().filter(|attribute| attribute.name() == "id");
     let id = ids.next()?.value();
     let relations = Document::parse(&relations).ok()?;
     let mut all = relations.descendants();
@@ -104,9 +102,7 @@ pub(super) fn hidden(bytes: &[u8], sheet: &str) -> Hidden {
                 }
                 "col" if is_hidden() => {
                     let span = (number("min").unwrap_or(1), number("max").unwrap_or(1));
-                    hidden
-                        .columns
-                        .push((span.0.saturating_sub(1), span.1.saturating_sub(1)));
+                    hidden.columns.push((span.0.saturating_sub(1), span.1.saturating_sub(1)));
                 }
                 _ => {}
             }

@@ -51,34 +51,21 @@ pub(super) fn first_sheet<'a>(bytes: &[u8], file: &'a str, foreign: &Columns) ->
         let message = "The file cannot be read as an .xlsx workbook: its places make no sense.";
         Err(Error::new(Code::FileRead, message))
     });
-    let Sheet {
-        name,
-        rows,
-        aside,
-        by_order,
-        merged,
-        hidden,
-        columns,
-    } = read.map_err(|e| match e.hint_text() {
+    let Sheet { name, rows, aside, by_order, merged, hidden, columns } = read.map_err(|e| match e.hint_text() {
         Some(_) => e.file(file),
         None => e.file(file).hint(HINT),
     })?;
     if rows.is_empty() {
         let message = format!("The first sheet, \"{name}\", is empty.");
         let error = Error::new(Code::TableHeading, message).file(file);
-        return Err(
-            error.hint(aside.unwrap_or_else(|| "the first row names the columns".to_string()))
-        );
+        return Err(error.hint(aside.unwrap_or_else(|| "the first row names the columns".to_string())));
     }
     let foreign = columns.as_ref().unwrap_or(foreign);
     let mut table = Table::new(file, Style::Sheet, rows, foreign);
     table.aside = aside;
     table.set_by_order(by_order);
     let filled = shown(&table, |column| merged.contains(&column));
-    let sentence = format!(
-        "Cells are merged in {}: each of their rows has the value of the first.",
-        list(&filled)
-    );
+    let sentence = format!("Cells are merged in {}: each of their rows has the value of the first.", list(&filled));
     let remark = Finding::note(codes::MERGED_CELLS, "readings", sentence);
     table.remarks.extend((!filled.is_empty()).then_some(remark));
     table.remarks.extend(not_seen(&table, &name, &hidden));
@@ -97,25 +84,15 @@ fn shown(table: &Table<'_>, wanted: impl Fn(u32) -> bool) -> Vec<String> {
 fn not_seen(table: &Table<'_>, sheet: &str, hidden: &Hidden) -> Option<Finding> {
     let rows = table.rows.below().filter(|row| !row.is_empty());
     let lines = rows.map(|row| row.line);
-    let lines: Vec<usize> = lines
-        .filter(|line| hidden.rows.contains(&(*line as u32 - 1)))
-        .collect();
+    let lines: Vec<usize> = lines.filter(|line| hidden.rows.contains(&(*line as u32 - 1))).collect();
     let columns = shown(table, |column| hidden.has_column(column));
     let mut parts = Vec::new();
     if !lines.is_empty() {
         let noun = if lines.len() == 1 { "row" } else { "rows" };
-        parts.push(format!(
-            "{} hidden {noun} ({})",
-            lines.len(),
-            in_words(&lines)
-        ));
+        parts.push(format!("{} hidden {noun} ({})", lines.len(), in_words(&lines)));
     }
     if !columns.is_empty() {
-        let noun = if columns.len() == 1 {
-            "column"
-        } else {
-            "columns"
-        };
+        let noun = if columns.len() == 1 { "column" } else { "columns" };
         let names = list(&columns);
         parts.push(format!("{} hidden {noun} ({names})", columns.len()));
     }
@@ -152,15 +129,10 @@ fn broken(error: XlsxError) -> Error {
 fn read(bytes: &[u8], foreign: &Columns) -> Result<Sheet> {
     let mut workbook = Xlsx::new(Cursor::new(bytes)).map_err(broken)?;
     let sheets = workbook.sheets_metadata().iter();
-    let names: Vec<String> = sheets
-        .filter(|sheet| sheet.typ == SheetType::WorkSheet)
-        .map(|sheet| sheet.name.clone())
-        .collect();
+    let names: Vec<String> =
+        sheets.filter(|sheet| sheet.typ == SheetType::WorkSheet).map(|sheet| sheet.name.clone()).collect();
     let Some((first, others)) = names.split_first() else {
-        return Err(Error::new(
-            Code::TableHeading,
-            "The workbook has no sheets.",
-        ));
+        return Err(Error::new(Code::TableHeading, "The workbook has no sheets."));
     };
     if let Some(wanted) = &foreign.sheet {
         let Some(name) = names.iter().find(|name| *name == wanted) else {
@@ -170,10 +142,8 @@ fn read(bytes: &[u8], foreign: &Columns) -> Result<Sheet> {
                 return Ok(own);
             }
             let message = format!("The workbook has no sheet \"{wanted}\".");
-            return Err(Error::new(Code::UnknownName, message).hint(format!(
-                "sheet in [columns] of the cell file names one of: {}",
-                names.join(", ")
-            )));
+            return Err(Error::new(Code::UnknownName, message)
+                .hint(format!("sheet in [columns] of the cell file names one of: {}", names.join(", "))));
         };
         return sheet(&mut workbook, bytes, name, foreign);
     }
@@ -188,12 +158,7 @@ fn read(bytes: &[u8], foreign: &Columns) -> Result<Sheet> {
 }
 
 /// The sheet of this name.
-fn sheet(
-    workbook: &mut Xlsx<Cursor<&[u8]>>,
-    bytes: &[u8],
-    name: &str,
-    foreign: &Columns,
-) -> Result<Sheet> {
+fn sheet(workbook: &mut Xlsx<Cursor<&[u8]>>, bytes: &[u8], name: &str, foreign: &Columns) -> Result<Sheet> {
     let waits = parts::waits_to_be_calculated(bytes);
     let mut cells = cells(workbook, name, waits)?;
     let columns = of_own_sheet(cells.values().map(texts), foreign);
@@ -349,10 +314,7 @@ fn letters(column: u32) -> String {
 }
 
 fn too_large() -> Error {
-    let message = format!(
-        "The sheet holds more than {MOST_CELLS} cells or {} MB of text.",
-        MOST_TEXT >> 20
-    );
+    let message = format!("The sheet holds more than {MOST_CELLS} cells or {} MB of text.", MOST_TEXT >> 20);
     Error::new(Code::Unsupported, message).hint("give the table in parts, or as \"CSV UTF-8\"")
 }
 
@@ -392,10 +354,7 @@ fn rows(cells: Cells, has_heading: bool, foreign: &Columns) -> Result<(Rows, boo
     let right = columns.next_back().unwrap_or(left);
     let width = left..=right;
     if right - left >= MOST_COLUMNS {
-        let message = format!(
-            "The heading is {} columns wide; a table has {MOST_COLUMNS} at most.",
-            right - left + 1
-        );
+        let message = format!("The heading is {} columns wide; a table has {MOST_COLUMNS} at most.", right - left + 1);
         return Err(Error::new(Code::TableHeading, message)
             .line(*line as usize + 1, Some(right as usize + 1))
             .hint("a cell far to the right belongs to no table: empty it"));
@@ -410,11 +369,7 @@ fn rows(cells: Cells, has_heading: bool, foreign: &Columns) -> Result<(Rows, boo
         let beside: Vec<u32> = row.keys().copied().filter(|c| !width.contains(c)).collect();
         let fields = width.clone().chain(beside).map(|column| {
             let held = row.remove(&column).unwrap_or(Ok(String::new()));
-            Field {
-                other: held.is_err(),
-                text: held.unwrap_or_else(|other| other).into(),
-                column: column + 1,
-            }
+            Field { other: held.is_err(), text: held.unwrap_or_else(|other| other).into(), column: column + 1 }
         });
         rows.push(line as usize + 1, fields, false);
     }

@@ -24,11 +24,7 @@ const SHORT: f64 = 0.1e-3;
 /// What is stated before the statement that ends an arc.
 pub(super) enum Pending {
     /// `CIRCLE/`, at this byte of the file.
-    Circle {
-        centre: Vector3<f64>,
-        axis: UnitVector3<f64>,
-        at: usize,
-    },
+    Circle { centre: Vector3<f64>, axis: UnitVector3<f64>, at: usize },
     /// `INDIRV/` or `INDIRP/`, at this byte of the file.
     Direction(UnitVector3<f64>, usize),
 }
@@ -58,23 +54,11 @@ fn join(tangent: Vector3<f64>, way: Option<Vector3<f64>>) -> i32 {
 
 impl Arcs {
     pub fn new(clockwise: bool) -> Self {
-        Arcs {
-            clockwise,
-            unknown: None,
-            joins: [0; 2],
-            heading: None,
-            last: None,
-            open: None,
-        }
+        Arcs { clockwise, unknown: None, joins: [0; 2], heading: None, last: None, open: None }
     }
 
     /// A straight move; one without a start is rapid.
-    pub fn goes_straight(
-        &mut self,
-        from: Option<Vector3<f64>>,
-        to: Vector3<f64>,
-        builder: &mut Builder<'_>,
-    ) {
+    pub fn goes_straight(&mut self, from: Option<Vector3<f64>>, to: Vector3<f64>, builder: &mut Builder<'_>) {
         self.heading = from.map(|from| to - from);
         self.closes(self.heading, builder);
     }
@@ -102,12 +86,7 @@ impl State<'_, '_> {
     /// Whether the arcs of an unknown system run the other way; says where nothing tells it.
     pub(super) fn sense_of_arcs(&mut self) -> bool {
         self.arcs.closes(None, self.builder);
-        let Arcs {
-            clockwise,
-            unknown,
-            joins: [tangent, contrary],
-            ..
-        } = self.arcs;
+        let Arcs { clockwise, unknown, joins: [tangent, contrary], .. } = self.arcs;
         let Some(line) = unknown else {
             return false;
         };
@@ -155,12 +134,7 @@ impl State<'_, '_> {
     }
 
     /// A point that ends an arc, or goes on with one; false where it does not.
-    pub(super) fn ends_arc(
-        &mut self,
-        statement: &Statement<'_>,
-        before: Place,
-        end: Vector3<f64>,
-    ) -> Result<bool> {
+    pub(super) fn ends_arc(&mut self, statement: &Statement<'_>, before: Place, end: Vector3<f64>) -> Result<bool> {
         let line = statement.head.line_number();
         let open = self.arcs.open.take();
         let (begin, centre, axis, first) = match (self.pending.take(), open) {
@@ -181,7 +155,8 @@ impl State<'_, '_> {
             if first.is_some() {
                 return Ok(false);
             }
-            let message = "The arc does not lead here: this is not on the circle about its centre through the point before.";
+            let message =
+                "The arc does not lead here: this is not on the circle about its centre through the point before.";
             return Err(statement.wrong(message));
         };
         let is_creo = self.system == Some(System::Creo);
@@ -193,10 +168,9 @@ impl State<'_, '_> {
             } else {
                 "it is reached on a straight line, and not along the arc, as Creo would write it"
             };
-            self.builder
-                .remark("arc-goes-on", "", line, Severity::Caution, || {
-                    format!("A point behind the end of an arc ({{}}) lies on its circle: {how}.")
-                });
+            self.builder.remark("arc-goes-on", "", line, Severity::Caution, || {
+                format!("A point behind the end of an arc ({{}}) lies on its circle: {how}.")
+            });
         }
         if first.is_some() && !is_creo {
             return Ok(false);
@@ -230,10 +204,7 @@ impl State<'_, '_> {
             error.hint("an arc is `INDIRV/direction` and `TLON,GOFWD/(CIRCLE/centre,radius),ON,(LINE/centre,end)`, or a `CIRCLE/` before the `GOTO/` that ends it")
         };
         let words: Vec<&str> = statement.words.iter().map(String::as_str).collect();
-        let words: Vec<&str> = words
-            .into_iter()
-            .filter(|word| !["TLON", "GOFWD", "CANON"].contains(word))
-            .collect();
+        let words: Vec<&str> = words.into_iter().filter(|word| !["TLON", "GOFWD", "CANON"].contains(word)).collect();
         let [what @ ("CIRCLE" | "CYLNDR"), "ON", stop @ ..] = &words[..] else {
             return Err(not_read());
         };
@@ -242,16 +213,7 @@ impl State<'_, '_> {
         let stops = match stop {
             ["LINE"] => 6,
             ["PLANE"] => 4,
-            [
-                "PLANE",
-                "PERPTO",
-                "PLANE",
-                "POINT",
-                "PERPTO",
-                "VECTOR",
-                "POINT",
-                "POINT",
-            ] => 12,
+            ["PLANE", "PERPTO", "PLANE", "POINT", "PERPTO", "VECTOR", "POINT", "POINT"] => 12,
             _ => return Err(not_read()),
         };
         let behind = stops + usize::from(counts);
@@ -261,10 +223,8 @@ impl State<'_, '_> {
         }
         let value = |at: usize| statement.numbers[at].1.value;
         let count = if counts { value(own) } else { 1.0 };
-        let (Some(Pending::Direction(way, at)), Some(start)) = (self.pending.take(), self.position)
-        else {
-            let message =
-                "The point or the direction (INDIRV) from which this arc sets out is missing.";
+        let (Some(Pending::Direction(way, at)), Some(start)) = (self.pending.take(), self.position) else {
+            let message = "The point or the direction (INDIRV) from which this arc sets out is missing.";
             return Err(statement.wrong(message));
         };
         let centre = self.point(statement, 0)?;
@@ -286,17 +246,12 @@ impl State<'_, '_> {
         let last = statement.numbers.len() - stops;
         let (normal, offset, stated) = if stops == 4 {
             let normal = self.turned(statement.direction(last)?);
-            let from = self
-                .frames
-                .map_or(0.0, |(_, frame)| normal.dot(&frame.translation.vector));
+            let from = self.frames.map_or(0.0, |(_, frame)| normal.dot(&frame.translation.vector));
             let offset = value(last + 3) * self.builder.form.unit + from;
             (normal.into_inner(), offset, None)
         } else {
             let last = statement.numbers.len() - 6;
-            let (on, end) = (
-                self.point(statement, last)?,
-                self.point(statement, last + 3)?,
-            );
+            let (on, end) = (self.point(statement, last)?, self.point(statement, last + 3)?);
             let normal = axis.cross(&(end - on));
             (normal, normal.dot(&on), Some(end))
         };
@@ -312,12 +267,8 @@ impl State<'_, '_> {
             let off = off - axis.as_ref() * axis.dot(&off);
             if (out.norm() - radius).abs() <= rounded {
                 if off.norm() > rounded {
-                    let error = statement.wrong(
-                        "This arc ends at one point by its line, and at another by its count.",
-                    );
-                    return Err(
-                        error.hint("more than half a turn has `ON,2,INTOF` before the line")
-                    );
+                    let error = statement.wrong("This arc ends at one point by its line, and at another by its count.");
+                    return Err(error.hint("more than half a turn has `ON,2,INTOF` before the line"));
                 }
                 circle.end -= off;
             }

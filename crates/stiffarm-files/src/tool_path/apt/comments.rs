@@ -40,10 +40,7 @@ impl Comment {
             return false;
         }
         if let Some((frame, begin)) = &mut self.frame {
-            frame.extend(
-                rest.chars()
-                    .filter(|c| c.is_ascii_digit() || "-.,".contains(*c)),
-            );
+            frame.extend(rest.chars().filter(|c| c.is_ascii_digit() || "-.,".contains(*c)));
             if !self.goes_on {
                 let (frame, begin) = (std::mem::take(frame), *begin);
                 self.frame = None;

@@ -145,11 +145,7 @@ fn read_with(file: &ProgramFile, builder: &mut Builder<'_>, clockwise: bool) -> 
                 Statement::new(head, word, weight)
             }
         };
-        if statement.items(&mut line)? {
-            open = Some(statement)
-        } else {
-            state.take(statement)?
-        }
+        if statement.items(&mut line)? { open = Some(statement) } else { state.take(statement)? }
     }
     let other = state.sense_of_arcs();
     if let Some(Pending::Circle { at, .. }) = state.pending {
@@ -159,9 +155,7 @@ fn read_with(file: &ProgramFile, builder: &mut Builder<'_>, clockwise: bool) -> 
         return Err(error.file(file.name.as_str()));
     }
     match open {
-        Some(statement) => {
-            Err(statement.wrong("The line that this goes on in behind `$` is missing."))
-        }
+        Some(statement) => Err(statement.wrong("The line that this goes on in behind `$` is missing.")),
         None => Ok(other),
     }
 }
@@ -182,27 +176,18 @@ fn assume_unit(file: &ProgramFile, builder: &mut Builder<'_>) {
             Severity::Caution,
             ", and its feeds are in inches ({}) and in millimetres: its numbers are read as millimetres. `UNITS/MM` or `UNITS/INCH` at its head settles it.",
         ),
-        None => (
-            Severity::Note,
-            ": its numbers are read as millimetres. `UNITS/INCH` at its head says otherwise.",
-        ),
+        None => (Severity::Note, ": its numbers are read as millimetres. `UNITS/INCH` at its head says otherwise."),
     };
-    builder.remark("units-assumed", "", inch.unwrap_or(1), severity, || {
-        format!("The file names no unit{why}")
-    });
+    builder.remark("units-assumed", "", inch.unwrap_or(1), severity, || format!("The file names no unit{why}"));
 }
 
 /// Says what moves stand behind the end.
 fn behind_the_end<'a>(rest: impl Iterator<Item = Cursor<'a>>, builder: &mut Builder<'_>) {
     for mut line in rest {
         if matches!(&*word(&mut line), "GOTO" | "GODLTA" | "CIRCLE" | "TLON") {
-            builder.remark(
-                "behind-end",
-                "",
-                line.line_number(),
-                Severity::Caution,
-                || "Moves behind the end of the program (FINI) are left out: {}.".to_string(),
-            );
+            builder.remark("behind-end", "", line.line_number(), Severity::Caution, || {
+                "Moves behind the end of the program (FINI) are left out: {}.".to_string()
+            });
         }
     }
 }
@@ -223,9 +208,7 @@ impl State<'_, '_> {
                 if statement.numbers.len() != 3 {
                     return Err(statement.wrong("A step has three numbers."));
                 }
-                self.builder
-                    .fixed
-                    .get_or_insert((line, "it moves by steps here"));
+                self.builder.fixed.get_or_insert((line, "it moves by steps here"));
                 let position = position + self.axes() * step * self.builder.form.unit;
                 if position.amax() > FARTHEST {
                     return Err(statement.wrong(FAR_AWAY));
@@ -234,16 +217,10 @@ impl State<'_, '_> {
             }
             "RAPID" => self.rapid = true,
             "UNITS" | "UNIT" => {
-                let units: Vec<_> = statement
-                    .words
-                    .iter()
-                    .map(|word| words::is_inch(word))
-                    .collect();
+                let units: Vec<_> = statement.words.iter().map(|word| words::is_inch(word)).collect();
                 let [Some(in_inches)] = units[..] else {
                     let error = statement.wrong("Lengths in this unit are not read here.");
-                    return Err(error.hint(
-                        "`UNITS/MM` or `UNITS/INCH` is read; let the CAM system give one of them",
-                    ));
+                    return Err(error.hint("`UNITS/MM` or `UNITS/INCH` is read; let the CAM system give one of them"));
                 };
                 if !self.builder.measures(in_inches) {
                     return Err(statement.wrong("The units change within the path."));
@@ -262,28 +239,17 @@ impl State<'_, '_> {
             "MSYS" => return self.frame(&statement),
             "CSYS" => return self.set_up(&statement),
             "TRNTYP" => {
-                let is_zero = statement
-                    .numbers
-                    .iter()
-                    .all(|(_, number)| number.value == 0.0);
+                let is_zero = statement.numbers.iter().all(|(_, number)| number.value == 0.0);
                 self.is_world = statement.has("WORLD") && is_zero;
             }
             word @ ("CUTCOM" | "TLCOMP") if !statement.has("OFF") => {
                 let message = match word {
-                    "CUTCOM" => {
-                        "Cutter compensation is not followed: these are not the positions of the tool."
-                    }
-                    _ => {
-                        "The tool's compensation is not followed: these are not the positions of the tool."
-                    }
+                    "CUTCOM" => "Cutter compensation is not followed: these are not the positions of the tool.",
+                    _ => "The tool's compensation is not followed: these are not the positions of the tool.",
                 };
                 return Err(statement.wrong(message));
             }
-            "CYCLE"
-                if !["OFF", "INIT", "CLEAR", "NOMORE"]
-                    .iter()
-                    .any(|off| statement.has(off)) =>
-            {
+            "CYCLE" if !["OFF", "INIT", "CLEAR", "NOMORE"].iter().any(|off| statement.has(off)) => {
                 self.builder.remark("cycle", "CYCLE", line, Severity::Caution, || {
                     "Of a cycle ({}) the points are read as they stand, and not its moves along the tool axis."
                         .to_string()
@@ -298,16 +264,10 @@ impl State<'_, '_> {
     /// A word that gives no point.
     fn left(&mut self, statement: &Statement<'_>) -> Result<()> {
         let (word, line) = (&*statement.word, statement.head.line_number());
-        let is_zero = statement
-            .numbers
-            .iter()
-            .all(|(_, number)| number.value == 0.0);
+        let is_zero = statement.numbers.iter().all(|(_, number)| number.value == 0.0);
         match statement.weight {
             Some(Weight::Said(severity, what)) => {
-                self.builder
-                    .remark("not-followed", word, line, severity, || {
-                        format!("{word} ({{}}) {what}")
-                    });
+                self.builder.remark("not-followed", word, line, severity, || format!("{word} ({{}}) {what}"));
             }
             Some(Weight::Away) => {
                 self.position = None;
@@ -316,12 +276,9 @@ impl State<'_, '_> {
             Some(_) => {
                 let is_off = ["OFF", "NOMORE"].iter().any(|off| statement.has(off));
                 if !(is_zero && (is_off || !statement.numbers.is_empty())) {
-                    let message =
-                        format!("{word} changes where the points lie, and is not read here.");
+                    let message = format!("{word} changes where the points lie, and is not read here.");
                     let error = statement.wrong(message);
-                    return Err(error.hint(
-                        "let the CAM system give points (GOTO), in the frame of the workpiece",
-                    ));
+                    return Err(error.hint("let the CAM system give points (GOTO), in the frame of the workpiece"));
                 }
             }
             // What has numbers may be a move.

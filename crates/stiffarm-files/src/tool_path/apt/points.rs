@@ -25,9 +25,7 @@ impl State<'_, '_> {
         self.frames = Some((first, first.inverse() * frame));
         if first != frame {
             let line = statement.head.line_number();
-            self.builder
-                .fixed
-                .get_or_insert((line, "its frame changes here"));
+            self.builder.fixed.get_or_insert((line, "its frame changes here"));
         }
         Ok(())
     }
@@ -35,20 +33,17 @@ impl State<'_, '_> {
     /// `CSYS/`: rows of a matrix that leads from a set-up to one frame, in which CAMWorks gives all points
     /// behind `TRNTYP/WORLD`. So the tool axis of a tilted one is its third column.
     pub(super) fn set_up(&mut self, statement: &Statement<'_>) -> Result<()> {
-        let frame: Vec<f64> = statement
-            .numbers
-            .iter()
-            .map(|(_, number)| number.value)
-            .collect();
+        let frame: Vec<f64> = statement.numbers.iter().map(|(_, number)| number.value).collect();
         if frame.len() != 12 {
             return Err(statement.wrong("A set-up has twelve numbers: three rows of a matrix."));
         }
         let is_other = !self.setup.is_empty() && self.setup != frame;
         self.setup = frame;
         if is_other && !self.is_world {
-            let error = statement
-                .wrong("The set-up changes, and from which frame its points count is not said.");
-            return Err(error.hint("`TRNTYP/WORLD,0,0,0` says that all points count from one frame; or give each set-up a file of its own"));
+            let error = statement.wrong("The set-up changes, and from which frame its points count is not said.");
+            return Err(error.hint(
+                "`TRNTYP/WORLD,0,0,0` says that all points count from one frame; or give each set-up a file of its own",
+            ));
         }
         if is_other {
             self.builder.remark("set-up", "CSYS", statement.head.line_number(), Severity::Note, || {
@@ -73,8 +68,7 @@ impl State<'_, '_> {
 
     /// The axes of the points in those of the first frame.
     pub(super) fn axes(&self) -> UnitQuaternion<f64> {
-        self.frames
-            .map_or_else(UnitQuaternion::identity, |(_, frame)| frame.rotation)
+        self.frames.map_or_else(UnitQuaternion::identity, |(_, frame)| frame.rotation)
     }
 
     pub(super) fn turned(&self, axis: UnitVector3<f64>) -> UnitVector3<f64> {
@@ -86,8 +80,7 @@ impl State<'_, '_> {
         let line = statement.head.line_number();
         let count = statement.numbers.len();
         if count != 3 && count != 6 {
-            let message =
-                format!("A point has three numbers, or six with the tool axis; here are {count}.");
+            let message = format!("A point has three numbers, or six with the tool axis; here are {count}.");
             return Err(statement.wrong(message));
         }
         let position = self.point(statement, 0)?;
@@ -109,18 +102,11 @@ impl State<'_, '_> {
             self.divided(first, false, statement.head.position()..statement.end);
         }
         self.to(line, position);
-        let end = Number {
-            value: 0.0,
-            at: statement.end as u32,
-            length: 0,
-        };
+        let end = Number { value: 0.0, at: statement.end as u32, length: 0 };
         for component in 0..6 {
             let number = match statement.numbers.get(component) {
                 Some((_, number)) => *number,
-                None => Number {
-                    value: self.stated[component - 3],
-                    ..end
-                },
+                None => Number { value: self.stated[component - 3], ..end },
             };
             self.builder.number(0, component, number);
         }
@@ -142,8 +128,7 @@ impl State<'_, '_> {
         let rapid = std::mem::take(&mut self.rapid);
         let from = self.position.filter(|_| !rapid);
         self.arcs.goes_straight(from, position, self.builder);
-        self.builder
-            .point(line, &Place::Axis(position, self.axis), rapid);
+        self.builder.point(line, &Place::Axis(position, self.axis), rapid);
         self.position = Some(position);
     }
 }

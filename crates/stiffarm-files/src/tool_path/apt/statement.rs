@@ -48,14 +48,7 @@ pub(super) fn goes_on(rest: &str) -> bool {
 
 impl<'a> Statement<'a> {
     pub fn new(head: Cursor<'a>, word: Cow<'a, str>, weight: Option<Weight>) -> Self {
-        Statement {
-            head,
-            word,
-            weight,
-            numbers: Vec::with_capacity(6),
-            words: Vec::new(),
-            end: 0,
-        }
+        Statement { head, word, weight, numbers: Vec::with_capacity(6), words: Vec::new(), end: 0 }
     }
 
     /// Takes numbers and words with commas between them; true where the next line goes on.

@@ -30,19 +30,10 @@ pub(super) enum Weight {
 
 /// The words of ISO 4343, and those that NX, CATIA, Creo, CAMWorks and Mastercam write besides.
 const WORDS: &[(Weight, &str)] = &[
-    (
-        Weight::Numbers,
-        "GOTO FROM GODLTA GOHOME CIRCLE MSYS CSYS TLAXIS INDIRV INDIRP",
-    ),
+    (Weight::Numbers, "GOTO FROM GODLTA GOHOME CIRCLE MSYS CSYS TLAXIS INDIRV INDIRP"),
     (Weight::Nested, "TLON GOFWD"),
-    (
-        Weight::Words,
-        "RAPID UNITS UNIT CUTCOM TLCOMP CYCLE TRNTYP FINI",
-    ),
-    (
-        Weight::Text,
-        "PPRINT REMARK PARTNO TPRINT SPRINT DISPLY LETTER TITLE OPNAME",
-    ),
+    (Weight::Words, "RAPID UNITS UNIT CUTCOM TLCOMP CYCLE TRNTYP FINI"),
+    (Weight::Text, "PPRINT REMARK PARTNO TPRINT SPRINT DISPLY LETTER TITLE OPNAME"),
     (Weight::Raw, "INSERT"),
     (
         Weight::Quiet,
@@ -59,10 +50,7 @@ const WORDS: &[(Weight, &str)] = &[
     ),
     (Weight::Away, "RETRCT PLUNGE"),
     (
-        Weight::Said(
-            Severity::Caution,
-            "calls a subprogram of the machine: what moves there is not read.",
-        ),
+        Weight::Said(Severity::Caution, "calls a subprogram of the machine: what moves there is not read."),
         "CALSUB CALLSUB",
     ),
     (
@@ -72,35 +60,21 @@ const WORDS: &[(Weight, &str)] = &[
         ),
         "SWITCH",
     ),
-    (
-        Weight::Said(
-            Severity::Caution,
-            "sets a function of the machine, and is not followed here.",
-        ),
-        "PREFUN TRAFO",
-    ),
+    (Weight::Said(Severity::Caution, "sets a function of the machine, and is not followed here."), "PREFUN TRAFO"),
 ];
 
 /// The table by its words.
 pub(super) fn weights() -> HashMap<&'static str, Weight> {
     let each = |(weight, words): &(Weight, &'static str)| {
         let weight = *weight;
-        words
-            .split_whitespace()
-            .map(move |word| (word, weight))
-            .collect::<Vec<_>>()
+        words.split_whitespace().map(move |word| (word, weight)).collect::<Vec<_>>()
     };
     WORDS.iter().flat_map(each).collect()
 }
 
 /// Names of units; true for inches.
-const UNITS: &[(bool, &str)] = &[
-    (true, "INCH INCHES IN IPM IPR"),
-    (
-        false,
-        "MM MMS MILLIMETER MILLIMETERS MILLIMETRE METRIC MMPM MMPR",
-    ),
-];
+const UNITS: &[(bool, &str)] =
+    &[(true, "INCH INCHES IN IPM IPR"), (false, "MM MMS MILLIMETER MILLIMETERS MILLIMETRE METRIC MMPM MMPR")];
 
 /// Whether a word stands for inches, if it is one of a unit.
 pub(super) fn is_inch(word: &str) -> Option<bool> {
@@ -117,10 +91,7 @@ pub(super) fn unit_of_feeds(file: &ProgramFile) -> Option<[Option<usize>; 2]> {
         if !line.starts_with(['U', 'u', 'F', 'f', 'M', 'm']) {
             continue;
         }
-        let begins = |word: &str| {
-            line.get(..word.len())
-                .is_some_and(|head| head.eq_ignore_ascii_case(word))
-        };
+        let begins = |word: &str| line.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word));
         if begins("UNIT") {
             return None;
         } else if begins("FEDRAT") || begins("MODE") {
@@ -137,8 +108,7 @@ pub(super) fn unit_of_feeds(file: &ProgramFile) -> Option<[Option<usize>; 2]> {
 /// The words of the rest of a line, in capitals.
 fn words(rest: &str) -> impl Iterator<Item = String> {
     let rest = rest.split('$').next().unwrap_or_default();
-    rest.split([',', '/'])
-        .map(|word| word.trim().to_ascii_uppercase())
+    rest.split([',', '/']).map(|word| word.trim().to_ascii_uppercase())
 }
 
 /// Whether raw text has G-words.
@@ -177,13 +147,7 @@ pub(super) fn feed(rest: &str, line: usize, builder: &mut Builder<'_>) {
         }
         is_per_turn |= matches!(word.as_str(), "MMPR" | "IPR" | "PERREV");
     }
-    builder.feed = number.map(|own| {
-        if is_per_turn {
-            Feed::Turn(own * unit)
-        } else {
-            Feed::Second(own * unit / 60.0)
-        }
-    });
+    builder.feed = number.map(|own| if is_per_turn { Feed::Turn(own * unit) } else { Feed::Second(own * unit / 60.0) });
 }
 
 /// `SPINDL/RPM,6000,CLW`, in any order; without a number the speed is as before, that of a cutting edge is none.

@@ -23,9 +23,7 @@ impl State<'_, '_> {
         normal[self.plane] = if is_left { 1.0 } else { -1.0 };
         let normal = UnitVector3::new_unchecked(normal);
         let turns = self.turns(block)?;
-        let about = |centre| {
-            Circle::about(centre, normal, start, end).map(|circle| circle.with_turns(turns))
-        };
+        let about = |centre| Circle::about(centre, normal, start, end).map(|circle| circle.with_turns(turns));
         if let Some(radius) = block.word(b'R') {
             let across = (end - start) - normal.as_ref() * normal.dot(&(end - start));
             let (half, r) = (0.5 * across.norm(), radius.number.value * unit);
@@ -41,12 +39,7 @@ impl State<'_, '_> {
         let mut is_stated = false;
         for (axis, letter) in (b'I'..=b'K').enumerate() {
             if let Some(value) = block.value(letter) {
-                centre[axis] = value * unit
-                    + if self.centres_absolute {
-                        0.0
-                    } else {
-                        start[axis]
-                    };
+                centre[axis] = value * unit + if self.centres_absolute { 0.0 } else { start[axis] };
                 is_stated = true;
             }
         }

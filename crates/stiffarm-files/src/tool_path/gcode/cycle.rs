@@ -33,21 +33,13 @@ pub struct Cycle {
 impl Cycle {
     /// The cycle is over: what it kept is gone.
     pub fn end(&mut self) {
-        *self = Cycle {
-            back_to_start: self.back_to_start,
-            ..Cycle::default()
-        };
+        *self = Cycle { back_to_start: self.back_to_start, ..Cycle::default() };
     }
 }
 
 impl State<'_, '_> {
     /// The moves of a block of a drilling cycle.
-    pub(super) fn drill(
-        &mut self,
-        block: &Block<'_, '_>,
-        drill: Drill,
-        last: &Word<'_>,
-    ) -> Result<()> {
+    pub(super) fn drill(&mut self, block: &Block<'_, '_>, drill: Drill, last: &Word<'_>) -> Result<()> {
         let line = last.place.line_number();
         let wrong = |message: &str| Err(last.place.wrong(message));
         if self.plane != 2 || self.feeds == Feeds::Inverse {
@@ -55,11 +47,7 @@ impl State<'_, '_> {
                 "Drilling is read here along Z (G17), and not with a feed that is the inverse of a time (G93).",
             );
         }
-        if block
-            .words
-            .iter()
-            .any(|word| word.axis().is_some_and(|axis| axis > 2))
-        {
+        if block.words.iter().any(|word| word.axis().is_some_and(|axis| axis > 2)) {
             return wrong("The tool turns within a drilling cycle.");
         }
         // FANUC counts with K.
@@ -79,36 +67,23 @@ impl State<'_, '_> {
         let stated = [b'X', b'Y'].map(|letter| block.value(letter));
         let Some(mut at) = known(&self.position) else {
             self.unknown(line);
-            let over = [0, 1].map(|axis| {
-                stated[axis].map_or(self.position[axis], |value| {
-                    self.moved(self.position[axis], value)
-                })
-            });
+            let over = [0, 1]
+                .map(|axis| stated[axis].map_or(self.position[axis], |value| self.moved(self.position[axis], value)));
             self.position = [over[0], over[1], None];
             return Ok(());
         };
         self.keeps_steps(line);
         let start = *self.cycle.start.get_or_insert(at.z);
-        let (r, bottom) = if self.steps {
-            (start + r, start + r + z)
-        } else {
-            (r, z)
-        };
+        let (r, bottom) = if self.steps { (start + r, start + r + z) } else { (r, z) };
         if r < bottom {
             return wrong("R lies below Z: the cycle would drill upwards.");
         }
         if self.cycle.back_to_start.is_none() && start > r {
-            self.builder
-                .remark("cycle-height", "", line, Severity::Caution, || {
-                    "Neither G98 nor G99 says how far cycles come out ({}): it is read as to R."
-                        .to_string()
-                });
+            self.builder.remark("cycle-height", "", line, Severity::Caution, || {
+                "Neither G98 nor G99 says how far cycles come out ({}): it is read as to R.".to_string()
+            });
         }
-        let clear = if self.cycle.back_to_start == Some(true) {
-            start.max(r)
-        } else {
-            r
-        };
+        let clear = if self.cycle.back_to_start == Some(true) { start.max(r) } else { r };
         let depths = self.depths(drill, (r, bottom), last)?;
         if depths.len() as f64 * repeats > MOST_MOVES {
             return wrong("The cycle has more than 100 000 steps.");
@@ -164,9 +139,7 @@ impl State<'_, '_> {
             return Ok(vec![bottom]);
         }
         let Some(step) = self.cycle.q.filter(|step| *step > 0.0) else {
-            return Err(last
-                .place
-                .wrong("This cycle goes in steps of Q, which must be above 0."));
+            return Err(last.place.wrong("This cycle goes in steps of Q, which must be above 0."));
         };
         if (r - bottom) / step > MOST_MOVES {
             return Err(last.place.wrong("The cycle has more than 100 000 steps."));

@@ -70,9 +70,7 @@ impl State<'_, '_> {
         let frame = self.builder.form.frame.inverse();
         let unit = self.builder.form.unit;
         let place = |point: &PathPoint| match &point.target {
-            PathTarget::Axis { position, .. } => {
-                (frame.rotation * position + frame.translation.vector) / unit
-            }
+            PathTarget::Axis { position, .. } => (frame.rotation * position + frame.translation.vector) / unit,
             _ => Vector3::zeros(),
         };
         let cutting = self.builder.points.iter().filter(|point| !point.rapid);
@@ -119,12 +117,6 @@ impl State<'_, '_> {
             span.x, span.y, span.z, clues.feed
         );
         let line = self.builder.points.iter().find_map(|point| point.line);
-        self.builder.remark(
-            "maybe-inches",
-            "",
-            line.unwrap_or(1),
-            Severity::Caution,
-            || sentence,
-        );
+        self.builder.remark("maybe-inches", "", line.unwrap_or(1), Severity::Caution, || sentence);
     }
 }

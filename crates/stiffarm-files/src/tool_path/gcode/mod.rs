@@ -89,12 +89,9 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
             let behind = line.line_number();
             let is_comment = |c: char| matches!(c, '%' | ';' | '(');
             if !line.rest().trim_start().starts_with(is_comment) {
-                let remark =
-                    "What stands behind the end of the program ({}) is not driven, and not read.";
+                let remark = "What stands behind the end of the program ({}) is not driven, and not read.";
                 let builder = &mut state.builder;
-                builder.remark("behind-the-end", "", behind, Severity::Caution, || {
-                    remark.to_string()
-                });
+                builder.remark("behind-the-end", "", behind, Severity::Caution, || remark.to_string());
                 break;
             }
             continue;
@@ -108,11 +105,7 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
             let name = beside.comments.trim_matches(comment);
             state.builder.named(name, line.line_number());
         }
-        let block = Block {
-            words: &words,
-            beside: &beside,
-            file,
-        };
+        let block = Block { words: &words, beside: &beside, file };
         has_ended = state.block(&block)? || beside.is_mark && has_begun;
         has_begun = true;
     }
@@ -157,9 +150,7 @@ impl State<'_, '_> {
             return Ok(fate.ends);
         }
         let is_target = |word: &&Word<'_>| {
-            word.axis().is_some()
-                || axis_component(word, self.vectors).is_some()
-                || matches!(word.letter, b'I'..=b'K')
+            word.axis().is_some() || axis_component(word, self.vectors).is_some() || matches!(word.letter, b'I'..=b'K')
         };
         let moving = block.words.iter().filter(is_target);
         let last = moving.max_by_key(|word| word.end);
@@ -169,10 +160,9 @@ impl State<'_, '_> {
             let is_alone = (0..6).all(|axis| !named(axis));
             if let Some(word) = block.words.iter().find(|word| word.letter == b'G') {
                 let line = word.place.line_number();
-                self.builder
-                    .remark("machine-place", "", line, Severity::Note, || {
-                        "Moves to places of the machine ({}) are no part of the path.".to_string()
-                    });
+                self.builder.remark("machine-place", "", line, Severity::Note, || {
+                    "Moves to places of the machine ({}) are no part of the path.".to_string()
+                });
             }
             for axis in (0..3).filter(|axis| named(*axis) || is_alone && !fate.stays_without_axes) {
                 self.position[axis] = None;
@@ -216,10 +206,9 @@ impl State<'_, '_> {
         });
         match mode {
             Mode::Unfollowed => {
-                self.builder
-                    .remark("cycle", "", line, Severity::Caution, || {
-                        "Some cycles ({}) are not followed: their points are left out.".to_string()
-                    });
+                self.builder.remark("cycle", "", line, Severity::Caution, || {
+                    "Some cycles ({}) are not followed: their points are left out.".to_string()
+                });
                 self.position = [None; 3];
                 return Ok(());
             }
@@ -264,15 +253,14 @@ impl State<'_, '_> {
             return Err(last.place.wrong("An arc needs a point that it begins at."));
         };
         let Some(circle) = self.circle(block, start, end * unit, is_left)? else {
-            return Err(last.place.wrong(
-                "This is no arc: its end is not on the circle about its centre through the point before.",
-            ));
+            return Err(last
+                .place
+                .wrong("This is no arc: its end is not on the circle about its centre through the point before."));
         };
         self.inverse(block, Some(circle.length()));
         let from = Place::Axis(start, before);
         for (share, point) in circle.points() {
-            self.builder
-                .point(line, &from.towards(&place, share, point), false);
+            self.builder.point(line, &from.towards(&place, share, point), false);
         }
         let points = first..self.builder.points.len();
         self.pieces(block, points, true, Default::default());
@@ -281,18 +269,13 @@ impl State<'_, '_> {
 
     /// What a word makes of a coordinate.
     fn moved(&self, from: Option<f64>, value: f64) -> Option<f64> {
-        if self.steps {
-            from.map(|from| from + value)
-        } else {
-            Some(value)
-        }
+        if self.steps { from.map(|from| from + value) } else { Some(value) }
     }
 
     fn unknown(&mut self, line: usize) {
-        self.builder
-            .remark("position-unknown", "", line, Severity::Caution, || {
-                "Moves at feed before x, y and z are all known ({}) are left out.".to_string()
-            });
+        self.builder.remark("position-unknown", "", line, Severity::Caution, || {
+            "Moves at feed before x, y and z are all known ({}) are left out.".to_string()
+        });
     }
 
     /// A point that is a step from another cannot be written.

@@ -70,15 +70,11 @@ impl State<'_, '_> {
                 }
                 Effect::EndsCycle => {
                     self.cycle.end();
-                    self.mode = self
-                        .mode
-                        .filter(|mode| !matches!(mode, Mode::Drill(_) | Mode::Unfollowed));
+                    self.mode = self.mode.filter(|mode| !matches!(mode, Mode::Drill(_) | Mode::Unfollowed));
                 }
                 Effect::Plane(plane) => self.plane = plane,
                 Effect::Inches(_) if block.word(b'Q').is_some() => {
-                    return Err(
-                        block.refused(word, "with Q is a cycle of a lathe, and is not read here.")
-                    );
+                    return Err(block.refused(word, "with Q is a cycle of a lathe, and is not read here."));
                 }
                 Effect::Inches(inches) => {
                     self.clues.is_stated = true;
@@ -111,13 +107,9 @@ impl State<'_, '_> {
                 Effect::Dwells => {
                     fate.dwells = true;
                     fate.takes_axes = goes && block.word(b'P').is_none();
-                    let more = block
-                        .words
-                        .iter()
-                        .find(|word| !matches!(word.axis(), None | Some(0)));
+                    let more = block.words.iter().find(|word| !matches!(word.axis(), None | Some(0)));
                     if let Some(more) = more.filter(|_| fate.takes_axes) {
-                        let why =
-                            "stands beside a waiting time: X alone is one, P lets the block move.";
+                        let why = "stands beside a waiting time: X alone is one, P lets the block move.";
                         return Err(block.refused(more, why));
                     }
                 }
@@ -148,16 +140,8 @@ impl State<'_, '_> {
             return Ok(());
         };
         let is_shift = matches!(code, 58.0 | 59.0)
-            && !block
-                .words
-                .iter()
-                .any(|word| word.letter == b'G' && word.number.value != code);
-        if let Some(axis) = block
-            .words
-            .iter()
-            .find(|word| word.axis().is_some())
-            .filter(|_| is_shift)
-        {
+            && !block.words.iter().any(|word| word.letter == b'G' && word.number.value != code);
+        if let Some(axis) = block.words.iter().find(|word| word.axis().is_some()).filter(|_| is_shift) {
             let why = "is a shift of the frame on Siemens controls and a point on others: put the offset into a block of its own.";
             return Err(block.refused(axis, why));
         }
@@ -184,20 +168,12 @@ impl State<'_, '_> {
             effects().any(|effect| {
                 !matches!(
                     effect,
-                    Some(
-                        Effect::Moves(_)
-                            | Effect::Steps(_)
-                            | Effect::Plane(_)
-                            | Effect::Feeds(_)
-                            | Effect::Inches(_)
-                    )
+                    Some(Effect::Moves(_) | Effect::Steps(_) | Effect::Plane(_) | Effect::Feeds(_) | Effect::Inches(_))
                 )
             })
         };
         // What a block without a point may say to its other words.
-        let is_loose = || {
-            effects().any(|effect| effect == Some(Effect::TakesAxes)) || !goes && takes_numbers()
-        };
+        let is_loose = || effects().any(|effect| effect == Some(Effect::TakesAxes)) || !goes && takes_numbers();
         let is_straight = matches!(self.mode, None | Some(Mode::Rapid | Mode::Feed));
         let is_drilling = matches!(self.mode, Some(Mode::Drill(_) | Mode::Unfollowed));
         // A bit for each letter that is in the block.
@@ -225,26 +201,19 @@ impl State<'_, '_> {
                 (b'X'..=b'Z' | b'A'..=b'C' | b'I'..=b'K', 1..) => {
                     "is a word of Siemens controls that is not read here."
                 }
-                (b'L', _) if !(takes_numbers() || is_drilling && goes) => {
-                    "calls a subprogram, and is not read here."
-                }
-                (b'I'..=b'K', _) if is_straight && !self.vectors && !is_loose() => {
-                    "has no arc to belong to."
-                }
+                (b'L', _) if !(takes_numbers() || is_drilling && goes) => "calls a subprogram, and is not read here.",
+                (b'I'..=b'K', _) if is_straight && !self.vectors && !is_loose() => "has no arc to belong to.",
                 (b'I'..=b'K', _) if matches!(self.mode, Some(Mode::Arc { .. })) && self.vectors => {
                     "is the tool axis or a centre here (G43.5): state arcs by R, or as straight moves."
                 }
                 (b'R', _) if is_straight && !is_loose() => "has no arc or cycle to belong to.",
-                (b'P' | b'Q', _) if is_straight && goes && !takes_numbers() => {
-                    "has no word to belong to."
-                }
+                (b'P' | b'Q', _) if is_straight && goes && !takes_numbers() => "has no word to belong to.",
                 (b'R' | b'Q' | b'K', _) if is_drilling && !goes => {
                     "changes a cycle in a block without a point, and is not read here."
                 }
                 (b'E', _) => {
                     let line = word.place.line_number();
-                    self.builder
-                        .not_followed("The axis E", line, Severity::Note);
+                    self.builder.not_followed("The axis E", line, Severity::Note);
                     continue;
                 }
                 _ => continue,

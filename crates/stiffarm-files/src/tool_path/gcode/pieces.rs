@@ -22,9 +22,7 @@ impl State<'_, '_> {
         let is_kept = |word: &Word<'_>| match word.letter {
             b'N' | b'X'..=b'Z' | b'I'..=b'K' | b'R' => false,
             b'A'..=b'C' => word.index != 3,
-            b'G' => !word
-                .row
-                .is_some_and(|row| matches!(row.effect, Effect::Moves(_))),
+            b'G' => !word.row.is_some_and(|row| matches!(row.effect, Effect::Moves(_))),
             b'F' => !is_inverse,
             b'P' | b'Q' | b'L' => matches!(self.mode, Some(Mode::Rapid | Mode::Feed)),
             0 => !word.is(Effect::Turns),
@@ -32,9 +30,7 @@ impl State<'_, '_> {
         };
         // What stops or ends does so behind the move, and G9 at its end.
         let is_last = |word: &Word<'_>| {
-            word.is(Effect::Stops)
-                || word.is(Effect::Ends)
-                || word.letter == b'G' && word.number.value == 9.0
+            word.is(Effect::Stops) || word.is(Effect::Ends) || word.letter == b'G' && word.number.value == 9.0
         };
         let (mut end, mut last) = (String::new(), String::new());
         for word in words.iter().filter(|word| is_kept(word)) {
@@ -50,9 +46,7 @@ impl State<'_, '_> {
             points,
             is_whole,
             text: begins..ends,
-            first: block
-                .word(b'N')
-                .map_or_else(String::new, |word| format!("{} ", word.text(text))),
+            first: block.word(b'N').map_or_else(String::new, |word| format!("{} ", word.text(text))),
             others: if block.beside.is_optional { "/" } else { "" },
             begin: "G1".to_string(),
             begin_rapid: "G0",

@@ -7,10 +7,7 @@ use std::collections::HashMap;
 use std::sync::LazyLock;
 
 /// The rows of G-words and of M-words by their numbers, and of other words by their names.
-type Index = (
-    [Vec<Option<&'static Row>>; 2],
-    HashMap<&'static str, &'static Row>,
-);
+type Index = ([Vec<Option<&'static Row>>; 2], HashMap<&'static str, &'static Row>);
 
 static INDEX: LazyLock<Index> = LazyLock::new(|| {
     let (mut numbered, mut named) = ([Vec::new(), Vec::new()], HashMap::new());
@@ -89,11 +86,7 @@ pub fn page() -> String {
         page += &format!("\n## {name}\n\n| words | what they do |\n|:--|:--|\n");
         for row in ROWS.iter().filter(|row| group(row.effect) == name) {
             let words: Vec<&str> = row.words.split_whitespace().collect();
-            page += &format!(
-                "| {} | {} |\n",
-                words.join(" ").replace('-', " to "),
-                row.does
-            );
+            page += &format!("| {} | {} |\n", words.join(" ").replace('-', " to "), row.does);
         }
     }
     page

@@ -12,9 +12,7 @@ impl State<'_, '_> {
     /// Takes the tool axis.
     pub(super) fn turn(&mut self, words: &[Word<'_>], mode: Mode) -> Result<()> {
         let vectors = self.vectors && matches!(mode, Mode::Rapid | Mode::Feed);
-        let vector = words
-            .iter()
-            .filter_map(|word| Some((axis_component(word, vectors)?, word)));
+        let vector = words.iter().filter_map(|word| Some((axis_component(word, vectors)?, word)));
         let vector: Vec<(usize, &Word<'_>)> = vector.collect();
         if let Some((_, first)) = vector.first() {
             let mut axis = Vector3::zeros();
@@ -34,16 +32,12 @@ impl State<'_, '_> {
                 continue;
             };
             let value = word.number.value;
-            let own = self
-                .moved(Some(self.rotary[axis - 3]), value)
-                .unwrap_or(value);
+            let own = self.moved(Some(self.rotary[axis - 3]), value).unwrap_or(value);
             let work = &self.builder.cell.work;
             let is_known = work.rotary.iter().any(|axis| axis.letter() == word.letter);
             if !is_known && own != 0.0 {
                 let letter = char::from(word.letter);
-                let message = format!(
-                    "The rotary axis {letter} turns, and nothing says how it carries the tool."
-                );
+                let message = format!("The rotary axis {letter} turns, and nothing says how it carries the tool.");
                 return Err(word.place.wrong(message).hint(
                     "say so in [work] of the cell, in the order in which the axes carry each other, from the workpiece to the \
                      tool, with - where they carry the workpiece: rotary_axes = [\"C\", \"A\"] for a head whose C carries \
@@ -61,9 +55,7 @@ impl State<'_, '_> {
     /// The places of the numbers of the point given last; what is left out would stand at `end`.
     pub(super) fn slots(&mut self, words: &[Word<'_>], end: usize) {
         // Of an axis that is stated, components that are left out are zero.
-        let has_axis = words
-            .iter()
-            .any(|word| axis_component(word, self.vectors).is_some());
+        let has_axis = words.iter().any(|word| axis_component(word, self.vectors).is_some());
         for component in 0..6 {
             let word = words.iter().find(|word| match component {
                 0..3 => word.axis() == Some(component),
@@ -82,9 +74,5 @@ impl State<'_, '_> {
 
 /// The number of a word, for what has none.
 fn left_out(value: f64, at: usize) -> Number {
-    Number {
-        value,
-        at: at as u32,
-        length: 0,
-    }
+    Number { value, at: at as u32, length: 0 }
 }

@@ -58,19 +58,13 @@ pub struct Beside {
 }
 
 /// The words of a block, and what stands beside them.
-pub fn words_of<'a>(
-    line: &mut Cursor<'a>,
-    builder: &mut Builder<'_>,
-    words: &mut Vec<Word<'a>>,
-) -> Result<Beside> {
+pub fn words_of<'a>(line: &mut Cursor<'a>, builder: &mut Builder<'_>, words: &mut Vec<Word<'a>>) -> Result<Beside> {
     let number = line.line_number();
     let mut beside = Beside::default();
     if line.passes("/") {
         beside.is_optional = true;
         // The number of the switch.
-        line.skip(usize::from(
-            line.rest().starts_with(|c: char| c.is_ascii_digit()),
-        ));
+        line.skip(usize::from(line.rest().starts_with(|c: char| c.is_ascii_digit())));
         builder.remark("optional-blocks", "", number, Severity::Note, || {
             "Blocks that may be left out (/, {}) are read as if they are not.".to_string()
         });
@@ -143,11 +137,7 @@ fn named<'a>(line: &mut Cursor<'a>) -> Result<Word<'a>> {
     Ok(Word {
         letter: 0,
         index: 0,
-        number: Number {
-            value: value.unwrap_or(f64::NAN),
-            at: place.position() as u32,
-            length: 0,
-        },
+        number: Number { value: value.unwrap_or(f64::NAN), at: place.position() as u32, length: 0 },
         place,
         end,
         row,
@@ -158,8 +148,7 @@ fn named<'a>(line: &mut Cursor<'a>) -> Result<Word<'a>> {
 /// Whether the radius of an arc stands here: `CR=`.
 fn is_radius(rest: &str) -> bool {
     let name = rest.get(..2);
-    name.is_some_and(|name| name.eq_ignore_ascii_case("CR"))
-        && rest[2..].trim_start().starts_with('=')
+    name.is_some_and(|name| name.eq_ignore_ascii_case("CR")) && rest[2..].trim_start().starts_with('=')
 }
 
 /// Passes `[…]`, `(…)` or `= …` behind a name; true where there is anything in it.
@@ -296,20 +285,14 @@ fn word<'a>(line: &mut Cursor<'a>) -> Result<Option<Word<'a>>> {
 fn number(line: &mut Cursor<'_>) -> Result<Number> {
     let at = line.position();
     let rest = line.rest();
-    let is_none = |(i, c): (usize, char)| {
-        !(c.is_ascii_digit() || c == '.' || i == 0 && matches!(c, '+' | '-'))
-    };
+    let is_none = |(i, c): (usize, char)| !(c.is_ascii_digit() || c == '.' || i == 0 && matches!(c, '+' | '-'));
     let end = rest.char_indices().find(|next| is_none(*next));
     let length = end.map_or(rest.len(), |(at, _)| at);
     let Ok(value) = rest[..length].parse::<f64>() else {
         return Err(line.wrong("A number is missing here."));
     };
     line.skip(length);
-    Ok(Number {
-        value,
-        at: at as u32,
-        length: length as u32,
-    })
+    Ok(Number { value, at: at as u32, length: length as u32 })
 }
 
 fn calculated(line: &Cursor<'_>) -> stiffarm::Error {

@@ -22,13 +22,7 @@ struct Slot {
 }
 
 /// Draws all bars and boxes of a panel.
-pub(super) fn draw(
-    canvas: &mut Canvas,
-    frame: &Frame,
-    panel: &Panel,
-    looks: &Looks,
-    trace: &mut Trace,
-) {
+pub(super) fn draw(canvas: &mut Canvas, frame: &Frame, panel: &Panel, looks: &Looks, trace: &mut Trace) {
     for (series, slot) in slots(frame, panel) {
         let look = looks.look(&series.label, series.style);
         let (points, _) = data::points(series, frame.x.kind, frame.y.kind);
@@ -44,19 +38,12 @@ pub(super) fn draw(
 
 /// Series of bars and boxes with their room.
 fn slots<'a>(frame: &Frame, panel: &'a Panel) -> Vec<(&'a Series, Slot)> {
-    let chosen: Vec<&Series> = panel
-        .series
-        .iter()
-        .filter(|s| matches!(s.style, Style::Bars | Style::Box))
-        .collect();
+    let chosen: Vec<&Series> = panel.series.iter().filter(|s| matches!(s.style, Style::Bars | Style::Box)).collect();
     let step = spacing(frame, &chosen);
     let count = chosen.len().max(1) as f64;
     let pitch = (FILLED * step / count).min(WIDEST);
     let slots = chosen.iter().enumerate().map(|(i, series)| {
-        let slot = Slot {
-            offset: (i as f64 - 0.5 * (count - 1.0)) * pitch,
-            width: 0.88 * pitch,
-        };
+        let slot = Slot { offset: (i as f64 - 0.5 * (count - 1.0)) * pitch, width: 0.88 * pitch };
         (*series, slot)
     });
     slots.collect()
@@ -86,10 +73,7 @@ fn bar(frame: &Frame, d: &Datum, slot: Slot) -> Rect {
             (half, at + half, at - half)
         }
     };
-    Rect::spanning(
-        frame.area.clamp((centre - half, base)),
-        frame.area.clamp((centre + half, top)),
-    )
+    Rect::spanning(frame.area.clamp((centre - half, base)), frame.area.clamp((centre + half, top)))
 }
 
 /// Smallest distance in pixels between two positions in use.
@@ -104,22 +88,11 @@ fn spacing(frame: &Frame, chosen: &[&Series]) -> f64 {
         .map(|d| frame.px(d.x))
         .collect();
     places.sort_by(f64::total_cmp);
-    let closest = places
-        .windows(2)
-        .map(|p| p[1] - p[0])
-        .filter(|d| *d > 0.5)
-        .fold(f64::INFINITY, f64::min);
+    let closest = places.windows(2).map(|p| p[1] - p[0]).filter(|d| *d > 0.5).fold(f64::INFINITY, f64::min);
     closest.min(0.25 * frame.area.w)
 }
 
-fn bars(
-    canvas: &mut Canvas,
-    frame: &Frame,
-    points: &[Option<Datum>],
-    look: Look,
-    slot: Slot,
-    trace: &mut Trace,
-) {
+fn bars(canvas: &mut Canvas, frame: &Frame, points: &[Option<Datum>], look: Look, slot: Slot, trace: &mut Trace) {
     for d in points.iter().flatten() {
         let centre = frame.px(d.x) + slot.offset;
         let top = frame.py(d.y);
@@ -140,23 +113,13 @@ fn bars(
     }
 }
 
-fn boxes(
-    canvas: &mut Canvas,
-    frame: &Frame,
-    points: &[Option<Datum>],
-    look: Look,
-    slot: Slot,
-    trace: &mut Trace,
-) {
+fn boxes(canvas: &mut Canvas, frame: &Frame, points: &[Option<Datum>], look: Look, slot: Slot, trace: &mut Trace) {
     let half = 0.5 * slot.width;
     for (x, values) in data::samples(points) {
         let centre = frame.px(x) + slot.offset;
         let at = |p: f64| frame.py(data::quantile(&values, p));
         let [low, first, median, third, high] = [0.05, 0.25, 0.5, 0.75, 0.95].map(at);
-        let body = Rect::spanning(
-            frame.area.clamp((centre - half, first)),
-            frame.area.clamp((centre + half, third)),
-        );
+        let body = Rect::spanning(frame.area.clamp((centre - half, first)), frame.area.clamp((centre + half, third)));
         let stem = Stroke::solid(look.colour, 1.2);
         let cap = 0.5 * half;
         let whiskers = [
@@ -165,11 +128,8 @@ fn boxes(
             ((centre - cap, low), (centre + cap, low)),
             ((centre - cap, high), (centre + cap, high)),
         ];
-        let seen: Vec<Vec<Point>> = whiskers
-            .iter()
-            .filter_map(|(a, b)| frame.area.clip(*a, *b))
-            .map(|(a, b)| vec![a, b])
-            .collect();
+        let seen: Vec<Vec<Point>> =
+            whiskers.iter().filter_map(|(a, b)| frame.area.clip(*a, *b)).map(|(a, b)| vec![a, b]).collect();
         look.area(canvas, body, true);
         canvas.path(&seen, stem);
 
@@ -184,10 +144,7 @@ fn boxes(
             }
         }
         canvas.dots(&dots, 2.6, look.colour, 0.45);
-        if let Some((a, b)) = frame
-            .area
-            .clip((centre - half, median), (centre + half, median))
-        {
+        if let Some((a, b)) = frame.area.clip((centre - half, median), (centre + half, median)) {
             canvas.line(a, b, Stroke::solid(INK, 2.0));
         }
     }

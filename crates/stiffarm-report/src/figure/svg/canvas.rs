@@ -18,11 +18,7 @@ pub(super) struct Stroke<'a> {
 
 impl<'a> Stroke<'a> {
     pub(super) fn solid(colour: &'a str, width: f64) -> Self {
-        Self {
-            colour,
-            width,
-            dash: "",
-        }
+        Self { colour, width, dash: "" }
     }
 }
 
@@ -46,12 +42,7 @@ pub(super) struct Font {
 
 impl Font {
     pub(super) fn new(size: f64, anchor: Anchor) -> Self {
-        Self {
-            size,
-            bold: false,
-            anchor,
-            turn: 0.0,
-        }
+        Self { size, bold: false, anchor, turn: 0.0 }
     }
 
     pub(super) fn bold(mut self) -> Self {
@@ -77,12 +68,7 @@ pub(super) struct Rect {
 impl Rect {
     /// The rectangle with these two opposite corners.
     pub(super) fn spanning(a: Point, b: Point) -> Self {
-        Self {
-            x: a.0.min(b.0),
-            y: a.1.min(b.1),
-            w: (a.0 - b.0).abs(),
-            h: (a.1 - b.1).abs(),
-        }
+        Self { x: a.0.min(b.0), y: a.1.min(b.1), w: (a.0 - b.0).abs(), h: (a.1 - b.1).abs() }
     }
 
     /// Whether `p` lies inside, give or take rounding.
@@ -96,10 +82,7 @@ impl Rect {
 
     /// The nearest point inside.
     pub(super) fn clamp(&self, p: Point) -> Point {
-        (
-            p.0.max(self.x).min(self.x + self.w),
-            p.1.max(self.y).min(self.y + self.h),
-        )
+        (p.0.max(self.x).min(self.x + self.w), p.1.max(self.y).min(self.y + self.h))
     }
 
     /// The part of the segment `a`–`b` inside (Liang–Barsky). Clipping here
@@ -108,12 +91,8 @@ impl Rect {
     pub(super) fn clip(&self, a: Point, b: Point) -> Option<(Point, Point)> {
         let (dx, dy) = (b.0 - a.0, b.1 - a.1);
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
-        let edges = [
-            (-dx, a.0 - self.x),
-            (dx, self.x + self.w - a.0),
-            (-dy, a.1 - self.y),
-            (dy, self.y + self.h - a.1),
-        ];
+        let edges =
+            [(-dx, a.0 - self.x), (dx, self.x + self.w - a.0), (-dy, a.1 - self.y), (dy, self.y + self.h - a.1)];
         for (step, room) in edges {
             if step == 0.0 {
                 if room < 0.0 {
@@ -141,10 +120,7 @@ pub(super) struct Canvas {
 impl Canvas {
     /// A picture that answers on a screen if `yes`.
     pub(super) fn answering(yes: bool) -> Self {
-        Canvas {
-            answers: yes,
-            ..Canvas::default()
-        }
+        Canvas { answers: yes, ..Canvas::default() }
     }
 
     /// True on a screen.
@@ -254,10 +230,7 @@ impl Canvas {
         for (i, p) in corners.iter().enumerate() {
             push(&mut data, if i == 0 { 'M' } else { 'L' }, *p);
         }
-        self.raw(&format!(
-            r#"<path d="{data}Z" fill="{fill}" fill-opacity="{}"/>"#,
-            num(opacity)
-        ));
+        self.raw(&format!(r#"<path d="{data}Z" fill="{fill}" fill-opacity="{}"/>"#, num(opacity)));
     }
 
     /// A closed shape that what lies behind it shows through.
@@ -308,9 +281,7 @@ impl Canvas {
             let _ = write!(data, "H{right}V{bottom}H{}Z", num(r.x));
         }
         if !data.is_empty() {
-            self.raw(&format!(
-                r#"<path d="{data}" fill="{fill}" shape-rendering="crispEdges"/>"#
-            ));
+            self.raw(&format!(r#"<path d="{data}" fill="{fill}" shape-rendering="crispEdges"/>"#));
         }
     }
 
@@ -352,10 +323,7 @@ impl Canvas {
             Anchor::End => "end",
         };
         let (x, y) = (num(at.0), num(at.1));
-        let mut markup = format!(
-            r#"<text x="{x}" y="{y}" font-size="{}" text-anchor="{anchor}""#,
-            num(font.size)
-        );
+        let mut markup = format!(r#"<text x="{x}" y="{y}" font-size="{}" text-anchor="{anchor}""#, num(font.size));
         if font.bold {
             markup.push_str(r#" font-weight="bold""#);
         }
@@ -396,11 +364,7 @@ pub(super) fn num(value: f64) -> String {
     let value = if value.is_finite() { value } else { 0.0 };
     let text = format!("{:.2}", value.clamp(-1e6, 1e6));
     let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" {
-        "0".into()
-    } else {
-        text.into()
-    }
+    if text == "-0" { "0".into() } else { text.into() }
 }
 
 /// Text as XML content or attribute value. Characters XML cannot represent
@@ -454,20 +418,9 @@ mod tests {
 
     #[test]
     fn segments_are_clipped_at_the_frame() {
-        let frame = Rect {
-            x: 0.0,
-            y: 0.0,
-            w: 10.0,
-            h: 10.0,
-        };
-        assert_eq!(
-            frame.clip((-5.0, 5.0), (15.0, 5.0)),
-            Some(((0.0, 5.0), (10.0, 5.0)))
-        );
+        let frame = Rect { x: 0.0, y: 0.0, w: 10.0, h: 10.0 };
+        assert_eq!(frame.clip((-5.0, 5.0), (15.0, 5.0)), Some(((0.0, 5.0), (10.0, 5.0))));
         assert_eq!(frame.clip((-5.0, 5.0), (-1.0, 5.0)), None);
-        assert_eq!(
-            frame.clip((3.0, 3.0), (3.0, 3.0)),
-            Some(((3.0, 3.0), (3.0, 3.0)))
-        );
+        assert_eq!(frame.clip((3.0, 3.0), (3.0, 3.0)), Some(((3.0, 3.0), (3.0, 3.0))));
     }
 }

@@ -48,11 +48,7 @@ pub(super) fn points(series: &Series, x: Kind, y: Kind) -> (Vec<Option<Datum>>, 
             }
             let ends = ends_of(series, i, py);
             lost += usize::from(ends.is_none());
-            Some(Datum {
-                x: px,
-                y: py,
-                ends: ends.unwrap_or([py; 2]),
-            })
+            Some(Datum { x: px, y: py, ends: ends.unwrap_or([py; 2]) })
         })
         .collect();
     (points, lost)
@@ -96,12 +92,8 @@ pub(super) struct Coverage {
 impl Coverage {
     pub(super) fn of(panel: &Panel) -> Self {
         let (kx, ky) = (Kind::of(&panel.x), Kind::of(&panel.y));
-        let mut out = Self {
-            x: Vec::new(),
-            y: Vec::new(),
-            lost: 0,
-            bars: panel.series.iter().any(|s| s.style == Style::Bars),
-        };
+        let mut out =
+            Self { x: Vec::new(), y: Vec::new(), lost: 0, bars: panel.series.iter().any(|s| s.style == Style::Bars) };
         for series in &panel.series {
             let (points, lost) = points(series, kx, ky);
             out.lost += lost;
@@ -133,11 +125,7 @@ impl Coverage {
 }
 
 fn ends(values: &[f64]) -> (f64, f64) {
-    values
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| {
-            (lo.min(*v), hi.max(*v))
-        })
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(*v), hi.max(*v)))
 }
 
 #[cfg(test)]
@@ -147,13 +135,9 @@ mod tests {
 
     #[test]
     fn undrawable_values_are_counted() {
-        let series = Series::new(
-            "s",
-            Style::Line,
-            vec![1.0, 2.0, f64::NAN, 4.0, 5.0],
-            vec![1.0, -1.0, 1.0, f64::INFINITY],
-        )
-        .with_error(vec![f64::NAN, 0.1]);
+        let series =
+            Series::new("s", Style::Line, vec![1.0, 2.0, f64::NAN, 4.0, 5.0], vec![1.0, -1.0, 1.0, f64::INFINITY])
+                .with_error(vec![f64::NAN, 0.1]);
         let (kept, lost) = points(&series, Kind::Linear, Kind::Log);
         assert_eq!(kept.len(), 4);
         assert_eq!(kept.iter().flatten().count(), 1);
@@ -175,10 +159,7 @@ mod tests {
             "",
             Axis::default(),
             Axis::log("", ""),
-            vec![
-                Series::new("s", Style::Line, vec![1.0, 2.0], vec![10.0, 20.0])
-                    .with_error(vec![9.999, 5.0]),
-            ],
+            vec![Series::new("s", Style::Line, vec![1.0, 2.0], vec![10.0, 20.0]).with_error(vec![9.999, 5.0])],
         );
         let covered = Coverage::of(&panel);
         assert_eq!(covered.lost, 0);

@@ -17,10 +17,7 @@ pub(super) fn draw(canvas: &mut Canvas, frame: &Frame, panel: &Panel) {
         return;
     }
     for series in &panel.series {
-        let is_quiet = matches!(
-            series.style,
-            Style::Map | Style::Band | Style::Strokes | Style::Outline | Style::Box
-        );
+        let is_quiet = matches!(series.style, Style::Map | Style::Band | Style::Strokes | Style::Outline | Style::Box);
         if is_quiet || series.label.is_empty() {
             continue;
         }
@@ -39,12 +36,7 @@ fn points(canvas: &mut Canvas, frame: &Frame, panel: &Panel, series: &Series) {
     for d in points.iter().step_by(every).flatten() {
         let at = frame.place(d);
         if frame.area.contains(at) {
-            let around = Rect {
-                x: at.0 - REACH,
-                y: at.1 - REACH,
-                w: 2.0 * REACH,
-                h: 2.0 * REACH,
-            };
+            let around = Rect { x: at.0 - REACH, y: at.1 - REACH, w: 2.0 * REACH, h: 2.0 * REACH };
             canvas.hit(around, &words(panel, series, d));
         }
     }
@@ -53,11 +45,7 @@ fn points(canvas: &mut Canvas, frame: &Frame, panel: &Panel, series: &Series) {
 fn bars(canvas: &mut Canvas, frame: &Frame, panel: &Panel, series: &Series) {
     for (d, body) in columns(frame, panel, series) {
         // A low bar is as easy to meet as a high one.
-        let body = Rect {
-            y: frame.area.y,
-            h: frame.area.h,
-            ..body
-        };
+        let body = Rect { y: frame.area.y, h: frame.area.h, ..body };
         canvas.hit(body, &words(panel, series, &d));
     }
 }
@@ -72,17 +60,8 @@ fn words(panel: &Panel, series: &Series, d: &data::Datum) -> String {
         }
         [_, high] => format!(" ± {}", short(high - d.y)),
     };
-    let unit = if panel.y.unit.is_empty() {
-        String::new()
-    } else {
-        format!(" {}", panel.y.unit)
-    };
-    format!(
-        "{} · {}: {}{error}{unit}",
-        series.label,
-        place(&panel.x, d.x),
-        place(&panel.y, d.y)
-    )
+    let unit = if panel.y.unit.is_empty() { String::new() } else { format!(" {}", panel.y.unit) };
+    format!("{} · {}: {}{error}{unit}", series.label, place(&panel.x, d.x), place(&panel.y, d.y))
 }
 
 /// A coordinate: the name of its category, or a number, on the horizontal axis with its unit.

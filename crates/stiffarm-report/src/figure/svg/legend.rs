@@ -59,12 +59,7 @@ impl Legend {
             })
             .collect();
         let (places, height) = arrange(&lines, width);
-        Self {
-            entries,
-            lines,
-            places,
-            height,
-        }
+        Self { entries, lines, places, height }
     }
 
     pub(super) fn height(&self) -> f64 {
@@ -107,15 +102,9 @@ fn arrange(entries: &[Vec<String>], width: f64) -> (Vec<Point>, f64) {
         let widths = lines.iter().map(|l| text::width(l, SMALL));
         widths.fold(0.0, f64::max)
     };
-    let widths: Vec<f64> = entries
-        .iter()
-        .map(|lines| (KEY + KEY_GAP + long(lines)).min(room))
-        .collect();
+    let widths: Vec<f64> = entries.iter().map(|lines| (KEY + KEY_GAP + long(lines)).min(room)).collect();
     for rows in 1..=entries.len() {
-        let columns: Vec<f64> = widths
-            .chunks(rows)
-            .map(|column| column.iter().copied().fold(0.0, f64::max))
-            .collect();
+        let columns: Vec<f64> = widths.chunks(rows).map(|column| column.iter().copied().fold(0.0, f64::max)).collect();
         let total = columns.iter().sum::<f64>() + ENTRY_GAP * (columns.len() - 1) as f64;
         if total > room && columns.len() > 1 {
             continue;
@@ -145,11 +134,7 @@ fn sample(canvas: &mut Canvas, looks: &Looks, label: &str, style: Style, left: P
     let look = looks.look(label, style);
     let ends = [left, (left.0 + KEY, left.1)];
     let centre = (left.0 + 0.5 * KEY, left.1);
-    let line = |width| Stroke {
-        colour: look.colour,
-        width,
-        dash: look.dash,
-    };
+    let line = |width| Stroke { colour: look.colour, width, dash: look.dash };
     match style {
         Style::Line => {
             canvas.path(&[ends.to_vec()], line(1.5));
@@ -168,30 +153,15 @@ fn sample(canvas: &mut Canvas, looks: &Looks, label: &str, style: Style, left: P
             }
         }
         Style::Bars | Style::Box => {
-            let swatch = Rect {
-                x: left.0 + 4.0,
-                y: left.1 - 6.5,
-                w: KEY - 8.0,
-                h: 13.0,
-            };
+            let swatch = Rect { x: left.0 + 4.0, y: left.1 - 6.5, w: KEY - 8.0, h: 13.0 };
             look.area(canvas, swatch, style == Style::Box);
         }
         Style::Map => {
-            let swatch = Rect {
-                x: left.0 + 4.0,
-                y: left.1 - 6.5,
-                w: KEY - 8.0,
-                h: 13.0,
-            };
+            let swatch = Rect { x: left.0 + 4.0, y: left.1 - 6.5, w: KEY - 8.0, h: 13.0 };
             map::missing(canvas, swatch, look);
         }
         Style::Band => {
-            let swatch = Rect {
-                x: left.0,
-                y: left.1 - 6.5,
-                w: KEY,
-                h: 13.0,
-            };
+            let swatch = Rect { x: left.0, y: left.1 - 6.5, w: KEY, h: 13.0 };
             canvas.rect(swatch, look.colour, FAINT, Stroke::solid("none", 0.0));
         }
         Style::Strokes => {

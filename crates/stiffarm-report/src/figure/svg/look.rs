@@ -14,25 +14,10 @@ const GREY: &str = "#8a8a8a";
 /// Dark grey of landmarks.
 const DARK_GREY: &str = "#4a4a4a";
 
-const MARKERS: [Marker; 7] = [
-    Marker::Circle,
-    Marker::Square,
-    Marker::Up,
-    Marker::Diamond,
-    Marker::Down,
-    Marker::Cross,
-    Marker::Star,
-];
+const MARKERS: [Marker; 7] =
+    [Marker::Circle, Marker::Square, Marker::Up, Marker::Diamond, Marker::Down, Marker::Cross, Marker::Star];
 
-const DASHES: [&str; 7] = [
-    "7 3",
-    "3 2",
-    "8 2 2 2",
-    "1.5 2",
-    "10 4",
-    "5 2 1.5 2 1.5 2",
-    "4 4",
-];
+const DASHES: [&str; 7] = ["7 3", "3 2", "8 2 2 2", "1.5 2", "10 4", "5 2 1.5 2 1.5 2", "4 4"];
 
 const OUTLINE_DASHES: [&str; 3] = ["", "5 3", "1.5 2.5"];
 
@@ -119,15 +104,8 @@ impl Looks {
                 0
             } else {
                 let base = places.get(label);
-                let taken = |v: usize| {
-                    entries
-                        .iter()
-                        .any(|(l, k, w)| *k == kind && *w == v && places.get(l) == base)
-                };
-                (base..base + PALETTE.len())
-                    .map(|v| v % PALETTE.len())
-                    .find(|v| !taken(*v))
-                    .unwrap_or(base)
+                let taken = |v: usize| entries.iter().any(|(l, k, w)| *k == kind && *w == v && places.get(l) == base);
+                (base..base + PALETTE.len()).map(|v| v % PALETTE.len()).find(|v| !taken(*v)).unwrap_or(base)
             };
             entries.push((label.clone(), kind, variant));
         }
@@ -136,38 +114,16 @@ impl Looks {
 
     pub(super) fn look(&self, label: &str, style: Style) -> Look {
         let kind = family(style);
-        let variant = self
-            .entries
-            .iter()
-            .find(|(l, k, _)| l == label && *k == kind)
-            .map_or(0, |(_, _, v)| *v);
+        let variant = self.entries.iter().find(|(l, k, _)| l == label && *k == kind).map_or(0, |(_, _, v)| *v);
         match kind {
-            Family::Outlines => Look {
-                colour: GREY,
-                dash: OUTLINE_DASHES[variant % OUTLINE_DASHES.len()],
-                variant,
-            },
-            Family::Landmarks => Look {
-                colour: DARK_GREY,
-                dash: "",
-                variant,
-            },
+            Family::Outlines => Look { colour: GREY, dash: OUTLINE_DASHES[variant % OUTLINE_DASHES.len()], variant },
+            Family::Landmarks => Look { colour: DARK_GREY, dash: "", variant },
             // On a map only black is told apart from every colour.
-            Family::Strokes => Look {
-                colour: INK,
-                dash: "",
-                variant,
-            },
-            Family::Dashes => Look {
-                colour: PALETTE[self.places.get(label)],
-                dash: DASHES[variant % DASHES.len()],
-                variant,
-            },
-            _ => Look {
-                colour: PALETTE[self.places.get(label)],
-                dash: "",
-                variant,
-            },
+            Family::Strokes => Look { colour: INK, dash: "", variant },
+            Family::Dashes => {
+                Look { colour: PALETTE[self.places.get(label)], dash: DASHES[variant % DASHES.len()], variant }
+            }
+            _ => Look { colour: PALETTE[self.places.get(label)], dash: "", variant },
         }
     }
 }
@@ -214,22 +170,14 @@ impl Look {
                 (-0.35, -0.49),
             ],
         };
-        let corners: Vec<Point> = corners
-            .iter()
-            .map(|(dx, dy)| (at.0 + r * dx, at.1 + r * dy))
-            .collect();
+        let corners: Vec<Point> = corners.iter().map(|(dx, dy)| (at.0 + r * dx, at.1 + r * dy)).collect();
         canvas.polygon(&corners, fill, stroke);
     }
 
     /// Draws the marker of a landmark.
     pub(super) fn landmark(&self, canvas: &mut Canvas, at: Point, r: f64) {
         let corner = |dx: f64, dy: f64| (at.0 + r * dx, at.1 + r * dy);
-        let corners = [
-            corner(-1.0, -1.0),
-            corner(1.0, -1.0),
-            corner(1.0, 1.0),
-            corner(-1.0, 1.0),
-        ];
+        let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
         let stroke = Stroke::solid(self.colour, 1.4);
         canvas.polygon(&corners, "#ffffff", stroke);
         let diagonals = [vec![corners[0], corners[2]], vec![corners[1], corners[3]]];
@@ -297,23 +245,14 @@ mod tests {
                 "",
                 Axis::default(),
                 Axis::default(),
-                labels
-                    .iter()
-                    .map(|l| Series::new(*l, Style::Line, vec![], vec![]))
-                    .collect(),
+                labels.iter().map(|l| Series::new(*l, Style::Line, vec![], vec![])).collect(),
             ),
         )
     }
 
     #[test]
     fn known_labels_have_their_own_colours() {
-        let labels = [
-            "Group 1",
-            "Group 2 (classical)",
-            "Group 3 (novel)",
-            "scaled",
-            "expected error",
-        ];
+        let labels = ["Group 1", "Group 2 (classical)", "Group 3 (novel)", "scaled", "expected error"];
         for (i, a) in labels.iter().enumerate() {
             for b in &labels[..i] {
                 assert_ne!(series_colour(a), series_colour(b), "{a} and {b}");
@@ -326,9 +265,7 @@ mod tests {
 
     #[test]
     fn numbered_labels_differ_from_their_neighbours() {
-        let colours: Vec<_> = (1..=7)
-            .map(|n| series_colour(&format!("Posture {n}")))
-            .collect();
+        let colours: Vec<_> = (1..=7).map(|n| series_colour(&format!("Posture {n}"))).collect();
         for (i, a) in colours.iter().enumerate() {
             assert!(!colours[..i].contains(a));
         }
@@ -340,12 +277,7 @@ mod tests {
 
     #[test]
     fn labels_of_one_colour_get_different_markers() {
-        let looks = Looks::of(&figure(&[
-            "Joint 1",
-            "Joint 8",
-            "Joint 1, again",
-            "Joint 2",
-        ]));
+        let looks = Looks::of(&figure(&["Joint 1", "Joint 8", "Joint 1, again", "Joint 2"]));
         let look = |l| looks.look(l, Style::Line);
         assert_eq!(look("Joint 1").colour, look("Joint 8").colour);
         assert_ne!(look("Joint 1"), look("Joint 8"));
@@ -362,14 +294,7 @@ mod tests {
 
     #[test]
     fn series_of_a_figure_have_colours_of_their_own() {
-        let sources = [
-            "anchor",
-            "base tilt",
-            "lost motion",
-            "rope angle",
-            "Group 2",
-            "tilt, again",
-        ];
+        let sources = ["anchor", "base tilt", "lost motion", "rope angle", "Group 2", "tilt, again"];
         let looks = bars(&sources);
         let colour = |l: &str| looks.look(l, Style::Bars).colour;
         for (i, a) in sources.iter().enumerate() {
@@ -402,9 +327,7 @@ mod tests {
     fn colour_does_not_depend_on_company_of_other_colours() {
         let alone = Looks::of(&figure(&["a series"]));
         let others = ["Group 1", "Group 2", "Group 3"];
-        let others = others
-            .iter()
-            .filter(|l| series_colour(l) != series_colour("a series"));
+        let others = others.iter().filter(|l| series_colour(l) != series_colour("a series"));
         let among: Vec<&str> = others.copied().chain(["a series"]).collect();
         let among = Looks::of(&figure(&among));
         let colour = |looks: &Looks| looks.look("a series", Style::Line).colour;

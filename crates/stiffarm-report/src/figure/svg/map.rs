@@ -38,26 +38,10 @@ struct Missing {
 
 /// Those of the maps of a panel, one after the other.
 const MISSING: [Missing; 4] = [
-    Missing {
-        fill: "#e2e2e2",
-        ink: "#a0a0a0",
-        hatch: &[(1.0, -1.0)],
-    },
-    Missing {
-        fill: "#f1f1f1",
-        ink: "#f1f1f1",
-        hatch: &[],
-    },
-    Missing {
-        fill: "#cdcdcd",
-        ink: "#8c8c8c",
-        hatch: &[(1.0, -1.0), (1.0, 1.0)],
-    },
-    Missing {
-        fill: "#f6f6f6",
-        ink: "#b4b4b4",
-        hatch: &[(1.0, 1.0)],
-    },
+    Missing { fill: "#e2e2e2", ink: "#a0a0a0", hatch: &[(1.0, -1.0)] },
+    Missing { fill: "#f1f1f1", ink: "#f1f1f1", hatch: &[] },
+    Missing { fill: "#cdcdcd", ink: "#8c8c8c", hatch: &[(1.0, -1.0), (1.0, 1.0)] },
+    Missing { fill: "#f6f6f6", ink: "#b4b4b4", hatch: &[(1.0, 1.0)] },
 ];
 /// Length of a tick mark.
 const TICK: f64 = 4.0;
@@ -94,9 +78,7 @@ pub(super) fn is_full(series: &Series) -> bool {
     let kind = Kind::of(&colour.axis);
     let count = series.x.len().min(series.y.len());
     let accepted = |value: &f64| kind.accepts(*value);
-    series.style == Style::Map
-        && count <= colour.values.len()
-        && colour.values[..count].iter().all(accepted)
+    series.style == Style::Map && count <= colour.values.len() && colour.values[..count].iter().all(accepted)
 }
 
 /// Draws the cells of a map. `extent` is that of the colour bar.
@@ -114,10 +96,7 @@ pub(super) fn draw(
     for (i, place) in places.iter().enumerate() {
         let Some(p) = place else { continue };
         if trace.add(&frame.area, *p) {
-            cells.insert(
-                (rows.index(p.1), columns.index(p.0)),
-                level(series, i, extent),
-            );
+            cells.insert((rows.index(p.1), columns.index(p.0)), level(series, i, extent));
         }
     }
     // Neighbours of one colour in a row are one rectangle.
@@ -162,19 +141,10 @@ pub(super) fn bar(canvas: &mut Canvas, area: Rect, plan: &ColourPlan, frame_colo
     let left = area.x + area.w + BAR_GAP;
     let step = area.h / LEVELS as f64;
     for level in 0..LEVELS {
-        let rect = Rect {
-            x: left,
-            y: area.y + area.h - (level + 1) as f64 * step,
-            w: BAR,
-            h: step,
-        };
+        let rect = Rect { x: left, y: area.y + area.h - (level + 1) as f64 * step, w: BAR, h: step };
         canvas.cells(&[rect], &colour(turned(level, plan.small_is_bright)));
     }
-    let frame = Rect {
-        x: left,
-        w: BAR,
-        ..area
-    };
+    let frame = Rect { x: left, w: BAR, ..area };
     canvas.rect(frame, "none", 1.0, Stroke::solid(frame_colour, 0.9));
     let right = left + BAR;
     let mut marks = Vec::new();
@@ -189,12 +159,7 @@ pub(super) fn bar(canvas: &mut Canvas, area: Rect, plan: &ColourPlan, frame_colo
     let middle = area.y + 0.5 * area.h;
     let font = Font::new(NORMAL, Anchor::Middle).turned(-90.0);
     for (i, line) in plan.label.iter().enumerate() {
-        canvas.text(
-            (area.x + area.w + plan.baseline(i), middle),
-            line,
-            None,
-            font,
-        );
+        canvas.text((area.x + area.w + plan.baseline(i), middle), line, None, font);
     }
 }
 
@@ -211,11 +176,7 @@ fn level(series: &Series, i: usize, extent: Option<&Extent>) -> Option<usize> {
 
 /// A level, or where small values are bright the one as far from the other end.
 fn turned(level: usize, small_is_bright: bool) -> usize {
-    if small_is_bright {
-        LEVELS - 1 - level
-    } else {
-        level
-    }
+    if small_is_bright { LEVELS - 1 - level } else { level }
 }
 
 /// Colour of a level as `#rrggbb`.
@@ -224,10 +185,7 @@ fn colour(level: usize) -> String {
     let below = (at as usize).min(VIRIDIS.len() - 2);
     let part = at - below as f64;
     let mix = |c: usize| {
-        let (a, b) = (
-            f64::from(VIRIDIS[below][c]),
-            f64::from(VIRIDIS[below + 1][c]),
-        );
+        let (a, b) = (f64::from(VIRIDIS[below][c]), f64::from(VIRIDIS[below + 1][c]));
         (a + part * (b - a)).round() as u8
     };
     format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
@@ -245,10 +203,7 @@ impl Steps {
         let mut centres: Vec<f64> = values.collect();
         centres.sort_by(f64::total_cmp);
         centres.dedup();
-        Self {
-            centres,
-            half: 0.125 * room,
-        }
+        Self { centres, half: 0.125 * room }
     }
 
     fn index(&self, value: f64) -> usize {
@@ -260,10 +215,7 @@ impl Steps {
         let c = &self.centres;
         let below = (i > 0).then(|| 0.5 * (c[i] - c[i - 1]));
         let above = (i + 1 < c.len()).then(|| 0.5 * (c[i + 1] - c[i]));
-        (
-            c[i] - below.or(above).unwrap_or(self.half),
-            c[i] + above.or(below).unwrap_or(self.half),
-        )
+        (c[i] - below.or(above).unwrap_or(self.half), c[i] + above.or(below).unwrap_or(self.half))
     }
 }
 
@@ -275,18 +227,10 @@ mod tests {
     fn lightness(colour: &str) -> f64 {
         let part = |at: usize| {
             let c = f64::from(u8::from_str_radix(&colour[at..at + 2], 16).unwrap()) / 255.0;
-            if c <= 0.04045 {
-                c / 12.92
-            } else {
-                ((c + 0.055) / 1.055).powf(2.4)
-            }
+            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
         };
         let luminance = 0.2126 * part(1) + 0.7152 * part(3) + 0.0722 * part(5);
-        if luminance > 0.008856 {
-            116.0 * luminance.cbrt() - 16.0
-        } else {
-            903.3 * luminance
-        }
+        if luminance > 0.008856 { 116.0 * luminance.cbrt() - 16.0 } else { 903.3 * luminance }
     }
 
     #[test]

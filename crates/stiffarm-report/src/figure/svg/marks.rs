@@ -74,23 +74,10 @@ impl Trace {
 }
 
 /// Draws a series of any style but bars, boxes and maps.
-pub(super) fn draw(
-    canvas: &mut Canvas,
-    frame: &Frame,
-    series: &Series,
-    look: Look,
-    trace: &mut Trace,
-) {
+pub(super) fn draw(canvas: &mut Canvas, frame: &Frame, series: &Series, look: Look, trace: &mut Trace) {
     let (points, _) = data::points(series, frame.x.kind, frame.y.kind);
-    let places: Vec<Option<Point>> = points
-        .iter()
-        .map(|d| d.as_ref().map(|d| frame.place(d)))
-        .collect();
-    let stroke = |width| Stroke {
-        colour: look.colour,
-        width,
-        dash: look.dash,
-    };
+    let places: Vec<Option<Point>> = points.iter().map(|d| d.as_ref().map(|d| frame.place(d))).collect();
+    let stroke = |width| Stroke { colour: look.colour, width, dash: look.dash };
     let line = |canvas: &mut Canvas, width| canvas.path(&frame.runs(&places), stroke(width));
     let visible = |p: &&Point| frame.area.contains(**p);
     match series.style {
@@ -144,13 +131,7 @@ pub(super) const STROKE: [f64; 2] = [1.2, 2.6];
 
 /// The area between the ends of the error bars, cut at the frame; a gap in the
 /// points is one in the band.
-fn band(
-    canvas: &mut Canvas,
-    frame: &Frame,
-    points: &[Option<Datum>],
-    look: Look,
-    trace: &mut Trace,
-) {
+fn band(canvas: &mut Canvas, frame: &Frame, points: &[Option<Datum>], look: Look, trace: &mut Trace) {
     for run in points.split(Option::is_none) {
         let end = |d: &Datum, y: f64| {
             let place = (frame.px(d.x), frame.py(y));
@@ -170,13 +151,7 @@ fn band(
 }
 
 /// Pieces from each even point to the one after it.
-fn strokes(
-    canvas: &mut Canvas,
-    frame: &Frame,
-    places: &[Option<Point>],
-    look: Look,
-    trace: &mut Trace,
-) {
+fn strokes(canvas: &mut Canvas, frame: &Frame, places: &[Option<Point>], look: Look, trace: &mut Trace) {
     let mut pieces: Vec<Vec<Point>> = Vec::new();
     for pair in places.chunks_exact(2) {
         if let [Some(a), Some(b)] = pair
@@ -205,16 +180,9 @@ pub(super) fn error_bar(canvas: &mut Canvas, frame: &Frame, d: &Datum, at: f64, 
     };
     let mut runs = vec![vec![a, b]];
     if is_open {
-        runs.push(vec![
-            (at - CAP, top + 2.0 * CAP),
-            (at, top),
-            (at + CAP, top + 2.0 * CAP),
-        ]);
+        runs.push(vec![(at - CAP, top + 2.0 * CAP), (at, top), (at + CAP, top + 2.0 * CAP)]);
     }
-    for end in [Some(low), (!is_open).then_some(high)]
-        .into_iter()
-        .flatten()
-    {
+    for end in [Some(low), (!is_open).then_some(high)].into_iter().flatten() {
         if frame.area.contains((at, end)) {
             runs.push(vec![(at - CAP, end), (at + CAP, end)]);
         }

@@ -121,10 +121,7 @@ fn render(figure: &Figure, layout: Option<&Layout>) -> String {
     let title_height = title.len() as f64 * HEADING * LEADING;
     let top = MARGIN + title_height + if title.is_empty() { 0.0 } else { 10.0 };
     let (grid, entry_lines) = match layout {
-        Some(_) => (
-            Grid::fitting(&figure.panels, columns, width, top),
-            ENTRY_LINES,
-        ),
+        Some(_) => (Grid::fitting(&figure.panels, columns, width, top), ENTRY_LINES),
         None => {
             let usual = match columns {
                 1 => 300.0,
@@ -138,11 +135,7 @@ fn render(figure: &Figure, layout: Option<&Layout>) -> String {
     let width = grid.width;
     let legend = Legend::of(figure, width, entry_lines);
     let legend_top = grid.bottom + 10.0;
-    let height = if legend.height() > 0.0 {
-        legend_top + legend.height() + MARGIN
-    } else {
-        grid.bottom + MARGIN
-    };
+    let height = if legend.height() > 0.0 { legend_top + legend.height() + MARGIN } else { grid.bottom + MARGIN };
 
     let is_screen = |layout: &Layout| matches!(layout.size, Size::Screen { .. });
     let mut canvas = Canvas::answering(layout.is_some_and(is_screen));
@@ -200,13 +193,8 @@ fn open_document(
         canvas.raw(&format!("<title>{}</title>", escape(title)));
     }
     canvas.raw(&format!("<desc>{}</desc>", escape(caption)));
-    canvas.raw(&format!(
-        r##"<rect width="{w}" height="{h}" fill="#ffffff"/>"##
-    ));
-    canvas.raw(&format!(
-        r#"<g font-family="{families}" fill="{}">"#,
-        canvas::INK
-    ));
+    canvas.raw(&format!(r##"<rect width="{w}" height="{h}" fill="#ffffff"/>"##));
+    canvas.raw(&format!(r#"<g font-family="{families}" fill="{}">"#, canvas::INK));
 }
 
 /// Where a panel goes.
@@ -241,13 +229,7 @@ impl Grid {
     }
 
     /// Panels in so many columns; `usual` is the height of a plot area by its width.
-    fn new(
-        panels: &[Panel],
-        columns: usize,
-        width: f64,
-        top: f64,
-        usual: impl Fn(f64) -> f64,
-    ) -> Self {
+    fn new(panels: &[Panel], columns: usize, width: f64, top: f64, usual: impl Fn(f64) -> f64) -> Self {
         let inner = width - 2.0 * MARGIN - GUTTER * (columns - 1) as f64;
         // The room for labels depends on the ticks, the ticks on the size of
         // the plot area, and that on the room. The room only ever grows, so a
@@ -262,11 +244,7 @@ impl Grid {
             plot = ((inner - taken) / columns as f64).max(NARROWEST);
             heights = panels
                 .chunks(columns)
-                .map(|row| {
-                    row.iter()
-                        .map(|p| plan::suitable_height(p, plot, usual(plot)))
-                        .fold(0.0, f64::max)
-                })
+                .map(|row| row.iter().map(|p| plan::suitable_height(p, plot, usual(plot))).fold(0.0, f64::max))
                 .collect();
             plans = panels
                 .iter()
@@ -296,23 +274,11 @@ impl Grid {
             let above = row.iter().map(|p| p.top).fold(0.0, f64::max);
             let below = row.iter().map(|p| p.bottom).fold(0.0, f64::max);
             for (_, (left, from)) in row.iter().zip(&lefts) {
-                places.push(Place {
-                    area: Rect {
-                        x: *from,
-                        y: y + above,
-                        w: plot,
-                        h: *height,
-                    },
-                    left: *left,
-                });
+                places.push(Place { area: Rect { x: *from, y: y + above, w: plot, h: *height }, left: *left });
             }
             y += above + height + below + 12.0;
         }
-        let bottom = if panels.is_empty() {
-            top + 50.0
-        } else {
-            y - 12.0
-        };
+        let bottom = if panels.is_empty() { top + 50.0 } else { y - 12.0 };
         Self {
             plans,
             places,

@@ -7,9 +7,7 @@
 use crate::figure::{Figure, Style};
 
 /// The Okabe–Ito colours without yellow, which is too faint on white.
-pub(super) const PALETTE: [&str; 7] = [
-    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000",
-];
+pub(super) const PALETTE: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"];
 
 /// Place of black.
 const BLACK: usize = 6;
@@ -54,10 +52,7 @@ fn fixed(label: &str) -> Option<usize> {
         Some((before, _)) => before.trim_end(),
         None => name,
     };
-    if let Some((_, i)) = KNOWN
-        .iter()
-        .find(|(known, _)| known.eq_ignore_ascii_case(plain))
-    {
+    if let Some((_, i)) = KNOWN.iter().find(|(known, _)| known.eq_ignore_ascii_case(plain)) {
         return Some(*i);
     }
     let stem = plain.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -70,9 +65,9 @@ fn fixed(label: &str) -> Option<usize> {
 /// Place in the palette of any other label, where nothing stands against it.
 fn hashed(label: &str) -> usize {
     // FNV-1a: the hasher of the standard library may change between releases.
-    let hash = name(label).bytes().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| {
-        (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3)
-    });
+    let hash = name(label)
+        .bytes()
+        .fold(0xcbf2_9ce4_8422_2325_u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3));
     (hash % PALETTE.len() as u64) as usize
 }
 
@@ -104,8 +99,7 @@ impl Places {
                 let wanted = hashed(own);
                 let turn = (0..PALETTE.len()).map(|i| (wanted + i) % PALETTE.len());
                 // Black areas weigh more than all others: they come last.
-                let (last, first): (Vec<usize>, Vec<usize>) =
-                    turn.partition(|i| *bar && *i == BLACK);
+                let (last, first): (Vec<usize>, Vec<usize>) = turn.partition(|i| *bar && *i == BLACK);
                 let mut turn = first.into_iter().chain(last);
                 let free = turn.find(|i| !taken.contains(i)).unwrap_or(wanted);
                 taken.push(free);
@@ -114,14 +108,9 @@ impl Places {
             ((*own).to_owned(), place)
         });
         let places = places.collect();
-        let mut lone = names
-            .iter()
-            .filter(|(_, bar, place)| *bar && place.is_none());
+        let mut lone = names.iter().filter(|(_, bar, place)| *bar && place.is_none());
         let lone = lone.next().filter(|_| is_only_bar);
-        Self {
-            names: places,
-            plain: lone.map(|(own, ..)| (*own).to_owned()),
-        }
+        Self { names: places, plain: lone.map(|(own, ..)| (*own).to_owned()) }
     }
 
     /// Whether this is the label of the only bars: nothing must tell them from others.
@@ -139,8 +128,5 @@ impl Places {
 
 /// Whether marks of a style have the colours of the palette.
 fn has_colour(style: Style) -> bool {
-    !matches!(
-        style,
-        Style::Outline | Style::Landmark | Style::Map | Style::Strokes
-    )
+    !matches!(style, Style::Outline | Style::Landmark | Style::Map | Style::Strokes)
 }

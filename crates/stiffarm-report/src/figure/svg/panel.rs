@@ -19,19 +19,8 @@ const TICK: f64 = 4.0;
 
 /// Draws a panel whose plot area is `area`; `left` is the left edge of the
 /// room for its vertical labels.
-pub(super) fn draw(
-    canvas: &mut Canvas,
-    panel: &Panel,
-    plan: &Plan,
-    looks: &Looks,
-    area: Rect,
-    left: f64,
-) {
-    let frame = Frame {
-        area,
-        x: plan.x,
-        y: plan.y,
-    };
+pub(super) fn draw(canvas: &mut Canvas, panel: &Panel, plan: &Plan, looks: &Looks, area: Rect, left: f64) {
+    let frame = Frame { area, x: plan.x, y: plan.y };
     grid(canvas, &frame, panel, plan);
     let mut trace = Trace::default();
     // From the background to the foreground, whatever the order of the data.
@@ -138,23 +127,10 @@ fn x_axis(canvas: &mut Canvas, frame: &Frame, panel: &Panel, plan: &Plan) {
         if names.slanted {
             // Lines of one name follow each other across the slant.
             let across = (lines.len() as f64 - 1.0) * 0.5 * SMALL * LEADING;
-            let at = (
-                x + 0.3 * SMALL - 0.7 * across,
-                bottom + TICK_GAP + 0.5 * SMALL,
-            );
-            stack(
-                canvas,
-                at,
-                lines,
-                Font::new(SMALL, Anchor::End).turned(-SLANT),
-            );
+            let at = (x + 0.3 * SMALL - 0.7 * across, bottom + TICK_GAP + 0.5 * SMALL);
+            stack(canvas, at, lines, Font::new(SMALL, Anchor::End).turned(-SLANT));
         } else {
-            stack(
-                canvas,
-                (x, baseline),
-                lines,
-                Font::new(SMALL, Anchor::Middle),
-            );
+            stack(canvas, (x, baseline), lines, Font::new(SMALL, Anchor::Middle));
         }
         if !has_areas(panel) {
             runs.push(vec![(x, bottom), (x, bottom + TICK)]);
@@ -163,12 +139,7 @@ fn x_axis(canvas: &mut Canvas, frame: &Frame, panel: &Panel, plan: &Plan) {
     canvas.path(&runs, Stroke::solid(FRAME, 0.9));
     let first = bottom + plan.bottom - (plan.x_label.len() as f64 - 0.8) * NORMAL * LEADING;
     let middle = area.x + 0.5 * area.w;
-    stack(
-        canvas,
-        (middle, first),
-        &plan.x_label,
-        Font::new(NORMAL, Anchor::Middle),
-    );
+    stack(canvas, (middle, first), &plan.x_label, Font::new(NORMAL, Anchor::Middle));
 }
 
 fn y_axis(canvas: &mut Canvas, frame: &Frame, plan: &Plan, left: f64) {
@@ -212,32 +183,15 @@ fn note(canvas: &mut Canvas, frame: &Frame, lost: usize, trace: &Trace) {
     }
     let size = SMALL - 1.0;
     let area = frame.area;
-    let w = lines
-        .iter()
-        .map(|l| text::width(l, size))
-        .fold(0.0, f64::max)
-        + 8.0;
+    let w = lines.iter().map(|l| text::width(l, size)).fold(0.0, f64::max) + 8.0;
     let h = lines.len() as f64 * size * LEADING + 5.0;
     let corner = |right: bool, low: bool| Rect {
-        x: if right {
-            area.x + area.w - w - 3.0
-        } else {
-            area.x + 3.0
-        },
-        y: if low {
-            area.y + area.h - h - 3.0
-        } else {
-            area.y + 3.0
-        },
+        x: if right { area.x + area.w - w - 3.0 } else { area.x + 3.0 },
+        y: if low { area.y + area.h - h - 3.0 } else { area.y + 3.0 },
         w,
         h,
     };
-    let corners = [
-        corner(true, false),
-        corner(false, false),
-        corner(true, true),
-        corner(false, true),
-    ];
+    let corners = [corner(true, false), corner(false, false), corner(true, true), corner(false, true)];
     let crowd = |r: &Rect| trace.marks.iter().filter(|p| r.contains(**p)).count();
     let Some(best) = corners.into_iter().min_by_key(crowd) else {
         return;

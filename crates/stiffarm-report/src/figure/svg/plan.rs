@@ -148,11 +148,7 @@ impl Plan {
         let y_names = column_names(&panel.y, height);
         let title = text::wrap(&panel.title, text::BOLD * NORMAL, width + 20.0, 3);
         let heading = |axis: &Axis, shown: bool, room: f64| {
-            if shown {
-                text::wrap(&axis.heading(), NORMAL, room, 3)
-            } else {
-                Vec::new()
-            }
+            if shown { text::wrap(&axis.heading(), NORMAL, room, 3) } else { Vec::new() }
         };
         let x_label = heading(&panel.x, shown.x_label, width + 20.0);
         let y_label = heading(&panel.y, shown.y_label, height + 16.0);
@@ -172,11 +168,7 @@ impl Plan {
         Self {
             left: left.max(overhang_left),
             right: overhang_right.max(bar).max(2.0),
-            top: if title.is_empty() {
-                half_line
-            } else {
-                block(&title) + TITLE_GAP
-            },
+            top: if title.is_empty() { half_line } else { block(&title) + TITLE_GAP },
             bottom: x_tick_height + gap(&x_label) + block(&x_label),
             lost: covered.lost,
             empty: covered.x.is_empty(),
@@ -197,10 +189,7 @@ impl Plan {
 /// Whether the panel shows bars or boxes, which stand between the boundaries
 /// of their category rather than on a grid line.
 pub(super) fn has_areas(panel: &Panel) -> bool {
-    panel
-        .series
-        .iter()
-        .any(|s| matches!(s.style, Style::Bars | Style::Box))
+    panel.series.iter().any(|s| matches!(s.style, Style::Bars | Style::Box))
 }
 
 /// As many ticks as fit side by side.
@@ -209,8 +198,7 @@ fn x_ticks(extent: &Extent, width: f64) -> Vec<Tick> {
     loop {
         let found = ticks::ticks(extent, most);
         let fits = found.windows(2).all(|pair| {
-            let distance =
-                (extent.fraction(pair[1].value) - extent.fraction(pair[0].value)) * width;
+            let distance = (extent.fraction(pair[1].value) - extent.fraction(pair[0].value)) * width;
             distance >= 0.5 * (pair[0].width(SMALL) + pair[1].width(SMALL)) + 7.0
         });
         if fits || most <= 1 {
@@ -224,47 +212,20 @@ fn x_ticks(extent: &Extent, width: f64) -> Vec<Tick> {
 fn names(categories: &[String], width: f64) -> Names {
     let step = width / categories.len().max(1) as f64;
     let room = step - 4.0;
-    let whole = |limit: f64| -> Vec<Vec<String>> {
-        categories
-            .iter()
-            .map(|c| vec![text::shorten(c, SMALL, limit)])
-            .collect()
-    };
+    let whole =
+        |limit: f64| -> Vec<Vec<String>> { categories.iter().map(|c| vec![text::shorten(c, SMALL, limit)]).collect() };
     let fits = |t: &str| text::width(t, SMALL) <= room;
-    let flat = |lines| Names {
-        lines,
-        slanted: false,
-        every: 1,
-    };
+    let flat = |lines| Names { lines, slanted: false, every: 1 };
     if categories.iter().all(|c| fits(c)) {
         return flat(whole(f64::INFINITY));
     }
-    if categories
-        .iter()
-        .all(|c| c.split_whitespace().all(fits) && text::wrap(c, SMALL, room, 4).len() <= 3)
-    {
-        return flat(
-            categories
-                .iter()
-                .map(|c| text::wrap(c, SMALL, room, 3))
-                .collect(),
-        );
+    if categories.iter().all(|c| c.split_whitespace().all(fits) && text::wrap(c, SMALL, room, 4).len() <= 3) {
+        return flat(categories.iter().map(|c| text::wrap(c, SMALL, room, 3)).collect());
     }
     // Two slanted lines per name if they fit between the neighbours.
     let two = step * SLANT.to_radians().sin() >= 2.0 * SMALL * LEADING;
-    let lines = if two {
-        categories
-            .iter()
-            .map(|c| text::wrap(c, SMALL, 140.0, 2))
-            .collect()
-    } else {
-        whole(190.0)
-    };
-    Names {
-        lines,
-        slanted: true,
-        every: (SMALL * LEADING / step).ceil().max(1.0) as usize,
-    }
+    let lines = if two { categories.iter().map(|c| text::wrap(c, SMALL, 140.0, 2)).collect() } else { whole(190.0) };
+    Names { lines, slanted: true, every: (SMALL * LEADING / step).ceil().max(1.0) as usize }
 }
 
 /// Names along a vertical category axis; left out where they would overlap.
@@ -296,10 +257,7 @@ fn x_room(extent: &Extent, ticks: &[Tick], names: &Names, width: f64) -> (f64, f
     if names.slanted {
         let lean = SLANT.to_radians();
         for (i, lines) in names.lines.iter().enumerate().step_by(names.every) {
-            let long = lines
-                .iter()
-                .map(|l| text::width(l, SMALL))
-                .fold(0.0, f64::max);
+            let long = lines.iter().map(|l| text::width(l, SMALL)).fold(0.0, f64::max);
             let at = extent.fraction(i as f64) * width;
             left = left.max(long * lean.cos() + SMALL - at);
             height = height.max(long * lean.sin() + 0.6 * SMALL);
@@ -323,10 +281,7 @@ mod tests {
             series: vec![series],
             equal_aspect: true,
         };
-        let shown = Shown {
-            x_label: true,
-            y_label: true,
-        };
+        let shown = Shown { x_label: true, y_label: true };
         for (width, height) in [(300.0, 200.0), (100.0, 400.0)] {
             let plan = Plan::new(&panel, shown, width, height);
             let per_x = (plan.x.hi - plan.x.lo) / width;

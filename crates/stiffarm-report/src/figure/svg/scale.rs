@@ -56,11 +56,7 @@ impl Extent {
     pub(super) fn choose(axis: &Axis, values: &[f64], from_zero: bool) -> Self {
         let kind = Kind::of(axis);
         if let Kind::Category(n) = kind {
-            return Self {
-                kind,
-                lo: -0.5,
-                hi: n as f64 - 0.5,
-            };
+            return Self { kind, lo: -0.5, hi: n as f64 - 0.5 };
         }
         if let Some(fixed) = axis.range.and_then(|ends| Self::fixed(kind, ends)) {
             return fixed;
@@ -68,11 +64,7 @@ impl Extent {
         let lo = values.iter().copied().fold(f64::INFINITY, f64::min);
         let hi = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         match kind {
-            _ if lo > hi => Self {
-                kind,
-                lo: if kind == Kind::Log { 0.1 } else { 0.0 },
-                hi: 1.0,
-            },
+            _ if lo > hi => Self { kind, lo: if kind == Kind::Log { 0.1 } else { 0.0 }, hi: 1.0 },
             Kind::Log => Self::around_log(lo, hi),
             _ => Self::around_linear(lo, hi, from_zero || axis.from_zero),
         }
@@ -129,17 +121,9 @@ impl Extent {
         let decades = (hi / lo).log10();
         if decades >= 2.0 {
             let margin = 10_f64.powf(0.04 * decades);
-            return Self {
-                kind,
-                lo: lo / margin,
-                hi: hi * margin,
-            };
+            return Self { kind, lo: lo / margin, hi: hi * margin };
         }
-        Self {
-            kind,
-            lo: round_log(lo / 1.04, false),
-            hi: round_log(hi * 1.04, true),
-        }
+        Self { kind, lo: round_log(lo / 1.04, false), hi: round_log(hi * 1.04, true) }
     }
 
     /// Place of a value as a fraction of the axis. Values far outside stay
@@ -158,11 +142,7 @@ impl Extent {
     /// The extent widened about its middle by a factor of at least 1.
     pub(super) fn widened(&self, factor: f64) -> Self {
         let extra = 0.5 * (factor - 1.0).max(0.0) * (self.hi - self.lo);
-        Self {
-            kind: self.kind,
-            lo: self.lo - extra,
-            hi: self.hi + extra,
-        }
+        Self { kind: self.kind, lo: self.lo - extra, hi: self.hi + extra }
     }
 }
 
@@ -185,23 +165,11 @@ mod tests {
 
     #[test]
     fn extents_are_never_empty() {
-        let cases: [&[f64]; 8] = [
-            &[],
-            &[0.0],
-            &[5e-324],
-            &[1e150, -1e150],
-            &[7.0, 7.0],
-            &[1.0, 1.0 + 1e-15],
-            &[1e-150],
-            &[1e150],
-        ];
+        let cases: [&[f64]; 8] =
+            [&[], &[0.0], &[5e-324], &[1e150, -1e150], &[7.0, 7.0], &[1.0, 1.0 + 1e-15], &[1e-150], &[1e150]];
         for axis in [Axis::linear("", ""), Axis::log("", "")] {
             for values in cases {
-                let kept: Vec<f64> = values
-                    .iter()
-                    .copied()
-                    .filter(|v| Kind::of(&axis).accepts(*v))
-                    .collect();
+                let kept: Vec<f64> = values.iter().copied().filter(|v| Kind::of(&axis).accepts(*v)).collect();
                 let e = Extent::choose(&axis, &kept, false);
                 assert!(e.lo < e.hi && e.fraction(e.hi) == 1.0, "{values:?}: {e:?}");
                 for v in kept {

@@ -13,11 +13,7 @@ pub fn share_axes(figures: &mut [Figure]) {
         let own: Vec<&Panel> = figures.iter().map(|f| &f.panels[place]).collect();
         let covered: Vec<Coverage> = own.iter().map(|panel| Coverage::of(panel)).collect();
         let bars = covered.iter().any(|covered| covered.bars);
-        let x = shared(
-            own.iter().map(|p| &p.x),
-            covered.iter().map(|c| &c.x),
-            false,
-        );
+        let x = shared(own.iter().map(|p| &p.x), covered.iter().map(|c| &c.x), false);
         let y = shared(own.iter().map(|p| &p.y), covered.iter().map(|c| &c.y), bars);
         for figure in figures.iter_mut() {
             let panel = &mut figure.panels[place];
@@ -67,10 +63,7 @@ mod tests {
 
     #[test]
     fn the_larger_values_decide_for_all() {
-        let mut figures = [
-            figure("%", Style::Bars, vec![1.0, 2.0]),
-            figure("%", Style::Bars, vec![5.0, 10.0]),
-        ];
+        let mut figures = [figure("%", Style::Bars, vec![1.0, 2.0]), figure("%", Style::Bars, vec![5.0, 10.0])];
         share_axes(&mut figures);
         for figure in &figures {
             // Bars stand on zero, and five hundredths are left above the highest.
@@ -81,10 +74,7 @@ mod tests {
 
     #[test]
     fn axes_that_mean_something_else_stay() {
-        let mut figures = [
-            figure("%", Style::Points, vec![1.0, 2.0]),
-            figure("mm", Style::Points, vec![5.0, 10.0]),
-        ];
+        let mut figures = [figure("%", Style::Points, vec![1.0, 2.0]), figure("mm", Style::Points, vec![5.0, 10.0])];
         let before = figures.clone();
         share_axes(&mut figures);
         assert_eq!(figures, before);

@@ -102,10 +102,7 @@ mod tests {
 
     #[test]
     fn a_unit_stays_on_one_line() {
-        assert_eq!(
-            wrap("uncertainty [% of k]", 10.0, 80.0, 3),
-            ["uncertainty", "[% of k]"]
-        );
+        assert_eq!(wrap("uncertainty [% of k]", 10.0, 80.0, 3), ["uncertainty", "[% of k]"]);
         // Brackets that do not close, or that do not fit, are words like others.
         assert_eq!(wrap("a [b c", 10.0, 20.0, 3), ["a [b", "c"]);
         assert_eq!(wrap("[bb cc dd]", 10.0, 36.0, 3), ["[bb cc", "dd]"]);
@@ -113,10 +110,7 @@ mod tests {
 
     #[test]
     fn wrapping_keeps_every_word_that_fits() {
-        assert_eq!(
-            wrap("one two three", 10.0, 60.0, 3),
-            vec!["one two", "three"]
-        );
+        assert_eq!(wrap("one two three", 10.0, 60.0, 3), vec!["one two", "three"]);
         assert_eq!(wrap("short", 10.0, 100.0, 1), vec!["short"]);
         assert!(wrap("", 10.0, 100.0, 2).is_empty());
     }

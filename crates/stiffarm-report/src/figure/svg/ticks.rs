@@ -14,19 +14,11 @@ pub(super) struct Tick {
 
 impl Tick {
     fn plain(value: f64, text: String) -> Self {
-        Self {
-            value,
-            text: minus(text),
-            exponent: None,
-        }
+        Self { value, text: minus(text), exponent: None }
     }
 
     pub(super) fn width(&self, size: f64) -> f64 {
-        text::width(&self.text, size)
-            + self
-                .exponent
-                .as_ref()
-                .map_or(0.0, |e| text::width(e, 0.75 * size))
+        text::width(&self.text, size) + self.exponent.as_ref().map_or(0.0, |e| text::width(e, 0.75 * size))
     }
 }
 
@@ -72,10 +64,7 @@ fn linear_labels(values: &[f64], step: f64) -> Vec<Tick> {
     let top = (largest * (1.0 + 1e-9)).log10().floor();
     if largest == 0.0 || ((1e-3..1e6).contains(&largest) && order >= -6) {
         let decimals = (-order).max(0) as usize;
-        return values
-            .iter()
-            .map(|v| Tick::plain(*v, format!("{v:.decimals$}")))
-            .collect();
+        return values.iter().map(|v| Tick::plain(*v, format!("{v:.decimals$}"))).collect();
     }
     let top = top as i32;
     let decimals = (top - order).max(0) as usize;
@@ -87,9 +76,7 @@ fn linear_labels(values: &[f64], step: f64) -> Vec<Tick> {
             }
             let mantissa = v / power(top);
             Tick {
-                value: *v,
-                text: minus(format!("{mantissa:.decimals$}×10")),
-                exponent: Some(minus(top.to_string())),
+                value: *v, text: minus(format!("{mantissa:.decimals$}×10")), exponent: Some(minus(top.to_string()))
             }
         })
         .collect()
@@ -99,16 +86,11 @@ fn log(extent: &Extent, most: usize) -> Vec<Tick> {
     let (first, last) = decades(extent);
     let short = (extent.hi / extent.lo).log10() < 2.0;
     let mut marks: Vec<(i32, i32)> = if short {
-        (first - 1..=last)
-            .flat_map(|k| [1, 2, 5].map(|m| (m, k)))
-            .collect()
+        (first - 1..=last).flat_map(|k| [1, 2, 5].map(|m| (m, k))).collect()
     } else {
         let stride = ((last - first) as usize / most.max(1) + 1) as i32;
         // Multiples of the stride, so that 10⁰ is among the labels if shown.
-        (first..=last)
-            .filter(|k| k.rem_euclid(stride) == 0)
-            .map(|k| (1, k))
-            .collect()
+        (first..=last).filter(|k| k.rem_euclid(stride) == 0).map(|k| (1, k)).collect()
     };
     let slack = 1.0 + 1e-9;
     marks.retain(|(m, k)| {
@@ -133,11 +115,7 @@ fn log(extent: &Extent, most: usize) -> Vec<Tick> {
             }
             Tick {
                 value,
-                text: if m == 1 {
-                    "10".into()
-                } else {
-                    format!("{m}×10")
-                },
+                text: if m == 1 { "10".into() } else { format!("{m}×10") },
                 exponent: Some(minus(k.to_string())),
             }
         })
@@ -146,10 +124,7 @@ fn log(extent: &Extent, most: usize) -> Vec<Tick> {
 
 /// First and last whole power of ten inside an extent.
 fn decades(extent: &Extent) -> (i32, i32) {
-    (
-        (extent.lo.log10() - 1e-9).ceil() as i32,
-        (extent.hi.log10() + 1e-9).floor() as i32,
-    )
+    ((extent.lo.log10() - 1e-9).ceil() as i32, (extent.hi.log10() + 1e-9).floor() as i32)
 }
 
 fn power(k: i32) -> f64 {
@@ -158,15 +133,8 @@ fn power(k: i32) -> f64 {
 
 /// A typographic minus sign; the hyphen is easily overlooked in print.
 fn minus(text: String) -> String {
-    let zero = text
-        .trim_start_matches('-')
-        .chars()
-        .all(|c| c == '0' || c == '.');
-    if zero {
-        text.trim_start_matches('-').to_owned()
-    } else {
-        text.replace('-', "−")
-    }
+    let zero = text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.');
+    if zero { text.trim_start_matches('-').to_owned() } else { text.replace('-', "−") }
 }
 
 #[cfg(test)]
@@ -182,71 +150,39 @@ mod tests {
 
     #[test]
     fn linear_steps_are_one_two_or_five() {
-        assert_eq!(
-            texts(Kind::Linear, 0.0, 10.0, 5),
-            ["0", "2", "4", "6", "8", "10"]
-        );
-        assert_eq!(
-            texts(Kind::Linear, -0.12, 0.11, 5),
-            ["−0.10", "−0.05", "0.00", "0.05", "0.10"]
-        );
-        assert_eq!(
-            texts(Kind::Linear, 0.75, 6.25, 6),
-            ["1", "2", "3", "4", "5", "6"]
-        );
-        assert_eq!(
-            texts(Kind::Linear, 0.0, 2.1e6, 4),
-            ["0", "1×10^6", "2×10^6"]
-        );
+        assert_eq!(texts(Kind::Linear, 0.0, 10.0, 5), ["0", "2", "4", "6", "8", "10"]);
+        assert_eq!(texts(Kind::Linear, -0.12, 0.11, 5), ["−0.10", "−0.05", "0.00", "0.05", "0.10"]);
+        assert_eq!(texts(Kind::Linear, 0.75, 6.25, 6), ["1", "2", "3", "4", "5", "6"]);
+        assert_eq!(texts(Kind::Linear, 0.0, 2.1e6, 4), ["0", "1×10^6", "2×10^6"]);
     }
 
     #[test]
     fn log_ticks_are_decades() {
         assert_eq!(texts(Kind::Log, 0.02, 300.0, 8), ["0.1", "1", "10", "100"]);
-        assert_eq!(
-            texts(Kind::Log, 1e2, 1e6, 8),
-            ["10^2", "10^3", "10^4", "10^5", "10^6"]
-        );
+        assert_eq!(texts(Kind::Log, 1e2, 1e6, 8), ["10^2", "10^3", "10^4", "10^5", "10^6"]);
         assert_eq!(texts(Kind::Log, 1e-4, 1e-2, 8), ["10^−4", "10^−3", "10^−2"]);
     }
 
     #[test]
     fn short_log_axes_add_two_and_five() {
-        assert_eq!(
-            texts(Kind::Log, 0.5, 20.0, 8),
-            ["0.5", "1", "2", "5", "10", "20"]
-        );
+        assert_eq!(texts(Kind::Log, 0.5, 20.0, 8), ["0.5", "1", "2", "5", "10", "20"]);
         assert_eq!(texts(Kind::Log, 1e4, 5e4, 8), ["10^4", "2×10^4", "5×10^4"]);
         // Less than a step between two marks: linear ticks.
-        assert_eq!(
-            texts(Kind::Log, 3.1, 4.1, 5),
-            ["3.2", "3.4", "3.6", "3.8", "4.0"]
-        );
+        assert_eq!(texts(Kind::Log, 3.1, 4.1, 5), ["3.2", "3.4", "3.6", "3.8", "4.0"]);
     }
 
     #[test]
     fn long_log_axes_skip_decades() {
         let shown = texts(Kind::Log, 1e-100, 1e100, 6);
-        assert!(
-            shown.len() <= 7 && shown.contains(&"10^0".to_owned()),
-            "{shown:?}"
-        );
+        assert!(shown.len() <= 7 && shown.contains(&"10^0".to_owned()), "{shown:?}");
     }
 
     #[test]
     fn minor_ticks_only_where_they_can_be_told_apart() {
         let kind = Kind::Log;
-        let short = Extent {
-            kind,
-            lo: 1.0,
-            hi: 100.0,
-        };
+        let short = Extent { kind, lo: 1.0, hi: 100.0 };
         assert_eq!(minor(&short).len(), 16);
-        let long = Extent {
-            kind,
-            lo: 1e-9,
-            hi: 1e9,
-        };
+        let long = Extent { kind, lo: 1e-9, hi: 1e9 };
         assert!(minor(&long).is_empty());
     }
 }

@@ -17,23 +17,11 @@ pub(super) fn made_differently(parts: &[(usize, &Part)]) -> DataTable {
         let seed = part.provenance.seed;
         seed.map_or_else(|| "–".to_string(), |seed| seed.to_string())
     };
-    add(
-        "version".to_string(),
-        parts
-            .iter()
-            .map(|(_, p)| p.provenance.version.clone())
-            .collect(),
-    );
-    add(
-        "seed".to_string(),
-        parts.iter().map(|(_, p)| seed(p)).collect(),
-    );
+    add("version".to_string(), parts.iter().map(|(_, p)| p.provenance.version.clone()).collect());
+    add("seed".to_string(), parts.iter().map(|(_, p)| seed(p)).collect());
     let inputs = |part: &Part| part.provenance.inputs.clone();
     let options = |part: &Part| part.provenance.options.clone();
-    for (word, list) in [
-        ("input", &inputs as &dyn Fn(&Part) -> Vec<(String, String)>),
-        ("option", &options),
-    ] {
+    for (word, list) in [("input", &inputs as &dyn Fn(&Part) -> Vec<(String, String)>), ("option", &options)] {
         let lists: Vec<_> = parts.iter().map(|(_, part)| list(part)).collect();
         for name in names_of(&lists) {
             let values = lists.iter().map(|list| {

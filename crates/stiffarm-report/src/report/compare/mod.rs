@@ -22,18 +22,9 @@ pub(super) fn compare(given: &[WithCell<'_>], parts: &[Part]) -> Option<Comparis
     if parts.len() < 2 {
         return None;
     }
-    let mut sections = vec![Section::new(
-        "results",
-        "The results",
-        vec![Block::Table(results(parts))],
-    )];
+    let mut sections = vec![Section::new("results", "The results", vec![Block::Table(results(parts))])];
     let kinds = Kind::all(given, parts);
-    sections.extend(
-        kinds
-            .iter()
-            .filter(|kind| kind.parts.len() > 1)
-            .map(side_by_side),
-    );
+    sections.extend(kinds.iter().filter(|kind| kind.parts.len() > 1).map(side_by_side));
     let outcomes = parts.iter().map(|part| part.outcome);
     Some(Comparison {
         outcome: outcomes.max().unwrap_or(Outcome::Good),
@@ -60,12 +51,7 @@ impl<'a> Kind<'a> {
         let kinds = commands.into_iter().map(|command| {
             let own = parts.iter().enumerate();
             let own: Vec<_> = own.filter(|(_, part)| part.command == command).collect();
-            Kind {
-                command,
-                made: made_differently(&own),
-                numbers: Numbers::of(given, &own),
-                parts: own,
-            }
+            Kind { command, made: made_differently(&own), numbers: Numbers::of(given, &own), parts: own }
         });
         kinds.collect()
     }
@@ -76,14 +62,11 @@ fn results(parts: &[Part]) -> DataTable {
     // Said once where all are the same.
     let alike = parts.iter().all(|part| part.heading == parts[0].heading);
     let headings = ["result", "status", "what it is", "what came out"];
-    let headings = headings
-        .into_iter()
-        .filter(|own| !alike || *own != "what it is");
+    let headings = headings.into_iter().filter(|own| !alike || *own != "what it is");
     let mut table = DataTable::new("What came out", headings);
     for (number, part) in parts.iter().enumerate() {
         let status = part.outcome.status();
-        let mut cells =
-            vec![Text::default().strong(format!("{}\u{a0}{}", status.sign, status.words))];
+        let mut cells = vec![Text::default().strong(format!("{}\u{a0}{}", status.sign, status.words))];
         cells.extend((!alike).then(|| Text::from(part.heading.as_str())));
         cells.push(part.verdict[1].clone());
         let name = Text::default().link(part.name.as_str(), format!("r{number}"));
@@ -107,11 +90,7 @@ fn side_by_side(kind: &Kind<'_>) -> Section {
         blocks.extend(charts(&kind.parts));
     }
     let (count, command) = (kind.parts.len(), kind.command);
-    Section::new(
-        &format!("compare-{command}"),
-        format!("{count} results of {command} side by side"),
-        blocks,
-    )
+    Section::new(&format!("compare-{command}"), format!("{count} results of {command} side by side"), blocks)
 }
 
 /// Charts that all results have, one below the other with the result's name.
@@ -130,10 +109,8 @@ fn charts(parts: &[(usize, &Part)]) -> Vec<Block> {
     };
     let names: Vec<&String> = names.collect();
     let shared = first.iter().filter_map(|figure| {
-        let same: Option<Vec<_>> = all
-            .iter()
-            .map(|figures| figures.iter().find(|other| other.id == figure.id).cloned())
-            .collect();
+        let same: Option<Vec<_>> =
+            all.iter().map(|figures| figures.iter().find(|other| other.id == figure.id).cloned()).collect();
         let named = same?.into_iter().zip(&names).map(|(mut figure, name)| {
             figure.title = format!("{name}: {}", figure.title);
             figure
@@ -151,11 +128,8 @@ fn name_empty_panels(figure: &mut Figure) {
     for panel in &mut figure.panels {
         let mut values = panel.series.iter().flat_map(|s| s.x.iter().zip(&s.y));
         if !values.any(|(x, y)| x.is_finite() && y.is_finite()) {
-            panel.title = if panel.title.is_empty() {
-                "no value".to_string()
-            } else {
-                format!("{}: no value", panel.title)
-            };
+            panel.title =
+                if panel.title.is_empty() { "no value".to_string() } else { format!("{}: no value", panel.title) };
         }
     }
 }

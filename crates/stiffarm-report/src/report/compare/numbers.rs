@@ -18,23 +18,16 @@ pub(super) struct Numbers {
 impl Numbers {
     /// Every number of the key tables; nothing where a result has no such table.
     pub(super) fn of(given: &[WithCell<'_>], parts: &[(usize, &Part)]) -> Option<Self> {
-        let results: Vec<&WithCell<'_>> = parts
-            .iter()
-            .filter_map(|(number, _)| given.get(*number))
-            .collect();
+        let results: Vec<&WithCell<'_>> = parts.iter().filter_map(|(number, _)| given.get(*number)).collect();
         let mut all_changes = changes(&results);
-        let tables: Vec<&DataTable> = parts
-            .iter()
-            .map(|(_, part)| part.key.as_ref())
-            .collect::<Option<_>>()?;
+        let tables: Vec<&DataTable> = parts.iter().map(|(_, part)| part.key.as_ref()).collect::<Option<_>>()?;
         let names: Vec<&String> = parts.iter().map(|(_, part)| &part.name).collect();
         let differences = names.iter().skip(1).map(|name| match names.len() {
             2 => "difference".to_string(),
             _ => format!("difference of {name}"),
         });
-        let headings = std::iter::once("number".to_string())
-            .chain(names.iter().map(ToString::to_string))
-            .chain(differences);
+        let headings =
+            std::iter::once("number".to_string()).chain(names.iter().map(ToString::to_string)).chain(differences);
         let mut out = DataTable::new(
             "The key tables, number by number; what is in percent differs by percentage points",
             headings,
@@ -49,10 +42,7 @@ impl Numbers {
         // All of one quantity together: what is sought first, then how sure it is.
         for column in &columns {
             for row in &rows {
-                let cells: Vec<Option<&Text>> = tables
-                    .iter()
-                    .map(|table| cell(table, row, column))
-                    .collect();
+                let cells: Vec<Option<&Text>> = tables.iter().map(|table| cell(table, row, column)).collect();
                 let is_number = |text: &Text| text.0.iter().any(|p| matches!(p, Piece::Number(_)));
                 if !cells.iter().flatten().any(|text| is_number(text)) {
                     continue;
@@ -61,9 +51,7 @@ impl Numbers {
                 let shown = shown.map(|cell| cell.cloned().unwrap_or_else(|| "–".into()));
                 let shown: Vec<Text> = shown.collect();
                 let others = shown.iter().skip(1);
-                let mut differences: Vec<Text> = others
-                    .map(|other| difference(&shown[0], other, column))
-                    .collect();
+                let mut differences: Vec<Text> = others.map(|other| difference(&shown[0], other, column)).collect();
                 let differs = |text: &Text| matches!(text.0[0], Piece::Different(_));
                 differ += usize::from(differences.iter().any(differs));
                 if column.starts_with("k [") {
@@ -80,34 +68,22 @@ impl Numbers {
                         }
                         // One beyond its ± says more than a larger one within.
                         let weight = |c: &StiffnessChange| (c.is_beyond(), c.change);
-                        if stiffness
-                            .as_ref()
-                            .is_none_or(|most| weight(most) < weight(&change))
-                        {
+                        if stiffness.as_ref().is_none_or(|most| weight(most) < weight(&change)) {
                             stiffness = Some(change);
                         }
                     }
                 }
-                out.row(
-                    format!("{row} · {column}"),
-                    shown.into_iter().chain(differences),
-                );
+                out.row(format!("{row} · {column}"), shown.into_iter().chain(differences));
             }
         }
-        (!out.rows.is_empty()).then_some(Self {
-            table: out,
-            differ,
-            stiffness,
-        })
+        (!out.rows.is_empty()).then_some(Self { table: out, differ, stiffness })
     }
 
     /// How many of them differ.
     pub(super) fn sentence(&self) -> String {
         match (self.differ, self.table.rows.len()) {
             (0, all) => format!("All {all} numbers of the key tables are the same."),
-            (differ, all) => format!(
-                "{differ} of {all} numbers of the key tables differ; they are marked with ≠."
-            ),
+            (differ, all) => format!("{differ} of {all} numbers of the key tables differ; they are marked with ≠."),
         }
     }
 }
@@ -122,10 +98,7 @@ fn value(cell: &Text) -> Option<f64> {
 
 /// The cell of a table by the name of its row and its column's heading.
 fn cell<'a>(table: &'a DataTable, row: &str, column: &str) -> Option<&'a Text> {
-    let place = table
-        .headings
-        .iter()
-        .position(|heading| heading == column)?;
+    let place = table.headings.iter().position(|heading| heading == column)?;
     let mut rows = table.rows.iter();
     let row = rows.find(|cells| cells.first().is_some_and(|name| name.plain() == row))?;
     row.get(place)

@@ -54,19 +54,14 @@ fn came(kinds: &[Kind<'_>]) -> Text {
         return Text::new("They answer different questions: no number stands in two of them.");
     }
     let mut out = Text::default();
-    for change in numbers
-        .iter()
-        .filter_map(|numbers| numbers.stiffness.as_ref())
-    {
+    for change in numbers.iter().filter_map(|numbers| numbers.stiffness.as_ref()) {
         out = stiffness(out, change);
     }
     let differ: usize = numbers.iter().map(|numbers| numbers.differ).sum();
     let all: usize = numbers.iter().map(|numbers| numbers.table.rows.len()).sum();
     match differ {
         0 => out.words(format!("All {all} numbers of the key tables are the same.")),
-        _ => out.words(format!(
-            "{differ} of {all} numbers of the key tables differ."
-        )),
+        _ => out.words(format!("{differ} of {all} numbers of the key tables differ.")),
     }
 }
 
@@ -83,18 +78,13 @@ fn stiffness(out: Text, most: &StiffnessChange) -> Text {
     };
     match (most.change == 0.0, most.is_beyond()) {
         (true, _) => out.words("The joint stiffness is the same. "),
-        (false, true) => out
-            .words(format!("The stiffness of {joint} differs by "))
-            .strong(change)
-            .words(format!(
-                ", beyond the {allowed} that the errors of both explain ({pair}): they contradict each other. "
-            )),
+        (false, true) => out.words(format!("The stiffness of {joint} differs by ")).strong(change).words(format!(
+            ", beyond the {allowed} that the errors of both explain ({pair}): they contradict each other. "
+        )),
         (false, false) => out
             .words("The joint stiffness differs by at most ")
             .strong(change)
-            .words(format!(
-                " ({joint}, {pair}), within the {allowed} that the errors of both explain. "
-            )),
+            .words(format!(" ({joint}, {pair}), within the {allowed} that the errors of both explain. ")),
     }
 }
 
@@ -111,9 +101,7 @@ fn next(parts: &[Part], kinds: &[Kind<'_>]) -> Text {
         }
         several => {
             let words = format!("Do not use {} as they are", list(several));
-            return Text::default()
-                .strong(words)
-                .words(": the verdicts of their parts say why and what to do.");
+            return Text::default().strong(words).words(": the verdicts of their parts say why and what to do.");
         }
     }
     let numbers = kinds.iter().filter_map(|kind| kind.numbers.as_ref());

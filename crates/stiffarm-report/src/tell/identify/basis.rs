@@ -25,34 +25,21 @@ pub(super) fn section(given: &Given<'_>, found: &Identified) -> Section {
         }
         let names = in_order(own.postures.iter().map(|p| p.posture.as_str()));
         let is_kept = |name: &&str| cell.validation.iter().any(|v| v.name == *name);
-        let kept: Vec<String> = names
-            .into_iter()
-            .filter(is_kept)
-            .map(String::from)
-            .collect();
+        let kept: Vec<String> = names.into_iter().filter(is_kept).map(String::from).collect();
         let kept = shown(&kept);
         if !kept.is_empty() {
-            let said = format!(
-                "{} of the cell's [validation] took part in this identification; leave out with ",
-                list(&kept)
-            );
+            let said =
+                format!("{} of the cell's [validation] took part in this identification; leave out with ", list(&kept));
             let option = format!("--exclude {}", kept.join(","));
             texts.push(Text::new(said).code(option).words("."));
         }
     }
-    let assumed = found
-        .systematic_errors
-        .iter()
-        .flat_map(|systematic| &systematic.sources);
+    let assumed = found.systematic_errors.iter().flat_map(|systematic| &systematic.sources);
     let assumed = assumed.filter(|source| !source.declared);
-    let sizes: Vec<String> = assumed
-        .map(|source| format!("{} {}", source.name.replace('-', " "), size(source).plain()))
-        .collect();
+    let sizes: Vec<String> =
+        assumed.map(|source| format!("{} {}", source.name.replace('-', " "), size(source).plain())).collect();
     if !sizes.is_empty() {
-        texts.push(Text::new(format!(
-            "* Assumed, not declared in [uncertainty]: {}.",
-            list(&sizes)
-        )));
+        texts.push(Text::new(format!("* Assumed, not declared in [uncertainty]: {}.", list(&sizes))));
     }
     texts.push(estimator(estimates));
     Section::new("basis", "What it rests on", vec![Block::List(texts)]).in_summary()
@@ -68,11 +55,7 @@ pub(super) fn estimator(found: &Estimates) -> Text {
         None => "the stated noise, normal quantiles".to_string(),
         Some(dof) => format!("t with {dof}"),
     };
-    Text::new(format!(
-        "Estimator: {}; {} left; {quantile}.",
-        found.estimator.as_str(),
-        of(found.degrees_of_freedom)
-    ))
+    Text::new(format!("Estimator: {}; {} left; {quantile}.", found.estimator.as_str(), of(found.degrees_of_freedom)))
 }
 
 /// What a posture's points share and an estimator with independent rows ignores.
@@ -100,9 +83,7 @@ fn independent(cell: &Cell, estimator: Estimator) -> Text {
 
 /// Size of a source of systematic error with its unit.
 pub(super) fn size(source: &SystematicSource) -> Text {
-    let (size, two) = (source.size, |unit, factor| {
-        Quantity::new(unit, factor, Form::Significant(2))
-    });
+    let (size, two) = (source.size, |unit, factor| Quantity::new(unit, factor, Form::Significant(2)));
     let quantity = match source.unit.as_str() {
         _ if source.free => return "identified".into(),
         "1" if source.name == "springs" => return "half".into(),

@@ -6,9 +6,7 @@ use super::story::known;
 use super::{counted, findings, fit, stiffness};
 use crate::identified::clamped_residual_figure;
 use crate::order::in_order;
-use crate::tell::{
-    Block, DataTable, Given, Number, Outcome, Quantity, Section, Telling, Text, Told,
-};
+use crate::tell::{Block, DataTable, Given, Number, Outcome, Quantity, Section, Telling, Text, Told};
 use stiffarm::Result;
 use stiffarm::ask::identify::IdentifiedOptions;
 use stiffarm::estimate::clamped::ClampedIdentification;
@@ -23,10 +21,7 @@ impl Telling<IdentifiedOptions> for ClampedIdentification {
             given,
             estimates: own,
             systematic_errors: None,
-            unusable: found
-                .findings
-                .iter()
-                .any(|f| f.severity == Severity::Serious),
+            unusable: found.findings.iter().any(|f| f.severity == Severity::Serious),
         };
         let postures = in_order(found.postures.iter().map(|p| p.posture.as_str()));
         let done = Text::new(format!(
@@ -48,25 +43,18 @@ impl Telling<IdentifiedOptions> for ClampedIdentification {
             .words(" that the flange holds (RMS).");
         let missing = joints.of(|verdict| !is_within(verdict));
         let next = match (joints.unusable, missing.is_empty()) {
-        (true, _) => Text::default()
-            .strong("Settle what is marked serious first")
-            .words(", then identify again."),
-        (_, false) => Text::new("Push in other directions or postures to show ")
-            .strong(joints.names(&missing))
-            .words("."),
-        _ => Text::new(
-            "The ± holds the scatter of the angles alone. Compare with displacements under load: ",
-        )
-        .code("stiffarm validate")
-        .words(" with the flange free shows what the fixture and friction have changed."),
-    };
+            (true, _) => Text::default().strong("Settle what is marked serious first").words(", then identify again."),
+            (_, false) => {
+                Text::new("Push in other directions or postures to show ").strong(joints.names(&missing)).words(".")
+            }
+            _ => Text::new("The ± holds the scatter of the angles alone. Compare with displacements under load: ")
+                .code("stiffarm validate")
+                .words(" with the flange free shows what the fixture and friction have changed."),
+        };
         let weights = fit::weights(&found.weights, |w| w.weight, |w| [&w.posture, &w.state, ""]);
         // What no interval shows stands in the summary.
-        let (notes, more): (Vec<_>, Vec<_>) = found
-            .findings
-            .iter()
-            .cloned()
-            .partition(|finding| finding.severity == Severity::Note);
+        let (notes, more): (Vec<_>, Vec<_>) =
+            found.findings.iter().cloned().partition(|finding| finding.severity == Severity::Note);
         let mut basis: Vec<Text> = notes.into_iter().map(|f| f.sentence.into()).collect();
         basis.push(estimator(own));
         let basis = Section::new("basis", "What it rests on", vec![Block::List(basis)]);
@@ -96,27 +84,16 @@ impl Telling<IdentifiedOptions> for ClampedIdentification {
 
 /// Residual angles, the largest first.
 fn residuals(found: &ClampedIdentification) -> Section {
-    let (order, table) = fit::largest(
-        &found.postures,
-        |p| p.residual_rms_rad,
-        |p| [&p.posture, &p.state],
-    );
+    let (order, table) = fit::largest(&found.postures, |p| p.residual_rms_rad, |p| [&p.posture, &p.state]);
     let posture = |row: usize| &found.postures[order[row]];
     let table = table
-        .numbers("residual RMS", Quantity::AXIS, |row| {
-            Some(Number::new(posture(row).residual_rms_rad))
-        })
-        .numbers("angle RMS", Quantity::AXIS, |row| {
-            Some(Number::new(posture(row).motor_rms_rad))
-        })
+        .numbers("residual RMS", Quantity::AXIS, |row| Some(Number::new(posture(row).residual_rms_rad)))
+        .numbers("angle RMS", Quantity::AXIS, |row| Some(Number::new(posture(row).motor_rms_rad)))
         .numbers("residual / mean", Quantity::RATIO, |row| {
             let mean = found.residual_rms_rad;
             (mean > 0.0).then(|| Number::computed(posture(row).residual_rms_rad / mean))
         });
-    let blocks = vec![
-        Block::Figure(clamped_residual_figure(found)),
-        Block::Table(table),
-    ];
+    let blocks = vec![Block::Figure(clamped_residual_figure(found)), Block::Table(table)];
     Section::new("residuals", "Residuals", blocks)
 }
 
@@ -126,26 +103,13 @@ fn friction(found: &ClampedIdentification) -> Option<Section> {
     let table = DataTable::of(
         "Half of the loop of each joint, and the torque that would hold it",
         "joint",
-        found
-            .friction
-            .iter()
-            .map(|joint| visible(&joint.joint).into_owned()),
+        found.friction.iter().map(|joint| visible(&joint.joint).into_owned()),
     )
-    .numbers("half loop", Quantity::AXIS, |j| {
-        Some(Number::new(joint(j).half_loop_rad))
-    })
-    .numbers("friction", Quantity::TORQUE, |j| {
-        Some(Number::new(joint(j).torque_nm))
-    })
-    .numbers("torque RMS", Quantity::TORQUE, |j| {
-        Some(Number::new(joint(j).load_rms_nm))
-    })
+    .numbers("half loop", Quantity::AXIS, |j| Some(Number::new(joint(j).half_loop_rad)))
+    .numbers("friction", Quantity::TORQUE, |j| Some(Number::new(joint(j).torque_nm)))
+    .numbers("torque RMS", Quantity::TORQUE, |j| Some(Number::new(joint(j).load_rms_nm)))
     .words("pairs", |j| joint(j).pairs.to_string().into());
-    let section = Section::new(
-        "friction",
-        "Loads going up and down",
-        vec![Block::Table(table)],
-    );
+    let section = Section::new("friction", "Loads going up and down", vec![Block::Table(table)]);
     (!found.friction.is_empty()).then(|| section.in_summary())
 }
 
@@ -153,20 +117,14 @@ fn friction(found: &ClampedIdentification) -> Option<Section> {
 fn cell_section(given: &Given<'_>, found: &ClampedIdentification) -> Result<Option<Section>> {
     let of = |name: &str| {
         let own = found.postures.iter().find(|p| p.posture == name)?;
-        (!own.angles.is_empty()).then(|| Posture {
-            name: name.to_string(),
-            q: own.angles.clone(),
-        })
+        (!own.angles.is_empty()).then(|| Posture { name: name.to_string(), q: own.angles.clone() })
     };
     let names = in_order(found.postures.iter().map(|p| p.posture.as_str()));
     let postures: Option<Vec<Posture>> = names.into_iter().map(of).collect();
     let Some(postures) = postures else {
         return Ok(None);
     };
-    let group = PostureGroup {
-        name: "clamped".to_string(),
-        postures,
-    };
+    let group = PostureGroup { name: "clamped".to_string(), postures };
     let text = "The postures in which the flange was held, in their order. The load shown is the cell's own, not that of the \
                 fixture.";
     given.cell_section(&[group], text).map(Some)

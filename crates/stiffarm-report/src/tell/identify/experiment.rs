@@ -18,77 +18,32 @@ pub(super) fn states(found: &Identified) -> Option<Section> {
     let states = found.diagnosis.as_ref()?.load_states.as_ref()?;
     let mut table = DataTable::new(
         "Load states of all postures together",
-        [
-            "what",
-            "found",
-            "standard error",
-            "probability by chance [%]",
-        ],
+        ["what", "found", "standard error", "probability by chance [%]"],
     );
     let mut row = |name: &str, found: Option<&PooledStates>, is_length: bool| {
         let Some(found) = found else { return };
         let shown = |number: Number| {
-            if is_length {
-                Text::from(number.mm().decimals(4))
-            } else {
-                Text::from(number.percent().significant(2))
-            }
+            if is_length { Text::from(number.mm().decimals(4)) } else { Text::from(number.percent().significant(2)) }
         };
         let chance = Number::new(found.p_value);
         let chance = chance.percent().bare().significant(2);
-        table.row(
-            name,
-            [
-                shown(Number::new(found.value)),
-                shown(Number::new(found.standard_error)),
-                chance.into(),
-            ],
-        );
+        table.row(name, [shown(Number::new(found.value)), shown(Number::new(found.standard_error)), chance.into()]);
     };
-    row(
-        "offset at zero load (lost motion)",
-        states.offset.as_ref(),
-        true,
-    );
-    row(
-        "curvature (softens where positive)",
-        states.curvature.as_ref(),
-        false,
-    );
-    row(
-        "loop, down minus up (hysteresis)",
-        states.hysteresis.as_ref(),
-        true,
-    );
-    let blocks = vec![
-        Block::Figure(load_states_figure(states)),
-        Block::Table(table),
-    ];
-    Some(Section::new(
-        "load-states",
-        "Loads going up and down",
-        blocks,
-    ))
+    row("offset at zero load (lost motion)", states.offset.as_ref(), true);
+    row("curvature (softens where positive)", states.curvature.as_ref(), false);
+    row("loop, down minus up (hysteresis)", states.hysteresis.as_ref(), true);
+    let blocks = vec![Block::Figure(load_states_figure(states)), Block::Table(table)];
+    Some(Section::new("load-states", "Loads going up and down", blocks))
 }
 
 /// Torque and displacement of each joint.
 pub(super) fn signals(found: &Identified) -> Option<Section> {
     let signals = &found.diagnosis.as_ref()?.signals;
     let names = signals.iter().map(|s| visible(&s.name).into_owned());
-    let table = DataTable::of(
-        "Torque on each joint, and what its compliance moves",
-        "joint",
-        names,
-    )
-    .numbers("torque RMS", Quantity::TORQUE, |j| {
-        Some(Number::new(signals[j].torque_rms_nm))
-    })
-    .numbers("displacement RMS", Quantity::LENGTH, |j| {
-        Some(Number::new(signals[j].displacement_rms_m))
-    })
-    .numbers("displacement / residual", Quantity::RATIO, |j| {
-        Some(Number::new(signals[j].to_residual))
-    });
+    let table = DataTable::of("Torque on each joint, and what its compliance moves", "joint", names)
+        .numbers("torque RMS", Quantity::TORQUE, |j| Some(Number::new(signals[j].torque_rms_nm)))
+        .numbers("displacement RMS", Quantity::LENGTH, |j| Some(Number::new(signals[j].displacement_rms_m)))
+        .numbers("displacement / residual", Quantity::RATIO, |j| Some(Number::new(signals[j].to_residual)));
     let title = "What each joint carries";
     Some(Section::new("signals", title, vec![Block::Table(table)]))
 }
@@ -101,21 +56,13 @@ pub(super) fn influence(found: &Identified) -> Option<Section> {
     let needed: Vec<Text> = needed
         .map(|p| {
             let lost = shown(&p.lost);
-            Text::new(format!(
-                "Only posture {} shows {}.",
-                visible(&p.posture),
-                list(&lost)
-            ))
+            Text::new(format!("Only posture {} shows {}.", visible(&p.posture), list(&lost)))
         })
         .collect();
     if !needed.is_empty() {
         blocks.push(Block::List(needed));
     }
-    Some(Section::new(
-        "influence",
-        "What hangs on single postures",
-        blocks,
-    ))
+    Some(Section::new("influence", "What hangs on single postures", blocks))
 }
 
 /// Extra terms by how well the postures predict each other with them.
@@ -126,45 +73,37 @@ pub(super) fn terms(found: &Identified) -> Option<Section> {
     let names = names.map(|trial| visible(&trial.name).into_owned());
     let trial = |row: usize| Some(&trials.trials[row.checked_sub(1)?]);
     let names = ["none".to_string()].into_iter().chain(names);
-    let table = DataTable::of(
-        "Each posture predicted from the others, with each extra term alone",
-        "term",
-        names,
-    )
-    .numbers("leave-one-out RMS", Quantity::LENGTH, |row| {
-        Some(Number::new(match trial(row) {
-            Some(trial) => trial.rms_m,
-            None => trials.rms_m,
-        }))
-    })
-    .numbers("change", Quantity::PERCENT, |row| {
-        Some(Number::computed(trial(row)?.ratio? - 1.0))
-    })
-    .words("estimate", |row| {
-        trial(row)
-            .map(|trial| {
-                let (Some(v), Some(e)) = (trial.value, trial.standard_error) else {
-                    return Text::default();
-                };
-                let gap = |v: f64| Number::computed(v).of(Quantity::GAP);
-                if trial.term.is_spring() && v > 0.0 {
-                    Text::from(Number::computed(1.0 / v).of(Quantity::STIFFNESS))
-                        .words(" ")
-                        .number(Number::computed(e / v).of(Quantity::PERCENT).plus_minus())
-                } else if trial.term.is_spring() {
-                    "negative".into()
-                } else {
-                    Text::from(gap(v).bare())
-                        .words(" ")
-                        .number(gap(e).plus_minus())
-                }
-            })
-            .unwrap_or_default()
-    })
-    .words("then not determined", |row| {
-        let lost = trial(row).map(|trial| shown(&trial.lost_joints));
-        lost.unwrap_or_default().join(", ").into()
-    });
+    let table = DataTable::of("Each posture predicted from the others, with each extra term alone", "term", names)
+        .numbers("leave-one-out RMS", Quantity::LENGTH, |row| {
+            Some(Number::new(match trial(row) {
+                Some(trial) => trial.rms_m,
+                None => trials.rms_m,
+            }))
+        })
+        .numbers("change", Quantity::PERCENT, |row| Some(Number::computed(trial(row)?.ratio? - 1.0)))
+        .words("estimate", |row| {
+            trial(row)
+                .map(|trial| {
+                    let (Some(v), Some(e)) = (trial.value, trial.standard_error) else {
+                        return Text::default();
+                    };
+                    let gap = |v: f64| Number::computed(v).of(Quantity::GAP);
+                    if trial.term.is_spring() && v > 0.0 {
+                        Text::from(Number::computed(1.0 / v).of(Quantity::STIFFNESS))
+                            .words(" ")
+                            .number(Number::computed(e / v).of(Quantity::PERCENT).plus_minus())
+                    } else if trial.term.is_spring() {
+                        "negative".into()
+                    } else {
+                        Text::from(gap(v).bare()).words(" ").number(gap(e).plus_minus())
+                    }
+                })
+                .unwrap_or_default()
+        })
+        .words("then not determined", |row| {
+            let lost = trial(row).map(|trial| shown(&trial.lost_joints));
+            lost.unwrap_or_default().join(", ").into()
+        });
     let title = "Extra terms";
     let section = Section::new("terms", title, vec![Block::Table(table)]);
     (!trials.trials.is_empty()).then_some(section)
@@ -192,12 +131,8 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Option<Section> {
             "joint",
             joints.row_names(),
         )
-        .numbers("now", Quantity::PERCENT.digits(3), |j| {
-            error(&advice.before, j)
-        })
-        .numbers("with it", Quantity::PERCENT.digits(3), |j| {
-            error(&advice.after, j)
-        }),
+        .numbers("now", Quantity::PERCENT.digits(3), |j| error(&advice.before, j))
+        .numbers("with it", Quantity::PERCENT.digits(3), |j| error(&advice.after, j)),
     ));
     Some(Section::new("next", title, blocks))
 }
@@ -206,10 +141,7 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Option<Section> {
 fn assumed_load(advice: &NextPosture) -> Option<Text> {
     let load = advice.assumed_load.as_ref()?;
     let force = Number::new(load.magnitude_n).significant(3).unit("N");
-    let vector = |v: [f64; 3], unit: f64, digits: usize| {
-        v.map(|c| format!("{:.*}", digits, c * unit + 0.0))
-            .join(", ")
-    };
+    let vector = |v: [f64; 3], unit: f64, digits: usize| v.map(|c| format!("{:.*}", digits, c * unit + 0.0)).join(", ");
     let (begin, end) = match (load.anchor_m, load.direction) {
         (Some(anchor), _) => {
             let at = vector(anchor, 1e3, 0);
@@ -222,16 +154,9 @@ fn assumed_load(advice: &NextPosture) -> Option<Text> {
         }
         (None, Some(direction)) => {
             let along = vector(direction, 1.0, 2);
-            (
-                "a force of ",
-                format!(" along ({along}), as measured on average."),
-            )
+            ("a force of ", format!(" along ({along}), as measured on average."))
         }
         (None, None) => return None,
     };
-    Some(
-        Text::new(format!("Assumed: {begin}"))
-            .number(force)
-            .words(end),
-    )
+    Some(Text::new(format!("Assumed: {begin}")).number(force).words(end))
 }

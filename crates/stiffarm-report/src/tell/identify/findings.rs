@@ -91,11 +91,7 @@ fn no_systematic(options: &IdentifiedOptions, found: &Identified) -> Option<Find
         return None;
     }
     let why = if options.brief { " (--brief)" } else { "" };
-    let rest = if found.diagnosis.is_some() {
-        ""
-    } else {
-        ", and nothing has looked for readings that do not fit"
-    };
+    let rest = if found.diagnosis.is_some() { "" } else { ", and nothing has looked for readings that do not fit" };
     let sentence = format!(
         "Systematic errors were not examined{why}: force, geometry, registration and lost motion can make each k wrong by \
          more than its ±{rest}."
@@ -108,9 +104,7 @@ fn no_systematic(options: &IdentifiedOptions, found: &Identified) -> Option<Find
 fn held_back(held: Vec<Finding>) -> Option<Section> {
     let summary = counted(held.len(), "finding");
     let blocks = vec![
-        Block::Text(Text::new(
-            "It mostly follows from the wrong scale: settle that first.",
-        )),
+        Block::Text(Text::new("It mostly follows from the wrong scale: settle that first.")),
         Block::Details(summary, vec![Block::Findings(held.clone())]),
     ];
     (!held.is_empty()).then(|| Section::new("held-back", "What the fit says besides", blocks))

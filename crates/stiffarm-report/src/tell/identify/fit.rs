@@ -51,19 +51,12 @@ pub(super) fn elastic(found: &Identified) -> Option<Section> {
             sizes.join(", ")
         ));
         let both = vec![Block::Table(table), Block::Text(said)];
-        blocks.push(Block::Details(
-            "The axes alone, and what else gives way".into(),
-            both,
-        ));
+        blocks.push(Block::Details("The axes alone, and what else gives way".into(), both));
     }
     let title = "What gives way beyond the joint axes";
     let section = Section::new("elastic", title, blocks);
     // Where both models say the same, one of them is enough to read.
-    if elastic.mixed.is_none() || elastic.is_better() {
-        Some(section.in_summary())
-    } else {
-        Some(section)
-    }
+    if elastic.mixed.is_none() || elastic.is_better() { Some(section.in_summary()) } else { Some(section) }
 }
 
 /// Residuals against noise.
@@ -102,20 +95,12 @@ pub(super) fn residuals(found: &Identified) -> Section {
         blocks.push(Block::Text(text));
     }
     blocks.push(Block::Figure(residual_figure(own)));
-    let (order, table) = largest(
-        &own.postures,
-        |p| p.residual_rms_m,
-        |p| [&p.posture, &p.state],
-    );
+    let (order, table) = largest(&own.postures, |p| p.residual_rms_m, |p| [&p.posture, &p.state]);
     let posture = |row: usize| &own.postures[order[row]];
     let influence = found.diagnosis.as_ref().and_then(|d| d.influence.as_ref());
     let table = table
-        .numbers("residual RMS", Quantity::LENGTH, |row| {
-            Some(Number::new(posture(row).residual_rms_m))
-        })
-        .numbers("displacement RMS", Quantity::LENGTH, |row| {
-            Some(Number::new(posture(row).displacement_rms_m))
-        })
+        .numbers("residual RMS", Quantity::LENGTH, |row| Some(Number::new(posture(row).residual_rms_m)))
+        .numbers("displacement RMS", Quantity::LENGTH, |row| Some(Number::new(posture(row).displacement_rms_m)))
         .numbers("residual / displacement", Quantity::PERCENT, |row| {
             let own = posture(row);
             let moves = own.displacement_rms_m > 0.0;
@@ -140,9 +125,7 @@ pub(super) fn share(residual: f64, measured: f64) -> Text {
         return Text::default();
     }
     let share = Number::computed(residual / measured);
-    Text::new(" (")
-        .number(share.of(Quantity::PERCENT))
-        .words(")")
+    Text::new(" (").number(share.of(Quantity::PERCENT)).words(")")
 }
 
 /// Which postures and load states have the largest residuals, and a table with their names in the same order; `name`
@@ -196,20 +179,13 @@ pub(super) fn errors(found: &Identified) -> Option<Section> {
             change.get(j).map(|change| Number::new(*change))
         });
     }
-    let blocks = vec![
-        Block::Figure(errors_figure(systematic)),
-        Block::Table(table),
-    ];
+    let blocks = vec![Block::Figure(errors_figure(systematic)), Block::Table(table)];
     let title = "Systematic errors";
     Some(Section::new("errors", title, blocks))
 }
 
 /// Huber's smallest weights; `name` gives posture, load state and point.
-pub(super) fn weights<W>(
-    all: &[W],
-    weight: impl Fn(&W) -> f64,
-    name: impl Fn(&W) -> [&str; 3],
-) -> Option<Section> {
+pub(super) fn weights<W>(all: &[W], weight: impl Fn(&W) -> f64, name: impl Fn(&W) -> [&str; 3]) -> Option<Section> {
     if all.is_empty() {
         return None;
     }
@@ -224,13 +200,8 @@ pub(super) fn weights<W>(
     )
     .words("state", |row| part(row, 1).into())
     .words("point", |row| part(row, 2).into())
-    .numbers("weight", Quantity::RATIO.digits(2), |row| {
-        Some(Number::new(weight(&all[row])))
-    });
-    let text = Text::new(format!(
-        "{low} of {} count less than the others.",
-        counted(all.len(), "displacement")
-    ));
+    .numbers("weight", Quantity::RATIO.digits(2), |row| Some(Number::new(weight(&all[row]))));
+    let text = Text::new(format!("{low} of {} count less than the others.", counted(all.len(), "displacement")));
     let mut blocks = vec![Block::Text(text)];
     if shown > 0 {
         blocks.push(Block::Table(table));

@@ -35,13 +35,7 @@ impl<'a> Joints<'a> {
     /// Names of rows, the short ones on a line each.
     pub fn row_names(&self) -> impl Iterator<Item = String> {
         let names = (0..self.all().len()).map(|j| self.name(j));
-        names.map(|name| {
-            if name.chars().count() <= SHORT {
-                name.replace(' ', "\u{a0}")
-            } else {
-                name
-            }
-        })
+        names.map(|name| if name.chars().count() <= SHORT { name.replace(' ', "\u{a0}") } else { name })
     }
 
     /// With all errors, where they are in the result.
@@ -102,10 +96,8 @@ impl<'a> Joints<'a> {
                 format!("known means a ± {known}, here by the scatter of the readings alone")
             }
         };
-        let caption = format!(
-            "Joint stiffness with its ± at {} % confidence; {meant}",
-            level(self.estimates.confidence)
-        );
+        let caption =
+            format!("Joint stiffness with its ± at {} % confidence; {meant}", level(self.estimates.confidence));
         let usable = |j: usize| {
             let verdict = self.all()[j].verdict;
             !matches!(verdict, Verdict::Undetermined | Verdict::SignOrModelFault)
@@ -117,26 +109,17 @@ impl<'a> Joints<'a> {
         };
         let total = if with { "± total" } else { "± readings" };
         DataTable::of(caption, "joint", self.row_names())
-            .numbers("k", Quantity::STIFFNESS, |j| {
-                Some(Number::new(self.all()[j].stiffness))
-            })
+            .numbers("k", Quantity::STIFFNESS, |j| Some(Number::new(self.all()[j].stiffness)))
             .numbers(total, Quantity::PERCENT, |j| {
                 let half = self.all()[j].half_width.filter(|half| *half < NO_LONGER);
                 half.filter(|_| usable(j)).map(|_| self.total(j))
             })
-            .numbers("± readings", Quantity::PERCENT, |j| {
-                part(j, |own| own.statistical)
-            })
-            .numbers("± systematic", Quantity::PERCENT, |j| {
-                part(j, |own| own.systematic)
-            })
+            .numbers("± readings", Quantity::PERCENT, |j| part(j, |own| own.statistical))
+            .numbers("± systematic", Quantity::PERCENT, |j| part(j, |own| own.systematic))
             .words("largest source", |j| {
                 let own = self.errors(j).filter(|_| usable(j));
                 let name = own.and_then(|own| own.largest_source.as_ref());
-                let source = self
-                    .systematic_errors
-                    .zip(name)
-                    .map(|(systematic, name)| source(systematic, name));
+                let source = self.systematic_errors.zip(name).map(|(systematic, name)| source(systematic, name));
                 source.unwrap_or_default().into()
             })
             .words("verdict", |j| self.verdict(j))

@@ -44,25 +44,14 @@ impl Telling<IdentifiedOptions> for Identified {
             [] => story::came(options, &joints, found),
             [first, rest @ ..] => story::unusable(first, rest.len()),
         };
-        let verdict = [
-            story::done(options, found),
-            came,
-            story::next(options, &joints, found),
-        ];
+        let verdict = [story::done(options, found), came, story::next(options, &joints, found)];
         let readings = readings::section(found.screening(), found.readings.as_ref());
         // What is wrong with the readings comes first where something is.
         let suspicious = found.screening().is_some_and(|s| !s.suspicions.is_empty());
-        let (first, later) = if suspicious {
-            (readings, None)
-        } else {
-            (None, readings)
-        };
+        let (first, later) = if suspicious { (readings, None) } else { (None, readings) };
         let sections = [
             first,
-            Some(stiffness::section(
-                &joints,
-                &found.identification.prior_stiffness,
-            )),
+            Some(stiffness::section(&joints, &found.identification.prior_stiffness)),
             stiffness::further(&joints),
             fit::elastic(found),
             Some(fit::residuals(found)),
@@ -75,11 +64,7 @@ impl Telling<IdentifiedOptions> for Identified {
             experiment::signals(found),
             experiment::influence(found),
             experiment::terms(found),
-            fit::weights(
-                &found.identification.weights,
-                |w| w.weight,
-                |w| [&w.posture, &w.state, &w.point],
-            ),
+            fit::weights(&found.identification.weights, |w| w.weight, |w| [&w.posture, &w.state, &w.point]),
             experiment::next(&joints, found),
             findings.held_back,
             Some(basis::section(given, found)),

@@ -9,10 +9,7 @@ use stiffarm::measure::reduction::UnloadedRegistration;
 use stiffarm::measure::screening::{Screening, Suspicion};
 
 /// What was found about the readings; `None` where nothing is worth a word.
-pub(in crate::tell) fn section(
-    screening: Option<&Screening>,
-    readings: Option<&Reduced>,
-) -> Option<Section> {
+pub(in crate::tell) fn section(screening: Option<&Screening>, readings: Option<&Reduced>) -> Option<Section> {
     let mut blocks = Vec::new();
     if let Some(screening) = screening.filter(|s| !s.suspicions.is_empty()) {
         blocks.push(Block::Table(suspicions(screening)));
@@ -20,11 +17,7 @@ pub(in crate::tell) fn section(
     if let Some(readings) = readings {
         blocks.push(Block::Table(checks(readings)));
         let registration = readings.reduction.registration.as_ref();
-        blocks.extend(
-            registration
-                .filter(|r| r.postures.len() > 1)
-                .map(|r| Block::Figure(registration_figure(r))),
-        );
+        blocks.extend(registration.filter(|r| r.postures.len() > 1).map(|r| Block::Figure(registration_figure(r))));
     }
     let title = "The readings: what to correct, what to know";
     (!blocks.is_empty()).then(|| Section::new("readings", title, blocks))
@@ -51,12 +44,8 @@ fn suspicions(screening: &Screening) -> DataTable {
         let lines: Vec<String> = all[order[row]].lines.iter().map(usize::to_string).collect();
         shortened(&lines).into()
     })
-    .numbers("misfit as read", Quantity::LENGTH, |row| {
-        all[order[row]].before_m.map(Number::new)
-    })
-    .numbers("misfit corrected", Quantity::LENGTH, |row| {
-        all[order[row]].after_m.map(Number::new)
-    })
+    .numbers("misfit as read", Quantity::LENGTH, |row| all[order[row]].before_m.map(Number::new))
+    .numbers("misfit corrected", Quantity::LENGTH, |row| all[order[row]].after_m.map(Number::new))
 }
 
 /// The stable name of a cause as words.
@@ -85,11 +74,7 @@ fn place(own: &Suspicion) -> String {
         part("", &own.joints),
     ];
     let parts: Vec<String> = parts.into_iter().flatten().collect();
-    if parts.is_empty() {
-        "the whole table".to_string()
-    } else {
-        parts.join(", ")
-    }
+    if parts.is_empty() { "the whole table".to_string() } else { parts.join(", ") }
 }
 
 /// A list of which a long middle is left out.
@@ -107,22 +92,13 @@ pub(super) fn shortened(names: &[String]) -> String {
 fn checks(readings: &Reduced) -> DataTable {
     let mut table = DataTable::new(
         "What the readings say of the measurement itself",
-        [
-            "check",
-            "found [mm]",
-            "by noise alone [mm]",
-            "what it means",
-        ],
+        ["check", "found [mm]", "by noise alone [mm]", "what it means"],
     );
     let mm = |length: f64| Text::from(Number::new(length).mm().bare().decimals(4));
     let reduction = &readings.reduction;
     if let Some(registration) = &reduction.registration {
-        let left: Vec<String> = registration
-            .postures
-            .iter()
-            .filter(|p| !p.used)
-            .map(|p| visible(&p.posture).into_owned())
-            .collect();
+        let left: Vec<String> =
+            registration.postures.iter().filter(|p| !p.used).map(|p| visible(&p.posture).into_owned()).collect();
         let how = if registration.given {
             "the tracker's place is as given; the unloaded points check it".to_string()
         } else {
@@ -132,11 +108,7 @@ fn checks(readings: &Reduced) -> DataTable {
                 registration.postures.len()
             )
         };
-        let how = if left.is_empty() {
-            how
-        } else {
-            format!("{how}; {} disagrees", shortened(&left))
-        };
+        let how = if left.is_empty() { how } else { format!("{how}; {} disagrees", shortened(&left)) };
         let turn = registration.turn_standard_error_rad.into_iter().flatten();
         let how = match turn.reduce(f64::max) {
             Some(turn) => {
@@ -149,24 +121,17 @@ fn checks(readings: &Reduced) -> DataTable {
         table.row("registration, RMS from the kinematic model", cells);
     }
     if let Some(repeats) = &reduction.repeatability {
-        let mut how = format!(
-            "scatter of one reading along an axis, from {} degrees of freedom",
-            repeats.degrees_of_freedom
-        );
+        let mut how =
+            format!("scatter of one reading along an axis, from {} degrees of freedom", repeats.degrees_of_freedom);
         if repeats.identical_readings > 0 {
-            how += &format!(
-                "; {} readings repeat another to the last digit",
-                repeats.identical_readings
-            );
+            how += &format!("; {} readings repeat another to the last digit", repeats.identical_readings);
         }
         let cells = [mm(repeats.std_m), "–".into(), how.into()];
         table.row("repeatability", cells);
     }
     if let Some(drift) = &reduction.drift {
         let how = match drift.significance {
-            Some(p) if p < 1e-3 => {
-                "more than noise; a straight line in time is taken off, look for its cause"
-            }
+            Some(p) if p < 1e-3 => "more than noise; a straight line in time is taken off, look for its cause",
             _ => "no more than noise; a straight line in time is taken off",
         };
         let cells = [mm(drift.rms_m), mm(drift.expected_rms_m), how.into()];
@@ -204,11 +169,6 @@ fn registration_figure(registration: &UnloadedRegistration) -> Figure {
         "Unloaded points against the kinematic model",
         "RMS distance between where the unloaded measuring points are and where the angles put them. One posture far \
          above the others has wrong angles or exchanged rows; all of them large is the calibration of the robot.",
-        Panel::new(
-            "",
-            Axis::categorical("posture", names),
-            Axis::linear("RMS distance", "mm").from_zero(),
-            series,
-        ),
+        Panel::new("", Axis::categorical("posture", names), Axis::linear("RMS distance", "mm").from_zero(), series),
     )
 }

@@ -18,27 +18,20 @@ const MOST_UNKNOWNS: usize = 14;
 pub(super) fn section(joints: &Joints<'_>, prior: &[f64]) -> Section {
     let count = joints.all().len();
     let published = published(joints.given, count);
-    let series: Vec<(String, Vec<f64>)> = published
-        .iter()
-        .map(|(label, _, values)| (label.clone(), values.clone()))
-        .collect();
+    let series: Vec<(String, Vec<f64>)> =
+        published.iter().map(|(label, _, values)| (label.clone(), values.clone())).collect();
     let figure = stiffness_figure(&joints.rows(), prior, &series, joints.estimates.confidence);
     let mut blocks = vec![
         Block::Figure(figure),
-        Block::Table(
-            intervals(joints.all(), joints.estimates.confidence, "joint").numbers(
-                "systematic errors",
-                Quantity::PERCENT,
-                |j| Some(Number::new(*joints.systematic_errors?.combined.get(j)?)),
-            ),
-        ),
+        Block::Table(intervals(joints.all(), joints.estimates.confidence, "joint").numbers(
+            "systematic errors",
+            Quantity::PERCENT,
+            |j| Some(Number::new(*joints.systematic_errors?.combined.get(j)?)),
+        )),
     ];
     let has_prior = prior.len() == count;
     let mut table = DataTable::of(
-        format!(
-            "Identified beside prior and published stiffness [{}]",
-            Quantity::STIFFNESS.unit
-        ),
+        format!("Identified beside prior and published stiffness [{}]", Quantity::STIFFNESS.unit),
         "joint",
         joints.row_names(),
     )
@@ -48,9 +41,7 @@ pub(super) fn section(joints: &Joints<'_>, prior: &[f64]) -> Section {
     })
     .words("prior", |j| {
         let own = prior.get(j).filter(|_| has_prior);
-        own.map_or_else(Text::default, |own| {
-            Number::new(*own).of(Quantity::STIFFNESS.bare()).into()
-        })
+        own.map_or_else(Text::default, |own| Number::new(*own).of(Quantity::STIFFNESS.bare()).into())
     })
     .numbers("identified / prior", Quantity::RATIO, |j| {
         let k = prior.get(j).filter(|_| has_prior)?;
@@ -65,9 +56,7 @@ pub(super) fn section(joints: &Joints<'_>, prior: &[f64]) -> Section {
     if table.headings.len() > 2 {
         blocks.push(Block::Table(table));
     }
-    let sources = published
-        .into_iter()
-        .map(|(label, source, _)| Text::new(format!("{label}: {source}")));
+    let sources = published.into_iter().map(|(label, source, _)| Text::new(format!("{label}: {source}")));
     let sources: Vec<Text> = sources.collect();
     if !sources.is_empty() {
         blocks.push(Block::List(sources));
@@ -83,25 +72,15 @@ fn intervals(springs: &[JointEstimate], confidence: f64, heading: &str) -> DataT
         Quantity::STIFFNESS.unit
     );
     let bare = Quantity::STIFFNESS.bare();
-    DataTable::of(
-        caption,
-        heading,
-        springs.iter().map(|s| visible(&s.name).into_owned()),
-    )
-    .numbers("k", bare, |j| Some(Number::new(springs[j].stiffness)))
-    .numbers("standard error", bare, |j| {
-        Some(Number::new(springs[j].readings_standard_error))
-    })
-    .numbers("from", bare, |j| {
-        Some(Number::new(springs[j].readings_interval[0]))
-    })
-    .numbers("to", bare, |j| {
-        Some(Number::new(springs[j].readings_interval[1]))
-    })
-    .numbers("relative error", Quantity::PERCENT, |j| {
-        let (error, k) = (springs[j].readings_standard_error?, springs[j].stiffness?);
-        Some(Number::computed(error / k.abs()))
-    })
+    DataTable::of(caption, heading, springs.iter().map(|s| visible(&s.name).into_owned()))
+        .numbers("k", bare, |j| Some(Number::new(springs[j].stiffness)))
+        .numbers("standard error", bare, |j| Some(Number::new(springs[j].readings_standard_error)))
+        .numbers("from", bare, |j| Some(Number::new(springs[j].readings_interval[0])))
+        .numbers("to", bare, |j| Some(Number::new(springs[j].readings_interval[1])))
+        .numbers("relative error", Quantity::PERCENT, |j| {
+            let (error, k) = (springs[j].readings_standard_error?, springs[j].stiffness?);
+            Some(Number::computed(error / k.abs()))
+        })
 }
 
 /// Extra springs, lost motion, and combinations that are determined; `None` where there are none.
@@ -114,10 +93,7 @@ pub(super) fn further(joints: &Joints<'_>) -> Option<Section> {
     }
     if !own.lost_motion.is_empty() {
         let gap = |j: usize| &own.lost_motion[j];
-        let names = own
-            .lost_motion
-            .iter()
-            .map(|l| visible(&l.name).into_owned());
+        let names = own.lost_motion.iter().map(|l| visible(&l.name).into_owned());
         let caption = format!("Lost motion with its {} % interval", level(own.confidence));
         let quantity = Quantity::GAP.digits(3);
         blocks.push(Block::Table(
@@ -136,17 +112,9 @@ pub(super) fn further(joints: &Joints<'_>) -> Option<Section> {
         let sum = |j: usize| &own.combinations[j];
         let compliance = Quantity::new("rad/(N·m)", 1.0, Form::Significant(4));
         blocks.push(Block::Table(
-            DataTable::of(
-                "What the data determine together",
-                "determined together",
-                names,
-            )
-            .numbers("compliance", compliance, |j| {
-                Some(Number::new(sum(j).compliance))
-            })
-            .numbers("standard error", compliance.digits(2), |j| {
-                Some(Number::new(sum(j).standard_error))
-            }),
+            DataTable::of("What the data determine together", "determined together", names)
+                .numbers("compliance", compliance, |j| Some(Number::new(sum(j).compliance)))
+                .numbers("standard error", compliance.digits(2), |j| Some(Number::new(sum(j).standard_error))),
         ));
     }
     let section = Section::new("further", "Beside the joints", blocks).in_summary();
@@ -174,16 +142,15 @@ pub(super) fn resampled(found: &Identified) -> Option<Section> {
     let mut blocks = Vec::new();
     let own = &found.identification.estimates;
     if let Some(bootstrap) = &found.bootstrap {
-        let names = bootstrap
-            .joints
-            .iter()
-            .map(|j| visible(&j.name).into_owned());
+        let names = bootstrap.joints.iter().map(|j| visible(&j.name).into_owned());
         let end = |j: usize, i: usize| Some(Number::new(bootstrap.joints[j].interval[i]));
         let caption = format!("Bootstrap: {} % intervals", level(bootstrap.confidence));
         blocks.push(Block::Table(
-            DataTable::of(caption, "joint", names)
-                .numbers("from", Quantity::STIFFNESS, |j| end(j, 0))
-                .numbers("to", Quantity::STIFFNESS, |j| end(j, 1)),
+            DataTable::of(caption, "joint", names).numbers("from", Quantity::STIFFNESS, |j| end(j, 0)).numbers(
+                "to",
+                Quantity::STIFFNESS,
+                |j| end(j, 1),
+            ),
         ));
         let skipped = match bootstrap.skipped {
             0 => String::new(),
@@ -204,11 +171,7 @@ pub(super) fn resampled(found: &Identified) -> Option<Section> {
         let said = held(&name, dof, found.measured_coverage.as_ref());
         blocks.push(Block::Text(Text::new(said)));
     }
-    let section = Section::new(
-        "coverage",
-        "How often such intervals hold the truth",
-        blocks,
-    );
+    let section = Section::new("coverage", "How often such intervals hold the truth", blocks);
     let section = match found.bootstrap {
         Some(_) => section.in_summary(),
         None => section,

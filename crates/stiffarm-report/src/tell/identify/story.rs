@@ -20,11 +20,7 @@ pub(in crate::tell) const MORE_THAN_NOISE: f64 = 1.5;
 /// What was done.
 pub(super) fn done(options: &IdentifiedOptions, found: &Identified) -> Text {
     let estimates = &found.identification.estimates;
-    let names = found
-        .identification
-        .postures
-        .iter()
-        .map(|p| p.posture.as_str());
+    let names = found.identification.postures.iter().map(|p| p.posture.as_str());
     let postures = in_order(names).len();
     let from = match found.readings {
         Some(_) => "raw readings of the tracker",
@@ -52,18 +48,14 @@ pub(super) fn unusable(first: &Finding, more: usize) -> Text {
         count => format!(" {count} more findings are as serious."),
     };
     let clause = clause.trim_end_matches('.');
-    Text::default()
-        .strong("The stiffness cannot be used")
-        .words(format!(". {clause}.{others}"))
+    Text::default().strong("The stiffness cannot be used").words(format!(". {clause}.{others}"))
 }
 
 /// What came out.
 pub(super) fn came(options: &IdentifiedOptions, joints: &Joints<'_>, found: &Identified) -> Text {
     let known = match found.systematic_errors {
         Some(_) => known(joints),
-        None => known(joints)
-            .words(" ")
-            .strong("Systematic errors were not examined."),
+        None => known(joints).words(" ").strong("Systematic errors were not examined."),
     };
     let freed: Vec<&str> = found.freed.iter().map(|own| own.words.as_str()).collect();
     let freed = match freed.as_slice() {
@@ -100,17 +92,12 @@ pub(super) fn known(joints: &Joints<'_>) -> Text {
     } else if missing.len() == joints.all().len() {
         return Text::default().strong("No joint has a usable value.");
     } else {
-        Text::new("No usable value: ")
-            .strong(joints.names(&missing))
-            .words(". ")
+        Text::new("No usable value: ").strong(joints.names(&missing)).words(". ")
     };
     let mut text = match within.as_slice() {
         [] => text.strong("No joint's stiffness is known to better than half of it."),
         [one] => text
-            .words(format!(
-                "The stiffness of {} is known to ",
-                joints.name(*one)
-            ))
+            .words(format!("The stiffness of {} is known to ", joints.name(*one)))
             .number(joints.total(*one).plus_minus())
             .words(format!(" ({level} %, {with}).")),
         [first, .., last] => text
@@ -118,25 +105,15 @@ pub(super) fn known(joints: &Joints<'_>) -> Text {
             .number(joints.total(*first).plus_minus())
             .words(format!(" ({}) to ", joints.name(*first)))
             .number(joints.total(*last).plus_minus())
-            .words(format!(
-                " ({}) at {level} % confidence, {with}.",
-                joints.name(*last)
-            )),
+            .words(format!(" ({}) at {level} % confidence, {with}.", joints.name(*last))),
     };
     let weak = joints.of(|verdict| verdict == Verdict::Weak);
     if !weak.is_empty() {
-        text = text.words(format!(
-            " Weak, above ± {:.0} %: {}.",
-            100.0 * WELL_KNOWN,
-            joints.names(&weak)
-        ));
+        text = text.words(format!(" Weak, above ± {:.0} %: {}.", 100.0 * WELL_KNOWN, joints.names(&weak)));
     }
     let wide = joints.of(is_wide);
     if wide.len() > MOST_NAMED {
-        return text.words(format!(
-            " No ± for {}: the table has their bounds.",
-            joints.names(&wide)
-        ));
+        return text.words(format!(" No ± for {}: the table has their bounds.", joints.names(&wide)));
     }
     for j in wide {
         let (low, high) = (joints.end(j, 0), joints.end(j, 1));
@@ -167,9 +144,7 @@ fn residual(text: Text, options: &IdentifiedOptions, found: &Identified) -> Text
     };
     let mm = |length: Option<f64>| Number::new(length).of(Quantity::LENGTH);
     if own.estimates.degrees_of_freedom == 0 {
-        return text.words(
-            " No degree of freedom is left: nothing checks the model, and there are no intervals.",
-        );
+        return text.words(" No degree of freedom is left: nothing checks the model, and there are no intervals.");
     }
     if own.expected_std_m <= 0.0 {
         return text
@@ -201,25 +176,13 @@ fn residual(text: Text, options: &IdentifiedOptions, found: &Identified) -> Text
             .words(" expected")
     };
     match agreement {
-        Agreement::Agrees => {
-            numbers(text.words(" What the fit leaves looks like noise: ")).words(".")
-        }
-        Agreement::Smaller => {
-            numbers(text.words(" What the fit leaves is less than the stated noise: ")).words(".")
-        }
+        Agreement::Agrees => numbers(text.words(" What the fit leaves looks like noise: ")).words("."),
+        Agreement::Smaller => numbers(text.words(" What the fit leaves is less than the stated noise: ")).words("."),
         Agreement::Larger => {
-            let text = text
-                .words(" What the fit leaves is ")
-                .strong("not noise alone")
-                .words(": ");
-            let text = numbers(text)
-                .words(", ")
-                .number(ratio.significant(2))
-                .words(" times as much.");
+            let text = text.words(" What the fit leaves is ").strong("not noise alone").words(": ");
+            let text = numbers(text).words(", ").number(ratio.significant(2)).words(" times as much.");
             match own.estimates.noise {
-                NoiseSource::Known => {
-                    text.words(" The intervals rest on the cell's noise and are too narrow.")
-                }
+                NoiseSource::Known => text.words(" The intervals rest on the cell's noise and are too narrow."),
                 _ => text,
             }
         }
@@ -275,8 +238,7 @@ pub(super) fn next(options: &IdentifiedOptions, joints: &Joints<'_>, found: &Ide
     let next = found.next_posture.as_ref();
     let never = |j: usize| next.is_some_and(|next| next.after.get(j).copied().flatten().is_none());
     // A joint without a value comes before how well the others fit.
-    let mut blind =
-        joints.of(|verdict| matches!(verdict, Verdict::Undetermined | Verdict::NotByItself));
+    let mut blind = joints.of(|verdict| matches!(verdict, Verdict::Undetermined | Verdict::NotByItself));
     blind.retain(|j| !never(*j));
     if larger && found.elastic.is_none() && blind.is_empty() {
         return Text::new("Identify again with ")
@@ -285,10 +247,7 @@ pub(super) fn next(options: &IdentifiedOptions, joints: &Joints<'_>, found: &Ide
             .code("stiffarm validate")
             .words(" on postures that were held out.");
     }
-    let outlier = found
-        .diagnosis
-        .as_ref()
-        .and_then(|d| d.outliers.found.first());
+    let outlier = found.diagnosis.as_ref().and_then(|d| d.outliers.found.first());
     if let Some(outlier) = outlier.filter(|_| blind.is_empty()) {
         let what = match (outlier.kind, &outlier.posture, &outlier.point) {
             (OutlierKind::Point, _, Some(point)) => {
@@ -319,10 +278,7 @@ pub(super) fn next(options: &IdentifiedOptions, joints: &Joints<'_>, found: &Ide
     let helped = found.next_posture.as_ref().and_then(|advice| {
         let fallen = |j: &usize| {
             let before = error(&advice.before, *j);
-            Some((
-                *j,
-                error(&advice.after, *j)? / before.unwrap_or(f64::INFINITY),
-            ))
+            Some((*j, error(&advice.after, *j)? / before.unwrap_or(f64::INFINITY)))
         };
         let joints = missing.iter().chain(&weak).filter_map(fallen);
         let most = joints.min_by(|a, b| a.1.total_cmp(&b.1));
@@ -333,10 +289,7 @@ pub(super) fn next(options: &IdentifiedOptions, joints: &Joints<'_>, found: &Ide
         let text = angles(text, &advice.angles);
         let at = |all: &[Option<f64>]| Number::new(error(all, j)).of(Quantity::PERCENT);
         let before = at(&advice.before);
-        let text = text.words(format!(
-            "; it takes the standard error of {}",
-            joints.name(j)
-        ));
+        let text = text.words(format!("; it takes the standard error of {}", joints.name(j)));
         let text = match before.value {
             Some(_) => text.words(" by the readings from ").number(before),
             None => text.words(" by the readings from unknown"),

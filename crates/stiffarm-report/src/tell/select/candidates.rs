@@ -2,9 +2,7 @@
 
 use super::super::postures::{FEW, name_of, posture_table};
 use super::super::worth::{Worth, index_number, worth_sections};
-use crate::tell::{
-    Block, DataTable, Given, Number, Section, Telling, Text, Told, counted, with_stopped,
-};
+use crate::tell::{Block, DataTable, Given, Number, Section, Telling, Text, Told, counted, with_stopped};
 use stiffarm::ask::select::{Asked, Chosen};
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
@@ -17,26 +15,16 @@ impl Telling<Asked> for Chosen {
         let found = &chosen.selection;
         let index = found.index;
         let count = chosen.posture_names.len();
-        let wrenches = if chosen.measured_wrenches {
-            ", each under its measured wrench"
-        } else {
-            ""
-        };
+        let wrenches = if chosen.measured_wrenches { ", each under its measured wrench" } else { "" };
         let done = Text::new(format!(
             "Of {} the best {count} were chosen{wrenches}.",
             counted(chosen.candidate_names.len(), "candidate")
         ));
-        let mut came = Text::new(index.says())
-            .number(index_number(index, found.value))
-            .words(".");
+        let mut came = Text::new(index.says()).number(index_number(index, found.value)).words(".");
         if found.exact {
             came = came.words(" No other choice of as many candidates is better.");
         } else if found.bound.is_some() {
-            let side = if index.larger_is_better() {
-                "above"
-            } else {
-                "below"
-            };
+            let side = if index.larger_is_better() { "above" } else { "below" };
             came = came
                 .words(format!(" No choice of as many candidates can be {side} "))
                 .number(index_number(index, found.bound))
@@ -49,11 +37,9 @@ impl Telling<Asked> for Chosen {
             came = came.words(format!(" {count} lie outside bounds or limits."));
         }
         let next = if chosen.measured_wrenches {
-            Text::new(
-            "These are measured already: identify with them alone and compare, or plan more with ",
-        )
-        .code("stiffarm select --given")
-        .words(".")
+            Text::new("These are measured already: identify with them alone and compare, or plan more with ")
+                .code("stiffarm select --given")
+                .words(".")
         } else {
             Text::new("Write the sheet for the readings (")
                 .code("--sheet measurements.xlsx")
@@ -61,29 +47,13 @@ impl Telling<Asked> for Chosen {
                 .code("stiffarm select")
                 .words(" without a list finds postures of its own to compare with.")
         };
-        let key = posture_table(
-            "The chosen postures, controller angles",
-            &chosen.posture_names,
-            &chosen.postures,
-            &[],
-        );
+        let key = posture_table("The chosen postures, controller angles", &chosen.posture_names, &chosen.postures, &[]);
         let angles = chosen.postures.iter().cloned();
         let group = PostureGroup::named("chosen postures", &chosen.posture_names, angles);
-        let mut sections = vec![context.cell_section(
-            &[group],
-            "Step through the chosen postures in the order of the list.",
-        )?];
-        let worth = Worth {
-            evaluation: &found.evaluation,
-            posture_names: &chosen.posture_names,
-        };
-        sections.extend(worth_sections(
-            context,
-            options.characteristic_length_m,
-            &chosen.joints,
-            &[worth],
-            &[],
-        ));
+        let mut sections =
+            vec![context.cell_section(&[group], "Step through the chosen postures in the order of the list.")?];
+        let worth = Worth { evaluation: &found.evaluation, posture_names: &chosen.posture_names };
+        sections.extend(worth_sections(context, options.characteristic_length_m, &chosen.joints, &[worth], &[]));
         if !found.forbidden.is_empty() {
             let names = found.forbidden.iter();
             let names = names.map(|own| name_of(&chosen.candidate_names, own.candidate));
@@ -93,21 +63,11 @@ impl Telling<Asked> for Chosen {
                 why.into_owned().into()
             });
             let section = Section::new("forbidden", "Left out", vec![Block::Table(table)]);
-            sections.push(if found.forbidden.len() > FEW {
-                section
-            } else {
-                section.in_summary()
-            });
+            sections.push(if found.forbidden.len() > FEW { section } else { section.in_summary() });
         }
         let verdict = [done, came, next];
         let is_stopped = found.termination == Termination::Interrupted;
         let findings = with_stopped(context, chosen.findings.clone(), is_stopped, &[]);
-        Ok(context.told(
-            findings,
-            "The best of a list".to_string(),
-            verdict,
-            Some(key),
-            sections,
-        ))
+        Ok(context.told(findings, "The best of a list".to_string(), verdict, Some(key), sections))
     }
 }

@@ -3,8 +3,7 @@
 use super::super::worth::{index_number, index_quantity};
 use crate::selection::{CountPoint, count_figure};
 use crate::tell::{
-    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, counted,
-    with_stopped,
+    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, counted, with_stopped,
 };
 use stiffarm::Result;
 use stiffarm::ask::select::{Curve, CurveSize};
@@ -19,27 +18,20 @@ impl<O> Telling<O> for Curve {
         let curve = self;
         let (index, sizes) = (curve.index, &curve.sizes);
         let largest = sizes.last().map_or(0, |size| size.point.postures);
-        let done = Text::new(format!(
-            "The best plan was searched for every number of postures from 1 to {largest}."
-        ));
+        let done = Text::new(format!("The best plan was searched for every number of postures from 1 to {largest}."));
         let value = |s: usize| index_number(index, sizes[s].point.value);
         let ends = sizes.iter().position(|size| size.point.value.is_some());
         let came = match ends {
             None => Text::new("So few postures cannot determine every joint."),
             Some(first) => Text::new(format!("The index {} goes from ", index.in_words()))
                 .number(value(first))
-                .words(format!(
-                    " with {} to ",
-                    counted(sizes[first].point.postures, "posture")
-                ))
+                .words(format!(" with {} to ", counted(sizes[first].point.postures, "posture")))
                 .number(value(sizes.len() - 1))
                 .words(format!(" with {}.", counted(largest, "posture"))),
         };
         // From here on no posture more gains much.
         let is_worth = |size: &CurveSize| size.gain.is_none_or(|gain| gain >= WORTH_MORE);
-        let enough = sizes
-            .iter()
-            .rposition(|size| size.gain.is_some() && is_worth(size));
+        let enough = sizes.iter().rposition(|size| size.gain.is_some() && is_worth(size));
         let enough = enough.map_or(ends, |last| Some(last + 1));
         let next = match enough.and_then(|s| Some((s, sizes.get(s)?))) {
             None => Text::new("Search for more postures, or add measuring points."),
@@ -53,9 +45,7 @@ impl<O> Telling<O> for Curve {
                         counted(size.point.postures, "posture")
                     ))
                 };
-                text = text
-                    .words(": plan with ")
-                    .code(format!("--count {}", size.point.postures));
+                text = text.words(": plan with ").code(format!("--count {}", size.point.postures));
                 if last {
                     text.words(", or with more where the error is still too large.")
                 } else {
@@ -65,30 +55,19 @@ impl<O> Telling<O> for Curve {
         };
         let rows = sizes.iter().map(|size| size.point.postures.to_string());
         let share = Quantity::new("%", 100.0, Form::Decimals(1));
-        let mut key = DataTable::of(
-            "Best plan found for each number of postures",
-            "postures",
-            rows,
-        )
-        .numbers(&index.in_words(), index_quantity(index), |s| {
-            Some(Number::new(sizes[s].point.value))
-        });
+        let mut key = DataTable::of("Best plan found for each number of postures", "postures", rows).numbers(
+            &index.in_words(),
+            index_quantity(index),
+            |s| Some(Number::new(sizes[s].point.value)),
+        );
         if index != Index::ExpectedError {
             let errors = Quantity::PERCENT.digits(4);
-            key = key.numbers("expected error", errors, |s| {
-                Some(Number::new(sizes[s].point.expected_error))
-            });
+            key = key.numbers("expected error", errors, |s| Some(Number::new(sizes[s].point.expected_error)));
         }
         let key = key
-            .numbers("one more gains", share, |s| {
-                Some(Number::new(sizes[s].gain))
-            })
-            .numbers("no plan below", index_quantity(index), |s| {
-                Some(Number::new(sizes[s].bound))
-            })
-            .numbers("of what is possible", share, |s| {
-                Some(Number::new(sizes[s].efficiency))
-            });
+            .numbers("one more gains", share, |s| Some(Number::new(sizes[s].gain)))
+            .numbers("no plan below", index_quantity(index), |s| Some(Number::new(sizes[s].bound)))
+            .numbers("of what is possible", share, |s| Some(Number::new(sizes[s].efficiency)));
         let points = sizes.iter().map(|size| CountPoint {
             postures: size.point.postures,
             value: size.point.value,
@@ -109,12 +88,6 @@ impl<O> Telling<O> for Curve {
         let verdict = [done, came, next];
         let is_stopped = sizes.len() < curve.largest;
         let findings = with_stopped(context, curve.findings.clone(), is_stopped, &[]);
-        Ok(context.told(
-            findings,
-            "How many postures".to_string(),
-            verdict,
-            Some(key),
-            sections,
-        ))
+        Ok(context.told(findings, "How many postures".to_string(), verdict, Some(key), sections))
     }
 }

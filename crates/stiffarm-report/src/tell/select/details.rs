@@ -68,9 +68,7 @@ pub(super) fn price_table(plan: &Plan, prices: &[LimitPrice]) -> DataTable {
                 None => plan.selection.value,
             }))
         })
-        .numbers("cost", Quantity::PERCENT, |row| {
-            Some(Number::new(prices[row.checked_sub(1)?].price))
-        })
+        .numbers("cost", Quantity::PERCENT, |row| Some(Number::new(prices[row.checked_sub(1)?].price)))
 }
 
 /// The load that was chosen together with the postures, as lines of the cell file.
@@ -85,10 +83,7 @@ pub(super) fn load_section(options: &Asked, plan: &Plan) -> Option<Section> {
     let mut lines = Vec::new();
     if asked.loading_point_box_mm.is_some() {
         lines.push("[tool]".to_string());
-        lines.push(format!(
-            "loading_point_mm = [{}]",
-            point(load.loading_point_m)
-        ));
+        lines.push(format!("loading_point_mm = [{}]", point(load.loading_point_m)));
     }
     let newtons = load.magnitude_n;
     let newtons = newtons.filter(|_| asked.largest_load_n.is_some());
@@ -121,10 +116,7 @@ pub(super) fn sensitivity_section(plan: &Plan) -> Option<Section> {
     let point = 1e3 * options.tool_point_std;
     let spreads = [
         (format!("joint angles by {angle:.3}° (1σ)"), found.postures),
-        (
-            format!("loading and measuring points by {point:.2} mm (1σ)"),
-            found.tool_points,
-        ),
+        (format!("loading and measuring points by {point:.2} mm (1σ)"), found.tool_points),
     ];
     let caption = format!(
         "How much worse the index is under random errors ({} draws); – where it does not exist in some of them",
@@ -160,11 +152,9 @@ fn stands(found: &Sensitivity) -> Text {
         .words(".");
     }
     if found.would_change {
-        return Text::new("With another prior stiffness of one joint ")
-            .strong("another plan would be better")
-            .words(format!(
-                " by more than {share} %: identify with this plan, put the result into the cell, and plan again."
-            ));
+        return Text::new("With another prior stiffness of one joint ").strong("another plan would be better").words(
+            format!(" by more than {share} %: identify with this plan, put the result into the cell, and plan again."),
+        );
     }
     Text::new("With any one joint's prior stiffness changed, ")
         .strong("the plan stands")
@@ -178,16 +168,8 @@ fn prior_table(found: &Sensitivity) -> DataTable {
     let names = found.priors.iter();
     let names = names.map(|case| visible(&case.joint).into_owned());
     DataTable::of("The plan with other prior stiffness", "joint", names)
-        .words("its prior k", |row| {
-            format!("× {}", case(row).factor).into()
-        })
-        .numbers("this plan", quantity, |row| {
-            Some(Number::new(case(row).value))
-        })
-        .numbers("best found", quantity, |row| {
-            Some(Number::new(case(row).best))
-        })
-        .numbers("loss", Quantity::PERCENT, |row| {
-            Some(Number::new(case(row).loss))
-        })
+        .words("its prior k", |row| format!("× {}", case(row).factor).into())
+        .numbers("this plan", quantity, |row| Some(Number::new(case(row).value)))
+        .numbers("best found", quantity, |row| Some(Number::new(case(row).best)))
+        .numbers("loss", Quantity::PERCENT, |row| Some(Number::new(case(row).loss)))
 }

@@ -3,9 +3,7 @@
 use super::super::postures::name_of;
 use super::super::worth::{index_number, index_quantity};
 use crate::selection::worth_figure;
-use crate::tell::{
-    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, shown,
-};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, shown};
 use stiffarm::Result;
 use stiffarm::ask::select::DropResult;
 use stiffarm::findings::list;
@@ -34,10 +32,7 @@ impl<O> Telling<O> for DropResult {
         };
         let came = Text::new(index.says())
             .number(index_number(index, dropped.value))
-            .words(format!(
-                " without {}, against ",
-                list(&names(&dropped.dropped))
-            ))
+            .words(format!(" without {}, against ", list(&names(&dropped.dropped))))
             .number(index_number(index, dropped.before))
             .words(format!(" with all {all}."));
         let next = Text::new(format!(
@@ -49,50 +44,29 @@ impl<O> Telling<O> for DropResult {
         let rows = rows.map(|value| name_of(&result.posture_names, value.posture));
         let without = format!("{} without it", index.in_words());
         let loss = Quantity::new("%", 100.0, Form::Decimals(2));
-        let key = DataTable::of(
-            "What is lost without one posture, the least first",
-            "posture",
-            rows,
-        )
-        .numbers(&without, index_quantity(index), |v| {
-            Some(Number::new(worth[v].value))
-        })
-        .numbers("loss", loss, |v| Some(Number::new(worth[v].loss)))
-        .words("verdict", |v| match worth[v].loss {
-            _ if dropped.dropped.contains(&worth[v].posture) => Text::default().strong("leave out"),
-            None => "needed: a joint is undetermined without it".into(),
-            Some(_) => "keep".into(),
-        });
+        let key = DataTable::of("What is lost without one posture, the least first", "posture", rows)
+            .numbers(&without, index_quantity(index), |v| Some(Number::new(worth[v].value)))
+            .numbers("loss", loss, |v| Some(Number::new(worth[v].loss)))
+            .words("verdict", |v| match worth[v].loss {
+                _ if dropped.dropped.contains(&worth[v].posture) => Text::default().strong("leave out"),
+                None => "needed: a joint is undetermined without it".into(),
+                Some(_) => "keep".into(),
+            });
         let mut sections = Vec::new();
         let group = |name: &str, positions: &[usize]| {
-            let angles = positions
-                .iter()
-                .filter_map(|p| result.postures.get(*p).cloned());
+            let angles = positions.iter().filter_map(|p| result.postures.get(*p).cloned());
             PostureGroup::named(name, &names(positions), angles)
         };
         if !result.postures.is_empty() {
-            let groups = [
-                group("postures that stay", &dropped.kept),
-                group("left out", &dropped.dropped),
-            ];
+            let groups = [group("postures that stay", &dropped.kept), group("left out", &dropped.dropped)];
             sections.push(context.cell_section(
                 &groups,
                 "Step through the postures that stay, and lay those that are left out over them.",
             )?);
         }
         let figure = worth_figure(&dropped.values, &shown(&result.posture_names));
-        sections.push(Section::new(
-            "worth",
-            "What each posture is worth",
-            vec![Block::Figure(figure)],
-        ));
+        sections.push(Section::new("worth", "What each posture is worth", vec![Block::Figure(figure)]));
         let verdict = [done, came, next];
-        Ok(context.told(
-            result.findings.clone(),
-            "Postures to leave out".to_string(),
-            verdict,
-            Some(key),
-            sections,
-        ))
+        Ok(context.told(result.findings.clone(), "Postures to leave out".to_string(), verdict, Some(key), sections))
     }
 }

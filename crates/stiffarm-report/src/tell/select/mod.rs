@@ -24,9 +24,7 @@ pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
         Ok(Mode::Candidates) => of_saved::<Chosen, Asked>(with),
         Err(_) => {
             let message = "This result of `select` does not say how it was made.";
-            Err(Error::new(Code::ResultFile, message)
-                .file(&with.saved.name)
-                .key("options.mode"))
+            Err(Error::new(Code::ResultFile, message).file(&with.saved.name).key("options.mode"))
         }
     }
 }

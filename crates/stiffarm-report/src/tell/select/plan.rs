@@ -1,8 +1,6 @@
 //! A plan: from a global search, from an initial group, or beside given postures.
 
-use super::super::postures::{
-    FEW, hides_points, limit_table, near_singular, posture_table, route_section,
-};
+use super::super::postures::{FEW, hides_points, limit_table, near_singular, posture_table, route_section};
 use super::super::worth::{UNSURE, Worth, is_beyond_first_order, joint_table, worth_sections};
 use super::{details, story};
 use crate::selection::{convergence_figure, price_figure};
@@ -17,18 +15,12 @@ use stiffarm::{Result, Termination};
 impl Telling<Asked> for Plan {
     fn told(&self, options: &Asked, context: &Given<'_>) -> Result<Told> {
         let mut plan = self.clone();
-        plan.evaluation.name = if plan.given_names.is_empty() {
-            "the plan".to_string()
-        } else {
-            "given and new".to_string()
-        };
+        plan.evaluation.name =
+            if plan.given_names.is_empty() { "the plan".to_string() } else { "given and new".to_string() };
         // The plan holds for the load that was chosen with it.
         let with_load = plan.selection.load.as_ref().zip(context.cell);
         let with_load = with_load.map(|(load, cell)| load.applied(cell));
-        let context = &Given {
-            cell: with_load.as_ref().or(context.cell),
-            ..*context
-        };
+        let context = &Given { cell: with_load.as_ref().or(context.cell), ..*context };
         let count = plan.selection.group.len();
         let postures = posture_table(
             "The postures in measuring order, controller angles, and the least room beyond what the cell asks for (0: on the limit)",
@@ -36,21 +28,10 @@ impl Telling<Asked> for Plan {
             &plan.selection.group,
             &plan.selection.limits,
         );
-        let names: Vec<String> = plan
-            .given_names
-            .iter()
-            .chain(&plan.posture_names)
-            .cloned()
-            .collect();
+        let names: Vec<String> = plan.given_names.iter().chain(&plan.posture_names).cloned().collect();
         let groups = worth(&plan, &names);
         let bounds = plan.joint_efficiencies.as_deref().unwrap_or_default();
-        let mut shown = worth_sections(
-            context,
-            options.characteristic_length_m,
-            &plan.joints,
-            &groups,
-            bounds,
-        );
+        let mut shown = worth_sections(context, options.characteristic_length_m, &plan.joints, &groups, bounds);
         let mut sections = vec![cell_section(context, &plan)?];
         let key = match joint_table(&plan.joints, &groups, bounds) {
             // Of a long plan the joints are read first.
@@ -83,17 +64,11 @@ impl Telling<Asked> for Plan {
             (true, _) => format!("Plan of {}", story::counted(&plan)),
         };
         let asked = [
-            (
-                "sensitivity",
-                options.asked.sensitivity,
-                plan.sensitivity.is_some(),
-            ),
+            ("sensitivity", options.asked.sensitivity, plan.sensitivity.is_some()),
             ("prices", options.asked.prices, plan.prices.is_some()),
         ];
         // What was asked for and is not there, with nothing that says why.
-        let left_out = asked
-            .into_iter()
-            .filter(|(_, asked, there)| *asked && !there);
+        let left_out = asked.into_iter().filter(|(_, asked, there)| *asked && !there);
         let left_out: Vec<&str> = left_out.map(|(name, ..)| name).collect();
         let findings = plan.findings.clone();
         let findings = with_stopped(context, findings, is_interrupted(&plan), &left_out);
@@ -110,9 +85,7 @@ impl Telling<Asked> for Plan {
         }
         let sizes = plan.evaluation.indices.prediction_sizes;
         // What is expected of every arm needs no word.
-        if let (Index::Prediction, Some(sizes @ ElasticSource::Declared)) =
-            (plan.selection.index, sizes)
-        {
+        if let (Index::Prediction, Some(sizes @ ElasticSource::Declared)) = (plan.selection.index, sizes) {
             let sentence = format!("The index prediction takes {}.", sizes.in_words());
             told.verdict[1] = std::mem::take(&mut told.verdict[1]).words(format!(" {sentence}"));
         }
@@ -126,20 +99,16 @@ fn is_interrupted(plan: &Plan) -> bool {
     let bound = plan.certificate.iter().map(|found| found.termination);
     let joints = plan.joint_efficiencies.iter().flatten();
     let mut ends = bound.chain(joints.map(|joint| joint.termination));
-    plan.selection.termination == Termination::Interrupted
-        || ends.any(|end| end == Termination::Interrupted)
+    plan.selection.termination == Termination::Interrupted || ends.any(|end| end == Termination::Interrupted)
 }
 
 /// What was there before and what there is with the plan.
 fn worth<'a>(plan: &'a Plan, names: &'a [String]) -> Vec<Worth<'a>> {
-    let before = plan.before.as_ref().map(|before| Worth {
-        evaluation: &before.evaluation,
-        posture_names: &before.posture_names,
-    });
-    let after = Worth {
-        evaluation: &plan.evaluation,
-        posture_names: names,
-    };
+    let before = plan
+        .before
+        .as_ref()
+        .map(|before| Worth { evaluation: &before.evaluation, posture_names: &before.posture_names });
+    let after = Worth { evaluation: &plan.evaluation, posture_names: names };
     before.into_iter().chain([after]).collect()
 }
 
@@ -161,9 +130,7 @@ fn cell_section(context: &Given<'_>, plan: &Plan) -> Result<Section> {
         1 => {
             "Step through the postures in measuring order; each shows its room and the two bodies that come nearest to each other."
         }
-        _ => {
-            "Step through the postures in measuring order, and lay the postures that were there before over them."
-        }
+        _ => "Step through the postures in measuring order, and lay the postures that were there before over them.",
     };
     context.cell_section(&groups, explained)
 }
@@ -181,11 +148,7 @@ fn search_section(plan: &Plan) -> Option<Section> {
         let tight = found.termination == Termination::Converged && found.outside.is_empty();
         !tight || found.verification.doubt().is_some()
     });
-    Some(if doubtful {
-        section.in_summary()
-    } else {
-        section
-    })
+    Some(if doubtful { section.in_summary() } else { section })
 }
 
 fn limit_section(options: &Asked, context: &Given<'_>, plan: &Plan) -> Option<Section> {
@@ -199,9 +162,7 @@ fn limit_section(options: &Asked, context: &Given<'_>, plan: &Plan) -> Option<Se
         ));
     }
     if plan.prices.is_none() && options.asked.prices {
-        blocks.push(Block::Text(
-            "What each limit costs is not known: the search was stopped before.".into(),
-        ));
+        blocks.push(Block::Text("What each limit costs is not known: the search was stopped before.".into()));
     }
     let limits = &plan.selection.limits;
     if hides_points(context, limits) {
@@ -213,10 +174,7 @@ fn limit_section(options: &Asked, context: &Given<'_>, plan: &Plan) -> Option<Se
     }
     let is_short = blocks.is_empty();
     if let Some(table) = limit_table(context, &plan.posture_names, limits) {
-        blocks.push(Block::Details(
-            "The room that every limit leaves".to_string(),
-            vec![Block::Table(table)],
-        ));
+        blocks.push(Block::Details("The room that every limit leaves".to_string(), vec![Block::Table(table)]));
     }
     let section = Section::new("limits", "The limits", blocks);
     match section.blocks.len() {

@@ -25,25 +25,20 @@ impl Telling<Asked> for SpaceFillingPlan {
         done = done.words(".");
         if let Some(margin) = result.smallest_margin_m {
             let margin = room(Number::new(margin));
-            done = done
-                .words(" The smallest margin to the cell's limits is ")
-                .number(margin)
-                .words(".");
+            done = done.words(" The smallest margin to the cell's limits is ").number(margin).words(".");
         }
         if result.termination == Termination::Interrupted {
             done = done.words(" It was stopped: more exchanges may spread them further.");
         }
         let undetermined = &evaluation.undetermined_joints;
         let came = if !undetermined.is_empty() {
-            Text::new("They cannot determine ")
-                .strong(list(&shown(undetermined)))
-                .words(".")
+            Text::new("They cannot determine ").strong(list(&shown(undetermined))).words(".")
         } else if let Some(error) = evaluation.indices.expected_error {
             let text = Text::new(
-            "The joint stiffness can be expected with a relative standard error (RMS over the joints) of ",
-        )
-        .number(Number::new(error).percent().significant(3))
-        .words(".");
+                "The joint stiffness can be expected with a relative standard error (RMS over the joints) of ",
+            )
+            .number(Number::new(error).percent().significant(3))
+            .words(".");
             text.then(least_sure(evaluation, &result.joints))
         } else {
             Text::new("The condition number of the observation matrix is ")
@@ -65,23 +60,9 @@ impl Telling<Asked> for SpaceFillingPlan {
         &[group],
         "Step through the postures in measuring order; each shows its room and the two bodies that come nearest to each other.",
     )?];
-        let worth = Worth {
-            evaluation,
-            posture_names: &result.posture_names,
-        };
-        sections.extend(worth_sections(
-            context,
-            options.characteristic_length_m,
-            &result.joints,
-            &[worth],
-            &[],
-        ));
-        let way = route_section(
-            context,
-            &result.posture_names,
-            &result.route,
-            &result.findings,
-        );
+        let worth = Worth { evaluation, posture_names: &result.posture_names };
+        sections.extend(worth_sections(context, options.characteristic_length_m, &result.joints, &[worth], &[]));
+        let way = route_section(context, &result.posture_names, &result.route, &result.findings);
         sections.extend(way.map(|mut section| {
             let near = near_singular(&result.posture_names, evaluation);
             section.blocks.extend(near.map(Block::Text));
@@ -90,13 +71,7 @@ impl Telling<Asked> for SpaceFillingPlan {
         let verdict = [done, came, next];
         let is_stopped = result.termination == Termination::Interrupted;
         let findings = with_stopped(context, result.findings.clone(), is_stopped, &[]);
-        let told = context.told(
-            findings,
-            "Evenly spread postures".to_string(),
-            verdict,
-            Some(key),
-            sections,
-        );
+        let told = context.told(findings, "Evenly spread postures".to_string(), verdict, Some(key), sections);
         let unsure = if undetermined.is_empty() {
             is_beyond_first_order(evaluation).then_some(UNSURE)
         } else {

@@ -29,11 +29,7 @@ pub(super) fn counted(plan: &Plan) -> String {
 
 /// What of the plan sits on a limit.
 fn on_limits(plan: &Plan) -> String {
-    let codes = [
-        codes::ON_MACHINE_LIMIT,
-        codes::NO_ROOM_TO_SPARE,
-        codes::HIDDEN_POINTS,
-    ];
+    let codes = [codes::ON_MACHINE_LIMIT, codes::NO_ROOM_TO_SPARE, codes::HIDDEN_POINTS];
     let own = plan.findings.iter();
     let own = own.filter(|f| codes.contains(&f.code.as_str()));
     own.map(|f| format!(" {}", visible(&f.sentence))).collect()
@@ -55,10 +51,7 @@ fn done(options: &Asked, plan: &Plan) -> Text {
     };
     let searches = match plan.selection.rounds {
         Some(rounds) if rounds != 1 => {
-            format!(
-                "{} local searches in {rounds} rounds",
-                plan.selection.starts
-            )
+            format!("{} local searches in {rounds} rounds", plan.selection.starts)
         }
         _ => format!("{} local searches", plan.selection.starts),
     };
@@ -68,26 +61,18 @@ fn done(options: &Asked, plan: &Plan) -> Text {
         Termination::TimeLimit => ", until the time was over",
         _ => "",
     };
-    let text = Text::new(format!(
-        "{}{beside} {were} chosen inside the cell's limits by {searches}{ended}.",
-        counted(plan)
-    ));
-    let is_cut = matches!(
-        plan.selection.termination,
-        Termination::Interrupted | Termination::TimeLimit
-    );
+    let text =
+        Text::new(format!("{}{beside} {were} chosen inside the cell's limits by {searches}{ended}.", counted(plan)));
+    let is_cut = matches!(plan.selection.termination, Termination::Interrupted | Termination::TimeLimit);
     match plan.selection.rounds {
-        Some(0) if is_cut => {
-            text.words(" It was stopped in the first round, which cannot be repeated.")
-        }
+        Some(0) if is_cut => text.words(" It was stopped in the first round, which cannot be repeated."),
         Some(rounds) if is_cut => {
             let again = format!("--rounds {rounds}");
             text.words(" ").code(again).words(" repeats it.")
         }
-        Some(_) if plan.selection.index.has_many_local_minima() => text
-            .words(" This index has many local minima: another ")
-            .code("--seed")
-            .words(" may find a better plan."),
+        Some(_) if plan.selection.index.has_many_local_minima() => {
+            text.words(" This index has many local minima: another ").code("--seed").words(" may find a better plan.")
+        }
         _ => text,
     }
 }
@@ -99,9 +84,7 @@ fn takes(context: &Given<'_>, plan: &Plan) -> String {
         return String::new();
     }
     let loads = chosen_in_time(plan).map_or_else(String::new, |(_, own)| under(&own.loads));
-    let assumed = context
-        .cell
-        .filter(|cell| cell.time == MeasuringTime::default());
+    let assumed = context.cell.filter(|cell| cell.time == MeasuringTime::default());
     let how = assumed.map_or_else(String::new, |cell| {
         let each = minutes(cell.time.of_posture(&cell.setup.load));
         format!(", at an assumed {each} a posture ([time])")
@@ -111,10 +94,7 @@ fn takes(context: &Given<'_>, plan: &Plan) -> String {
         (_, true) => "them".to_string(),
         (count, false) => format!("{count} postures"),
     };
-    format!(
-        " Measuring {what}{loads} takes {}{how}.",
-        minutes(plan.time_s)
-    )
+    format!(" Measuring {what}{loads} takes {}{how}.", minutes(plan.time_s))
 }
 
 /// The way to load the arm that a plan for a given time takes, with its position.
@@ -146,16 +126,9 @@ fn came(context: &Given<'_>, plan: &Plan) -> Text {
     }
     let known = plan.before.as_ref();
     if let Some(before) = known {
-        let name = if plan.given_names.is_empty() {
-            "the initial group"
-        } else {
-            "the given postures alone"
-        };
+        let name = if plan.given_names.is_empty() { "the initial group" } else { "the given postures alone" };
         text = match before.evaluation.indices.get(index) {
-            Some(value) => text
-                .words(", against ")
-                .number(index_number(index, value))
-                .words(format!(" with {name}")),
+            Some(value) => text.words(", against ").number(index_number(index, value)).words(format!(" with {name}")),
             None => text.words(format!("; {name} cannot determine every joint")),
         };
     }
@@ -163,15 +136,9 @@ fn came(context: &Given<'_>, plan: &Plan) -> Text {
     if let Some(found) = &plan.certificate
         && let Some(efficiency) = found.efficiency
     {
-        let further = if found.measured_count > 0 {
-            " further"
-        } else {
-            ""
-        };
+        let further = if found.measured_count > 0 { " further" } else { "" };
         text = text
-            .words(format!(
-                " No plan of as many{further} postures can be below "
-            ))
+            .words(format!(" No plan of as many{further} postures can be below "))
             .number(index_number(index, found.bound));
         // That bound is of plans that may measure fractions of a posture, which few postures are far from.
         text = if index == Index::Prediction {
@@ -183,17 +150,10 @@ fn came(context: &Given<'_>, plan: &Plan) -> Text {
         };
     }
     if let Some(why) = &plan.certificate_missing {
-        text = text.words(format!(
-            " What no plan can go below is not known in full: {}.",
-            visible(why)
-        ));
+        text = text.words(format!(" What no plan can go below is not known in full: {}.", visible(why)));
     }
     let least = least_sure(&plan.evaluation, &plan.joints);
-    text.then(least)
-        .words(takes(context, plan))
-        .then(in_time(plan))
-        .then(further_load(plan))
-        .words(on_limits(plan))
+    text.then(least).words(takes(context, plan)).then(in_time(plan)).then(further_load(plan)).words(on_limits(plan))
 }
 
 /// What the other ways to load the arm would bring in the same time.
@@ -213,20 +173,14 @@ fn in_time(plan: &Plan) -> Text {
         });
         text = match way.further_mass_kg {
             Some(mass) => text
-                .words(format!(
-                    ", a weight of {mass:.0} kg hung in each as well (a second "
-                ))
+                .words(format!(", a weight of {mass:.0} kg hung in each as well (a second "))
                 .code("[[load.case]]")
                 .words("), would give "),
             None => text.words(format!("{} would give ", under(&way.loads))),
         };
         text = text.number(index_number(Index::Prediction, way.prediction));
     }
-    if text == Text::default() {
-        text
-    } else {
-        text.words(".")
-    }
+    if text == Text::default() { text } else { text.words(".") }
 }
 
 /// What a second load would bring.
@@ -237,27 +191,18 @@ fn further_load(plan: &Plan) -> Text {
         return Text::default();
     };
     let of = |error: f64| index_number(Index::Prediction, error);
-    Text::new(format!(
-        " A weight of {:.0} kg hung in the same postures as well (a second ",
-        found.mass_kg
-    ))
-    .code("[[load.case]]")
-    .words(format!(
-        ", {} more) would bring the error of the deflection at work from ",
-        minutes(found.time_s)
-    ))
-    .number(of(found.without))
-    .words(" to ")
-    .number(of(found.with))
-    .words(".")
+    Text::new(format!(" A weight of {:.0} kg hung in the same postures as well (a second ", found.mass_kg))
+        .code("[[load.case]]")
+        .words(format!(", {} more) would bring the error of the deflection at work from ", minutes(found.time_s)))
+        .number(of(found.without))
+        .words(" to ")
+        .number(of(found.with))
+        .words(".")
 }
 
 /// What to do depends on what is worst about the plan.
 fn next(plan: &Plan) -> Text {
-    let is_blocked = plan
-        .findings
-        .iter()
-        .any(|f| f.code == codes::MOVE_BLOCKED && f.severity == Severity::Serious);
+    let is_blocked = plan.findings.iter().any(|f| f.code == codes::MOVE_BLOCKED && f.severity == Severity::Serious);
     if is_blocked {
         return Text::new(
             "Teach a way of your own for the moves that are not free, listed below, before driving; then measure.",
@@ -271,11 +216,9 @@ fn next(plan: &Plan) -> Text {
     if is_beyond_first_order(&plan.evaluation) {
         let index = plan.selection.index;
         if !index.is_relative_error() && !index.is_length() {
-            return Text::new(
-                "That is too unsure to rely on, for this index does not count errors: choose with ",
-            )
-            .code("--index expected-error")
-            .words(" instead.");
+            return Text::new("That is too unsure to rely on, for this index does not count errors: choose with ")
+                .code("--index expected-error")
+                .words(" instead.");
         }
         return Text::new("That is too unsure to rely on: add postures (")
             .code("--count")
@@ -284,18 +227,16 @@ fn next(plan: &Plan) -> Text {
             .words(").");
     }
     let efficiency = plan.certificate.as_ref().and_then(|found| found.efficiency);
-    let is_loose = efficiency.is_some_and(|share| share < WORTH_SEARCHING)
-        && plan.selection.index != Index::Prediction;
+    let is_loose = efficiency.is_some_and(|share| share < WORTH_SEARCHING) && plan.selection.index != Index::Prediction;
     let is_short = !matches!(plan.selection.termination, Termination::Converged);
     if is_loose && is_short && plan.selection.rounds.is_some() {
         return Text::new("A longer search may find a better plan: give more ")
             .code("--rounds")
             .words(", or leave them out; or measure with this one.");
     }
-    let mut text =
-        Text::new("Drive to the postures in this order, fill in the sheet for the readings (")
-            .code("--sheet measurements.xlsx")
-            .words("), and let ");
+    let mut text = Text::new("Drive to the postures in this order, fill in the sheet for the readings (")
+        .code("--sheet measurements.xlsx")
+        .words("), and let ");
     text = text.code("stiffarm identify").words(" give the stiffness.");
     if !plan.repeats.is_empty() {
         text = text.words(

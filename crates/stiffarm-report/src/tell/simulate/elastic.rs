@@ -3,13 +3,9 @@
 use super::{DEVIATION, cell_section, stopped};
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::order::places;
-use crate::tell::{
-    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, with_stopped,
-};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, with_stopped};
 use stiffarm::Result;
-use stiffarm::estimate::simulate::{
-    ElasticGroup, ElasticLevel, ElasticModelOutcome, ElasticSimulation,
-};
+use stiffarm::estimate::simulate::{ElasticGroup, ElasticLevel, ElasticModelOutcome, ElasticSimulation};
 use stiffarm::findings::visible;
 use stiffarm::model::elastic::ElasticClass;
 use stiffarm::model::posture::PostureGroup;
@@ -61,10 +57,7 @@ impl<O> Telling<O> for ElasticSimulation {
         });
         let mut sections = Vec::new();
         sections.extend(cell_section(context, groups.collect())?);
-        let blocks = vec![
-            Block::Figure(prediction_figure(&result)),
-            Block::Table(shares(&result)),
-        ];
+        let blocks = vec![Block::Figure(prediction_figure(&result)), Block::Table(shares(&result))];
         let title = "How well deflections are predicted";
         sections.push(Section::new("prediction", title, blocks).in_summary());
         let mut blocks = vec![Block::Figure(joint_figure(&result))];
@@ -77,13 +70,7 @@ impl<O> Telling<O> for ElasticSimulation {
         sections.push(Section::new("joints", title, blocks));
         let key = errors(&result);
         let findings = with_stopped(context, self.findings.clone(), self.interrupted, &[]);
-        Ok(context.told(
-            findings,
-            "Simulated identifications of an elastic arm",
-            verdict,
-            Some(key),
-            sections,
-        ))
+        Ok(context.told(findings, "Simulated identifications of an elastic arm", verdict, Some(key), sections))
     }
 }
 
@@ -105,17 +92,11 @@ fn came(result: &ElasticSimulation, best: Option<(&ElasticGroup, &ElasticLevel)>
         Some(mixed) => text
             .number(mm(mixed.prediction_rms_m))
             .words(" ")
-            .number(
-                mm(mixed.prediction_standard_error_m)
-                    .significant(2)
-                    .plus_minus(),
-            )
+            .number(mm(mixed.prediction_standard_error_m).significant(2).plus_minus())
             .words(" with the mixed model, and to "),
         None => text,
     };
-    text.number(mm(level.axes.prediction_rms_m))
-        .words(" with the joint axes alone.")
-        .then(held(level))
+    text.number(mm(level.axes.prediction_rms_m)).words(" with the joint axes alone.").then(held(level))
 }
 
 /// How often the intervals of the joint stiffness hold the true one.
@@ -129,13 +110,11 @@ fn held(level: &ElasticLevel) -> Text {
         return Text::default();
     };
     let confidence = crate::level::level(level.axes.confidence);
-    Text::new(format!(
-        " The {confidence} % intervals of joint stiffness hold the true one in "
-    ))
-    .number(axes)
-    .words(" of the cases with the axes alone, in ")
-    .number(mixed)
-    .words(" with the mixed model.")
+    Text::new(format!(" The {confidence} % intervals of joint stiffness hold the true one in "))
+        .number(axes)
+        .words(" of the cases with the axes alone, in ")
+        .number(mixed)
+        .words(" with the mixed model.")
 }
 
 fn next(level: Option<&ElasticLevel>) -> Text {
@@ -149,14 +128,10 @@ fn next(level: Option<&ElasticLevel>) -> Text {
             .words(" does by default, and choose postures with ")
             .code("stiffarm select --index prediction")
             .words(": the axes alone would promise too much."),
-        Some(false) => {
-            Text::new("The mixed model does not pay with these postures: choose others with ")
-                .code("stiffarm select --index prediction")
-                .words(", or stay with the joint axes.")
-        }
-        None => Text::new("Compare with ")
-            .code("--elastic mixed")
-            .words("."),
+        Some(false) => Text::new("The mixed model does not pay with these postures: choose others with ")
+            .code("stiffarm select --index prediction")
+            .words(", or stay with the joint axes."),
+        None => Text::new("Compare with ").code("--elastic mixed").words("."),
     }
 }
 
@@ -178,9 +153,7 @@ fn errors(result: &ElasticSimulation) -> DataTable {
     let mm = |length: f64| Number::new(length).of(Quantity::LENGTH.digits(3).bare());
     let both = |model: &ElasticModelOutcome| {
         let error = mm(model.prediction_standard_error_m);
-        Text::from(mm(model.prediction_rms_m))
-            .words(" ")
-            .number(error.significant(2).plus_minus())
+        Text::from(mm(model.prediction_rms_m)).words(" ").number(error.significant(2).plus_minus())
     };
     DataTable::of(
         "RMS error of a predicted deflection, ± its Monte Carlo standard error; expected: the index prediction, the \
@@ -203,24 +176,18 @@ fn errors(result: &ElasticSimulation) -> DataTable {
 fn shares(result: &ElasticSimulation) -> DataTable {
     let rows: Vec<(String, &ElasticLevel)> = rows(result).collect();
     type Model = for<'l> fn(&'l ElasticLevel) -> Option<&'l ElasticModelOutcome>;
-    let models: [(&str, Model); 2] = [
-        ("axes", |level| Some(&level.axes)),
-        ("mixed", |level| level.mixed.as_ref()),
-    ];
+    let models: [(&str, Model); 2] = [("axes", |level| Some(&level.axes)), ("mixed", |level| level.mixed.as_ref())];
     let mut table = DataTable::of(
         "Share that holds the truth: bands of predicted deflections, intervals of k",
         "group",
         rows.iter().map(|row| row.0.clone()),
     );
     for (name, of) in models {
-        table = table.numbers(&format!("bands: {name}"), SHARE, |row| {
-            of(rows[row].1)?.band_share.map(Number::new)
-        });
+        table = table.numbers(&format!("bands: {name}"), SHARE, |row| of(rows[row].1)?.band_share.map(Number::new));
     }
     for (name, of) in models {
-        table = table.numbers(&format!("k: {name}"), SHARE, |row| {
-            of(rows[row].1)?.mean_interval_share().map(Number::computed)
-        });
+        table = table
+            .numbers(&format!("k: {name}"), SHARE, |row| of(rows[row].1)?.mean_interval_share().map(Number::computed));
     }
     table.numbers("runs without mixed model", COUNT, |row| {
         let without = rows[row].1.without_mixed;
@@ -237,15 +204,9 @@ fn joints(names: &[String], level: &ElasticLevel) -> DataTable {
     for (model, found) in models {
         let Some(found) = found else { continue };
         table = table
-            .numbers(&format!("{model}: median"), DEVIATION, |j| {
-                Some(Number::new(found.median_deviation[j]))
-            })
-            .numbers(&format!("{model}: mean"), DEVIATION, |j| {
-                Some(Number::new(found.mean_deviation[j]))
-            })
-            .numbers(&format!("{model}: k holds"), SHARE, |j| {
-                found.interval_share[j].map(Number::new)
-            });
+            .numbers(&format!("{model}: median"), DEVIATION, |j| Some(Number::new(found.median_deviation[j])))
+            .numbers(&format!("{model}: mean"), DEVIATION, |j| Some(Number::new(found.mean_deviation[j])))
+            .numbers(&format!("{model}: k holds"), SHARE, |j| found.interval_share[j].map(Number::new));
     }
     table
 }
@@ -254,9 +215,7 @@ fn joints(names: &[String], level: &ElasticLevel) -> DataTable {
 fn prediction_figure(result: &ElasticSimulation) -> Figure {
     let all: Vec<(String, &ElasticLevel)> = rows(result).collect();
     let bars = |label: &str, of: &dyn Fn(&ElasticLevel) -> Option<f64>| {
-        let y = all
-            .iter()
-            .map(|row| of(row.1).map_or(f64::NAN, |m| 1e3 * m));
+        let y = all.iter().map(|row| of(row.1).map_or(f64::NAN, |m| 1e3 * m));
         let x = places(all.len());
         Series::new(label, Style::Bars, x, y.collect())
     };
@@ -264,9 +223,7 @@ fn prediction_figure(result: &ElasticSimulation) -> Figure {
     if all.iter().any(|row| row.1.mixed.is_some()) {
         let mixed = |l: &ElasticLevel| l.mixed.as_ref().map(|m| m.prediction_rms_m);
         series.push(bars("mixed model", &mixed));
-        series.push(bars("expected of the mixed model", &|l| {
-            l.expected_prediction_m
-        }));
+        series.push(bars("expected of the mixed model", &|l| l.expected_prediction_m));
     }
     Figure::one(
         "prediction-error",
@@ -284,17 +241,10 @@ fn prediction_figure(result: &ElasticSimulation) -> Figure {
 
 /// Median deviation of each joint at the first noise level, a panel per group.
 fn joint_figure(result: &ElasticSimulation) -> Figure {
-    let names: Vec<String> = result
-        .joints
-        .iter()
-        .map(|j| visible(j).into_owned())
-        .collect();
+    let names: Vec<String> = result.joints.iter().map(|j| visible(j).into_owned()).collect();
     let panels = result.groups.iter().filter_map(|group| {
         let level = group.levels.first()?;
-        let models = [
-            ("joint axes alone", Some(&level.axes)),
-            ("mixed model", level.mixed.as_ref()),
-        ];
+        let models = [("joint axes alone", Some(&level.axes)), ("mixed model", level.mixed.as_ref())];
         let series = models.into_iter().filter_map(|(label, model)| {
             let y = model?.median_deviation.iter().map(|d| 100.0 * d).collect();
             let x = places(names.len());

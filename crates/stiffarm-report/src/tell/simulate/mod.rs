@@ -5,8 +5,7 @@ mod elastic;
 use super::worth::UNSURE;
 use crate::selection::deviation_by_noise_figure;
 use crate::tell::{
-    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, WithCell,
-    of_saved, with_stopped,
+    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, WithCell, of_saved, with_stopped,
 };
 use serde::de::IgnoredAny;
 use stiffarm::Result;
@@ -47,37 +46,22 @@ impl Telling<Options> for Simulation {
         for group in &mut result.groups {
             group.name = visible(&group.name).into_owned();
         }
-        let joints: Vec<String> = result
-            .joints
-            .iter()
-            .map(|j| visible(j).into_owned())
-            .collect();
+        let joints: Vec<String> = result.joints.iter().map(|j| visible(j).into_owned()).collect();
         let shown: Vec<Shown<'_>> = result
             .groups
             .iter()
-            .filter_map(|group| {
-                Some(Shown {
-                    name: group.name.clone(),
-                    level: own_level(group)?,
-                })
-            })
+            .filter_map(|group| Some(Shown { name: group.name.clone(), level: own_level(group)? }))
             .collect();
-        let best = shown
-            .iter()
-            .min_by(|a, b| worst(a).1.total_cmp(&worst(b).1));
-        let verdict = [
-            done(has_errors, &result),
-            came(has_errors, &joints, &shown, best),
-            next(best),
-        ];
+        let best = shown.iter().min_by(|a, b| worst(a).1.total_cmp(&worst(b).1));
+        let verdict = [done(has_errors, &result), came(has_errors, &joints, &shown, best), next(best)];
         let mut sections = Vec::new();
         sections.extend(cell_section(context, groups(&result.groups))?);
         let figure = deviation_by_noise_figure(&joints, &result.groups, result.runs);
         let mut blocks = vec![Block::Figure(figure)];
         if has_errors {
             blocks.push(Block::Text(
-            "The runs also draw errors of force, angles or geometry, which the closed form does not count.".into(),
-        ));
+                "The runs also draw errors of force, angles or geometry, which the closed form does not count.".into(),
+            ));
         }
         let noise = "Deviation against noise (the paper's Fig. 8)";
         sections.push(Section::new("noise", noise, blocks).in_summary());
@@ -95,13 +79,7 @@ impl Telling<Options> for Simulation {
         let key = (!shown.is_empty()).then(|| key(has_errors, &joints, &shown));
         let unsure = is_unsure(best).then_some(UNSURE);
         let findings = with_stopped(context, self.findings.clone(), self.interrupted, &[]);
-        let told = context.told(
-            findings,
-            "Simulated identifications".to_string(),
-            verdict,
-            key,
-            sections,
-        );
+        let told = context.told(findings, "Simulated identifications".to_string(), verdict, key, sections);
         Ok(told.caution("simulate", unsure))
     }
 }
@@ -126,8 +104,7 @@ fn typical(level: &LevelResult, j: usize) -> (f64, Option<f64>) {
 fn worst(shown: &Shown<'_>) -> (usize, f64) {
     let joints = 0..shown.level.mean_deviation.len();
     let all = joints.map(|j| (j, typical(shown.level, j).0));
-    all.max_by(|a, b| a.1.total_cmp(&b.1))
-        .unwrap_or((0, f64::NAN))
+    all.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::NAN))
 }
 
 fn done(has_errors: bool, result: &Simulation) -> Text {
@@ -140,11 +117,7 @@ fn done(has_errors: bool, result: &Simulation) -> Text {
         1 => "at one noise level".to_string(),
         count => format!("at each of {count} noise levels"),
     };
-    let errors = if has_errors {
-        " and errors of the model"
-    } else {
-        ""
-    };
+    let errors = if has_errors { " and errors of the model" } else { "" };
     let fewest = result.groups.iter().flat_map(|group| &group.levels);
     let stopped = stopped(result.interrupted, fewest.map(|level| level.runs));
     Text::new(format!(
@@ -162,12 +135,7 @@ fn stopped(is_stopped: bool, runs: impl Iterator<Item = usize>) -> String {
     format!(" (stopped after {fewest} of them at the level with the fewest)")
 }
 
-fn came(
-    has_errors: bool,
-    joints: &[String],
-    shown: &[Shown<'_>],
-    best: Option<&Shown<'_>>,
-) -> Text {
+fn came(has_errors: bool, joints: &[String], shown: &[Shown<'_>], best: Option<&Shown<'_>>) -> Text {
     let Some(best) = best else {
         return Text::new("There are no runs.");
     };
@@ -176,35 +144,23 @@ fn came(
     let percent = |value: f64| Number::new(value).percent().significant(3);
     let mut text = match shown.len() {
         1 => Text::new("The stiffness that comes out worst, of "),
-        _ => Text::default()
-            .strong(best.name.clone())
-            .words(" does best: the stiffness that comes out worst, of "),
+        _ => Text::default().strong(best.name.clone()).words(" does best: the stiffness that comes out worst, of "),
     };
     text = text.words(joints[joint].clone());
-    text = text
-        .words(", deviates from the truth by ")
-        .number(percent(deviation));
+    text = text.words(", deviates from the truth by ").number(percent(deviation));
     text = match error {
         None => text.words(" (median)"),
-        Some(error) => text
-            .words(" ")
-            .number(percent(error).significant(2).plus_minus())
-            .words(" on average"),
+        Some(error) => text.words(" ").number(percent(error).significant(2).plus_minus()).words(" on average"),
     };
     text = text.words(if (best.level.variance_factor - 1.0).abs() < 1e-12 {
         " at the cell's own noise".to_string()
     } else {
-        format!(
-            " at {} times the cell's noise variance",
-            best.level.variance_factor
-        )
+        format!(" at {} times the cell's noise variance", best.level.variance_factor)
     });
     if has_errors {
         return text.words(".");
     }
-    text.words("; the closed form expects ")
-        .number(percent(best.level.expected_deviation[joint]))
-        .words(".")
+    text.words("; the closed form expects ").number(percent(best.level.expected_deviation[joint])).words(".")
 }
 
 /// Whether some joint's relative standard error is above 10 %.
@@ -241,9 +197,8 @@ fn next(best: Option<&Shown<'_>>) -> Text {
 fn key(has_errors: bool, joints: &[String], shown: &[Shown<'_>]) -> DataTable {
     let is_wide = shown.len() <= SIDE_BY_SIDE && !has_errors;
     let factor = shown.first().map_or(1.0, |one| one.level.variance_factor);
-    let caption = format!(
-        "Mean deviation |k̂ − k|/k at {factor} × the noise variance, ± its Monte Carlo standard error"
-    );
+    let caption =
+        format!("Mean deviation |k̂ − k|/k at {factor} × the noise variance, ± its Monte Carlo standard error");
     // The last row holds their means.
     let names = joints.iter().map(|joint| Text::new(joint.clone()));
     let names = names.chain([Text::default().strong("mean")]);
@@ -252,11 +207,7 @@ fn key(has_errors: bool, joints: &[String], shown: &[Shown<'_>]) -> DataTable {
         let number = |value: f64| Number::new(value).of(DEVIATION.bare());
         table = table.words(format!("{} [%]", group.name), |row| {
             if row == joints.len() {
-                return if is_beyond(group.level) {
-                    Text::default()
-                } else {
-                    mean(&group.level.mean_deviation).into()
-                };
+                return if is_beyond(group.level) { Text::default() } else { mean(&group.level.mean_deviation).into() };
             }
             let (deviation, error) = typical(group.level, row);
             let text = Text::from(number(deviation));
@@ -292,25 +243,19 @@ fn levels(context: &Given<'_>, joints: &[String], group: &GroupSimulation) -> Da
         ("closed form", |level| &level.expected_deviation),
     ];
     let count = kinds.len();
-    let names = group
-        .levels
-        .iter()
-        .flat_map(|level| kinds.map(|(kind, _)| format!("× {}, {kind}", level.variance_factor)));
+    let names =
+        group.levels.iter().flat_map(|level| kinds.map(|(kind, _)| format!("× {}, {kind}", level.variance_factor)));
     let level = |row: usize| &group.levels[row / count];
     let caption = format!("{}: simulated and expected deviation [%]", group.name);
     let noise = context.cell.map(|cell| cell.noise.displacement_std());
-    let mut table =
-        DataTable::of(caption, "variance", names).numbers("noise", Quantity::LENGTH, |row| {
-            Some(Number::computed(noise? * level(row).variance_factor.sqrt()))
-        });
+    let mut table = DataTable::of(caption, "variance", names)
+        .numbers("noise", Quantity::LENGTH, |row| Some(Number::computed(noise? * level(row).variance_factor.sqrt())));
     for (j, joint) in joints.iter().enumerate() {
         table = table.words(joint.clone(), |row| {
             let number = |all: &[f64]| Number::new(all[j]).of(DEVIATION.bare());
             let text = Text::from(number(kinds[row % count].1(level(row))));
             match row % count {
-                0 => text
-                    .words(" ")
-                    .number(number(&level(row).standard_error).plus_minus()),
+                0 => text.words(" ").number(number(&level(row).standard_error).plus_minus()),
                 _ => text,
             }
         });
@@ -331,7 +276,6 @@ fn cell_section(context: &Given<'_>, groups: Vec<PostureGroup>) -> Result<Option
     if groups.iter().all(|group| group.postures.is_empty()) {
         return Ok(None);
     }
-    let explained =
-        "Step through the postures of a group in measuring order, and lay other groups over them.";
+    let explained = "Step through the postures of a group in measuring order, and lay other groups over them.";
     context.cell_section(&groups, explained).map(Some)
 }

@@ -62,10 +62,7 @@ pub fn exchange(readings: &mut ReadingTable) {
 /// What the command writes, without the search for a next posture.
 pub fn identified(cell: &Cell, measured: &Measured) -> Value {
     let fit = Fit::new(cell, measured, &IdentifyOptions::default()).unwrap();
-    let control = Control {
-        stop: Some(&|| true),
-        ..Control::default()
-    };
+    let control = Control { stop: Some(&|| true), ..Control::default() };
     let mut found = Identified::new(&fit, &IdentifiedOptions::default(), control).unwrap();
     (found.profile, found.not_computed) = (None, Vec::new());
     json!(found)

@@ -18,16 +18,12 @@ fn groups_are_compared_and_the_best_is_named() {
     let first = builtin::postures("comau-group1", &cell.setup.robot).unwrap();
     let all = EvaluatedGroup::new(&cell, "all", &first).unwrap();
     let few = EvaluatedGroup::new(&cell, "few", &first[..3]).unwrap();
-    let value =
-        json!({"joints": cell.setup.robot.spring_names(), "groups": [few, &all], "findings": []});
+    let value = json!({"joints": cell.setup.robot.spring_names(), "groups": [few, &all], "findings": []});
     let shown = page(&saved("evaluate", None, &value), Some(&cell));
     let [_, came, _] = story(&shown);
     assert!(came.starts_with("Best is all:"), "{came}");
     let pictures = figures(&shown);
-    assert!(
-        pictures.contains(&"novel-index".to_string()),
-        "{pictures:?}"
-    );
+    assert!(pictures.contains(&"novel-index".to_string()), "{pictures:?}");
     let text = html(&shown);
     let error = json!(all.evaluation.indices.expected_error);
     assert!(text.contains(&format!("data-value=\"{error}\"")));
@@ -38,15 +34,9 @@ fn groups_are_compared_and_the_best_is_named() {
 fn singular_values_and_correlations_belong_to_the_expected_errors() {
     let cell = builtin::cell("comau").unwrap();
     let first = builtin::postures("comau-group1", &cell.setup.robot).unwrap();
-    let found = EvaluatedGroup::new(&cell, "all", &first)
-        .unwrap()
-        .evaluation;
+    let found = EvaluatedGroup::new(&cell, "all", &first).unwrap().evaluation;
     let error = found.indices.expected_error.unwrap();
-    let inverse: f64 = found
-        .scaled_singular_values
-        .iter()
-        .map(|s| s.powi(-2))
-        .sum();
+    let inverse: f64 = found.scaled_singular_values.iter().map(|s| s.powi(-2)).sum();
     let expected = cell.noise.displacement_std() * (inverse / 6.0).sqrt();
     assert!((expected / error - 1.0).abs() < 1e-9, "{expected} {error}");
     for (i, row) in found.correlation.iter().enumerate() {
@@ -85,10 +75,7 @@ fn simulated_groups_are_shown_in_the_cell_and_against_noise() {
     options.runs = 30;
     let found = simulate(&cell, &[group], &options, Control::default()).unwrap();
     let value = serde_json::to_value(&found).unwrap();
-    assert_eq!(
-        value["groups"][0]["postures_deg"].as_array().unwrap().len(),
-        6
-    );
+    assert_eq!(value["groups"][0]["postures_deg"].as_array().unwrap().len(), 6);
     let shown = page(&saved("simulate", None, &value), Some(&cell));
     let [done, came, _] = story(&shown);
     assert!(done.starts_with("30 identifications"), "{done}");
@@ -133,10 +120,7 @@ fn a_cell_says_what_it_is_and_what_to_look_at() {
     let value = serde_json::to_value(check(&cell).unwrap()).unwrap();
     let shown = page(&saved("check", None, &value), None);
     let [_, came, _] = story(&shown);
-    assert!(
-        came.starts_with("The cell can be used, but not for joint 6"),
-        "{came}"
-    );
+    assert!(came.starts_with("The cell can be used, but not for joint 6"), "{came}");
     let rows = &shown.parts[0].key.as_ref().unwrap().rows;
     assert_eq!(rows[5][1].plain(), "not determined");
 }

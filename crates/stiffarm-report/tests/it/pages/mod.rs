@@ -37,10 +37,7 @@ fn story(page: &Page) -> [String; 3] {
 
 /// The figures of the page by their names.
 fn figures(page: &Page) -> Vec<String> {
-    let blocks = page.parts[0]
-        .sections
-        .iter()
-        .flat_map(|section| &section.blocks);
+    let blocks = page.parts[0].sections.iter().flat_map(|section| &section.blocks);
     let figures = blocks.filter_map(|block| match block {
         Block::Figure(figure) => Some(figure.id.clone()),
         _ => None,

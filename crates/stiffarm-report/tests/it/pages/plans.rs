@@ -9,9 +9,7 @@ use stiffarm::plan::certificate::{CertificateOptions, certify};
 use stiffarm::plan::evaluated::EvaluatedGroup;
 use stiffarm::plan::index::{Index, evaluate};
 use stiffarm::plan::route::{RouteOptions, route};
-use stiffarm::plan::select::{
-    GlobalOptions, LocalOptions, Selection, drop_postures, select, select_from,
-};
+use stiffarm::plan::select::{GlobalOptions, LocalOptions, Selection, drop_postures, select, select_from};
 use stiffarm_files::builtin;
 
 /// A selection as `select` writes it, with what goes with it.
@@ -28,11 +26,7 @@ fn result(cell: &Cell, selection: &Selection, more: Value) -> Value {
         "posture_names": names, "joints": cell.setup.robot.spring_names(), "evaluation": evaluation,
         "repeats": [], "given_names": [], "route": route, "findings": [],
     });
-    let all = with
-        .as_object()
-        .unwrap()
-        .iter()
-        .chain(more.as_object().unwrap());
+    let all = with.as_object().unwrap().iter().chain(more.as_object().unwrap());
     for (key, one) in all {
         value[key] = one.clone();
     }
@@ -54,10 +48,7 @@ fn a_plan_says_how_good_it_is_and_shows_why() {
         assert!(pair[1].rounds > pair[0].rounds);
         assert!(pair[1].value < pair[0].value);
     }
-    let last = selection
-        .improvements
-        .last()
-        .and_then(|report| report.value);
+    let last = selection.improvements.last().and_then(|report| report.value);
     assert!(selection.value <= last.unwrap() * (1.0 + 1e-9));
     let mut options = CertificateOptions::default();
     options.samples = 32;
@@ -74,16 +65,8 @@ fn a_plan_says_how_good_it_is_and_shows_why() {
     assert_eq!(key.rows.len(), 4);
     assert!(key.headings.contains(&"room [mm]".to_string()));
     let pictures = figures(&shown);
-    for wanted in [
-        "expected-deviation",
-        "convergence",
-        "singular-values",
-        "correlation",
-    ] {
-        assert!(
-            pictures.iter().any(|id| id == wanted),
-            "{wanted}: {pictures:?}"
-        );
+    for wanted in ["expected-deviation", "convergence", "singular-values", "correlation"] {
+        assert!(pictures.iter().any(|id| id == wanted), "{wanted}: {pictures:?}");
     }
     let text = html(&shown);
     assert!(text.contains("<div class=\"scene\""));
@@ -119,10 +102,7 @@ fn a_plan_from_an_initial_group_is_compared_with_it() {
     let shown = page(&saved("select", Some("from"), &value), Some(&cell));
     let [done, came, _] = story(&shown);
     assert!(done.contains("local search"), "{done}");
-    assert!(
-        came.contains("against") && came.contains("with the initial group"),
-        "{came}"
-    );
+    assert!(came.contains("against") && came.contains("with the initial group"), "{came}");
     assert!(!figures(&shown).contains(&"convergence".to_string()));
 }
 
@@ -157,10 +137,7 @@ fn postures_left_out_are_named_with_their_loss() {
     let index = Index::ExpectedError;
     let dropped = drop_postures(&cell, index, &first, 1, Control::default()).unwrap();
     let mut value = serde_json::to_value(&dropped).unwrap();
-    let group = PostureGroup {
-        name: "given".to_string(),
-        postures: first,
-    };
+    let group = PostureGroup { name: "given".to_string(), postures: first };
     let names: Vec<&str> = group.postures.iter().map(|p| p.name.as_str()).collect();
     let degrees = |q: &Vec<f64>| q.iter().map(|q| q.to_degrees()).collect::<Vec<f64>>();
     let angles: Vec<Vec<f64>> = group.postures.iter().map(|p| degrees(&p.q)).collect();
@@ -173,10 +150,7 @@ fn postures_left_out_are_named_with_their_loss() {
     let left = &group.postures[dropped.dropped[0]].name;
     assert!(came.contains(&format!("without {left}, against")), "{came}");
     let rows = &shown.parts[0].key.as_ref().unwrap().rows;
-    let out = rows
-        .iter()
-        .filter(|row| row[3].plain() == "leave out")
-        .count();
+    let out = rows.iter().filter(|row| row[3].plain() == "leave out").count();
     assert_eq!(out, 1);
 }
 
@@ -197,13 +171,7 @@ fn a_curve_says_how_many_postures_are_enough() {
                        "findings": []});
     let shown = page(&saved("select", Some("curve"), &value), None);
     let [_, came, next] = story(&shown);
-    assert!(
-        came.contains("with 2 postures") && came.contains("with 5 postures"),
-        "{came}"
-    );
-    assert!(
-        next.contains("Beyond 4 postures") && next.contains("--count 4"),
-        "{next}"
-    );
+    assert!(came.contains("with 2 postures") && came.contains("with 5 postures"), "{came}");
+    assert!(next.contains("Beyond 4 postures") && next.contains("--count 4"), "{next}");
     assert_eq!(figures(&shown), ["count"]);
 }

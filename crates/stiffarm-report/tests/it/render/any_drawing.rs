@@ -1,9 +1,7 @@
 //! Drawings of any content.
 
 use super::*;
-use stiffarm_report::figure::drawing::{
-    Drawing, KeyEntry, Label, Mark, Note, Sample, Shape, Tone, View,
-};
+use stiffarm_report::figure::drawing::{Drawing, KeyEntry, Label, Mark, Note, Sample, Shape, Tone, View};
 use stiffarm_report::render_drawing;
 
 const TONES: [Tone; 14] = [
@@ -23,22 +21,11 @@ const TONES: [Tone; 14] = [
     Tone::Item(usize::MAX),
 ];
 
-const SAMPLES: [Sample; 5] = [
-    Sample::Area,
-    Sample::Line,
-    Sample::Arrow,
-    Sample::Point,
-    Sample::LineAndPoint,
-];
+const SAMPLES: [Sample; 5] = [Sample::Area, Sample::Line, Sample::Arrow, Sample::Point, Sample::LineAndPoint];
 
 /// Any bit pattern, and ordinary values often enough to reach the drawing.
 fn value() -> impl Strategy<Value = f64> {
-    prop_oneof![
-        any::<u64>().prop_map(f64::from_bits),
-        -10.0..10.0_f64,
-        -10.0..10.0_f64,
-        (0..6_u8).prop_map(f64::from),
-    ]
+    prop_oneof![any::<u64>().prop_map(f64::from_bits), -10.0..10.0_f64, -10.0..10.0_f64, (0..6_u8).prop_map(f64::from),]
 }
 
 fn place() -> impl Strategy<Value = [f64; 2]> {
@@ -63,12 +50,7 @@ fn view() -> impl Strategy<Value = View> {
         caution,
         cluster: if caution { "names" } else { "" }.into(),
     });
-    let parts = (
-        [place(), place()],
-        any::<bool>(),
-        vec(mark(), 0..12),
-        vec(label, 0..6),
-    );
+    let parts = ([place(), place()], any::<bool>(), vec(mark(), 0..12), vec(label, 0..6));
     parts.prop_map(|(extent, axes, marks, labels)| View {
         title: "a view".into(),
         axes: axes.then(|| [Axis::linear("x", "mm"), Axis::linear("z", "mm")]),

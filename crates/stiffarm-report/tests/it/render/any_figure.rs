@@ -4,35 +4,20 @@ use super::*;
 
 /// Any bit pattern, and ordinary values often enough to reach the drawing.
 fn value() -> impl Strategy<Value = f64> {
-    prop_oneof![
-        any::<u64>().prop_map(f64::from_bits),
-        -10.0..10.0_f64,
-        (0..6_u8).prop_map(f64::from),
-    ]
+    prop_oneof![any::<u64>().prop_map(f64::from_bits), -10.0..10.0_f64, (0..6_u8).prop_map(f64::from),]
 }
 
 fn axis() -> impl Strategy<Value = Axis> {
-    (
-        any::<bool>(),
-        0..5_usize,
-        option::of([value(), value()]),
-        any::<bool>(),
-        any::<bool>(),
-    )
-        .prop_map(|(log, categories, range, named, from_zero)| Axis {
+    (any::<bool>(), 0..5_usize, option::of([value(), value()]), any::<bool>(), any::<bool>()).prop_map(
+        |(log, categories, range, named, from_zero)| Axis {
             label: "quantity".into(),
             unit: "unit".into(),
             scale: if log { Scale::Log } else { Scale::Linear },
-            categories: if named {
-                (0..categories)
-                    .map(|c| format!("place number {c}"))
-                    .collect()
-            } else {
-                Vec::new()
-            },
+            categories: if named { (0..categories).map(|c| format!("place number {c}")).collect() } else { Vec::new() },
             range,
             from_zero,
-        })
+        },
+    )
 }
 
 fn series() -> impl Strategy<Value = Series> {
@@ -45,8 +30,7 @@ fn series() -> impl Strategy<Value = Series> {
         option::of((axis(), vec(value(), 0..12))),
     )
         .prop_map(|(style, label, x, y, error, colour)| {
-            let series =
-                Series::new(format!("label {label}"), STYLES[style], x, y).with_error(error);
+            let series = Series::new(format!("label {label}"), STYLES[style], x, y).with_error(error);
             match colour {
                 Some((axis, values)) => series.with_colour(axis, values),
                 None => series,
@@ -55,19 +39,15 @@ fn series() -> impl Strategy<Value = Series> {
 }
 
 fn any_figure() -> impl Strategy<Value = Figure> {
-    let panels = (axis(), axis(), vec(series(), 0..5), any::<bool>()).prop_map(
-        |(x, y, series, equal_aspect)| Panel {
-            title: "a title".into(),
-            x,
-            y,
-            series,
-            equal_aspect,
-        },
-    );
-    (any::<usize>(), 0..5_usize, vec(panels, 0..5)).prop_map(|(wild, tame, panels)| Figure {
-        columns: if wild % 2 == 0 { wild } else { tame },
-        ..figure(panels)
-    })
+    let panels = (axis(), axis(), vec(series(), 0..5), any::<bool>()).prop_map(|(x, y, series, equal_aspect)| Panel {
+        title: "a title".into(),
+        x,
+        y,
+        series,
+        equal_aspect,
+    });
+    (any::<usize>(), 0..5_usize, vec(panels, 0..5))
+        .prop_map(|(wild, tame, panels)| Figure { columns: if wild % 2 == 0 { wild } else { tame }, ..figure(panels) })
 }
 
 proptest! {

@@ -3,9 +3,7 @@
 use super::{number, panel, texts};
 use roxmltree::{Document, Node};
 use stiffarm_report::figure::drawing::{Drawing, KeyEntry, Note, Sample, Tone, View};
-use stiffarm_report::{
-    Axis, Figure, Layout, Series, Style, render_drawing, render_drawing_with, render_svg_with,
-};
+use stiffarm_report::{Axis, Figure, Layout, Series, Style, render_drawing, render_drawing_with, render_svg_with};
 
 /// A drawing with two views that have axes and one without, and this many numbered things.
 fn drawing(items: usize) -> Drawing {
@@ -20,15 +18,8 @@ fn drawing(items: usize) -> Drawing {
         id: "cell".into(),
         title: "a cell".into(),
         caption: "what it shows".into(),
-        notes: vec![
-            Note::plain("Least room 0.0 mm."),
-            Note::caution("Too near."),
-        ],
-        views: vec![
-            view("from the side", true),
-            view("from above", true),
-            view("in perspective", false),
-        ],
+        notes: vec![Note::plain("Least room 0.0 mm."), Note::caution("Too near.")],
+        views: vec![view("from the side", true), view("from above", true), view("in perspective", false)],
         key: (0..items)
             .map(|i| KeyEntry {
                 label: format!("posture {i}"),
@@ -56,16 +47,10 @@ fn a_drawing_for_a_paper_fits_on_its_page() {
     let narrow = texts(&render_drawing_with(&drawing(6), &Layout::paper(88.0, 8.0)));
     assert!(narrow.contains(&"from the side".into()) && narrow.contains(&"from above".into()));
     assert!(!narrow.contains(&"in perspective".into()));
-    let wide = texts(&render_drawing_with(
-        &drawing(6),
-        &Layout::paper(180.0, 8.0),
-    ));
+    let wide = texts(&render_drawing_with(&drawing(6), &Layout::paper(180.0, 8.0)));
     assert!(wide.contains(&"in perspective".into()));
     // A screen is scrolled.
-    let screen = texts(&render_drawing_with(
-        &drawing(6),
-        &Layout::screen(360.0, 11.0),
-    ));
+    let screen = texts(&render_drawing_with(&drawing(6), &Layout::screen(360.0, 11.0)));
     assert!(screen.contains(&"in perspective".into()));
 }
 
@@ -96,24 +81,17 @@ fn all_of_a_legend_entry_answers_a_click() {
     let svg = render_svg_with(&figure, &Layout::screen(360.0, 12.0));
     let document = Document::parse(&svg).unwrap();
     let mut nodes = document.descendants();
-    let entries = nodes
-        .by_ref()
-        .filter(|n| n.has_attribute("data-toggle-series"));
+    let entries = nodes.by_ref().filter(|n| n.has_attribute("data-toggle-series"));
     let entries: Vec<Node> = entries.collect();
     assert_eq!(entries.len(), 2);
     for entry in entries {
-        let rects = entry
-            .children()
-            .filter(|n| n.attribute("fill-opacity") == Some("0"));
+        let rects = entry.children().filter(|n| n.attribute("fill-opacity") == Some("0"));
         let rects: Vec<Node> = rects.collect();
         assert_eq!(rects.len(), 1);
         // Nothing lies over it, and it begins before the sample and ends behind every line.
         assert_eq!(entry.children().rfind(Node::is_element), Some(rects[0]));
         let [x, y, w, h] = ["x", "y", "width", "height"].map(|name| number(&rects[0], name));
-        let lines: Vec<Node> = entry
-            .children()
-            .filter(|n| n.has_tag_name("text"))
-            .collect();
+        let lines: Vec<Node> = entry.children().filter(|n| n.has_tag_name("text")).collect();
         for line in lines {
             let (left, base) = (number(&line, "x"), number(&line, "y"));
             assert!(x + 30.0 < left && left < x + w);

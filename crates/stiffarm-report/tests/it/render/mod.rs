@@ -28,23 +28,11 @@ const STYLES: [Style; 13] = [
 ];
 
 fn panel(x: Axis, y: Axis, series: Vec<Series>) -> Panel {
-    Panel {
-        title: "panel".into(),
-        x,
-        y,
-        series,
-        equal_aspect: false,
-    }
+    Panel { title: "panel".into(), x, y, series, equal_aspect: false }
 }
 
 fn figure(panels: Vec<Panel>) -> Figure {
-    Figure {
-        id: "test".into(),
-        title: "figure".into(),
-        caption: "caption".into(),
-        columns: 2,
-        panels,
-    }
+    Figure { id: "test".into(), title: "figure".into(), caption: "caption".into(), columns: 2, panels }
 }
 
 pub fn texts(svg: &str) -> Vec<String> {
@@ -52,18 +40,12 @@ pub fn texts(svg: &str) -> Vec<String> {
     document
         .descendants()
         .filter(|n| n.has_tag_name("text"))
-        .map(|n| {
-            n.descendants()
-                .filter_map(|t| t.text().filter(|_| t.is_text()))
-                .collect()
-        })
+        .map(|n| n.descendants().filter_map(|t| t.text().filter(|_| t.is_text())).collect())
         .collect()
 }
 
 fn number(node: &Node, name: &str) -> f64 {
-    node.attribute(name)
-        .and_then(|v| v.parse().ok())
-        .expect("the attribute is a number")
+    node.attribute(name).and_then(|v| v.parse().ok()).expect("the attribute is a number")
 }
 
 /// Parses the picture and checks what has to hold for all of them.
@@ -116,28 +98,13 @@ fn texts_are_escaped() {
     assert_eq!(root.attribute("data-figure"), Some(shown.as_str()));
     let desc = root.children().find(|n| n.has_tag_name("desc"));
     assert_eq!(desc.and_then(|n| n.text()), Some(shown.as_str()));
-    assert!(
-        texts(&svg)
-            .iter()
-            .filter(|t| t.starts_with("a<b> & "))
-            .count()
-            >= 4
-    );
+    assert!(texts(&svg).iter().filter(|t| t.starts_with("a<b> & ")).count() >= 4);
 }
 
 #[test]
 fn lost_values_are_counted_in_a_note() {
-    let series = Series::new(
-        "s",
-        Style::Line,
-        vec![1.0, 2.0, 3.0, 4.0, 5.0],
-        vec![1.0, 0.0, f64::NAN, 10.0, 20.0],
-    );
-    let svg = render_svg(&figure(vec![panel(
-        Axis::linear("x", ""),
-        Axis::log("y", ""),
-        vec![series.clone()],
-    )]));
+    let series = Series::new("s", Style::Line, vec![1.0, 2.0, 3.0, 4.0, 5.0], vec![1.0, 0.0, f64::NAN, 10.0, 20.0]);
+    let svg = render_svg(&figure(vec![panel(Axis::linear("x", ""), Axis::log("y", ""), vec![series.clone()])]));
     assert!(texts(&svg).contains(&"2 values not drawn".to_owned()));
     let svg = render_svg(&figure(vec![panel(
         Axis::linear("x", "").with_range(0.0, 4.5),
@@ -154,12 +121,7 @@ fn complete_data_has_no_note() {
     let svg = render_svg(&figure(vec![panel(
         Axis::linear("x", ""),
         Axis::linear("y", ""),
-        vec![Series::new(
-            "s",
-            Style::Points,
-            vec![1.0, 2.0],
-            vec![0.0, -3.0],
-        )],
+        vec![Series::new("s", Style::Points, vec![1.0, 2.0], vec![0.0, -3.0])],
     )]));
     assert!(!svg.contains("not drawn") && !svg.contains("beyond"));
 }
@@ -172,10 +134,7 @@ fn empty_input_is_drawn_as_such() {
         panel(
             Axis::categorical("", ["a"]),
             Axis::log("", ""),
-            STYLES
-                .iter()
-                .map(|s| Series::new("", *s, vec![], vec![]))
-                .collect(),
+            STYLES.iter().map(|s| Series::new("", *s, vec![], vec![])).collect(),
         );
         3
     ]);
@@ -234,10 +193,7 @@ fn a_label_has_one_colour_everywhere_and_one_legend_entry() {
     // One marker in each of three panels and one in the legend.
     assert_eq!(svg.matches(&format!("fill=\"{colour}\"")).count(), 4);
     let entries = texts(&svg);
-    assert_eq!(
-        entries.iter().filter(|t| *t == "Group 3 (novel)").count(),
-        1
-    );
+    assert_eq!(entries.iter().filter(|t| *t == "Group 3 (novel)").count(), 1);
 }
 
 #[test]
@@ -250,22 +206,9 @@ fn a_landmark_looks_like_no_data() {
             Series::new(format!("Posture {p}"), Style::Path, x, vec![0.0, 1.0])
         })
         .collect();
-    let data = render_svg(&figure(vec![panel(
-        Axis::linear("x", "m"),
-        Axis::linear("z", "m"),
-        series.clone(),
-    )]));
-    series.push(Series::new(
-        "rope anchor",
-        Style::Landmark,
-        vec![5.0],
-        vec![0.5],
-    ));
-    let both = render_svg(&figure(vec![panel(
-        Axis::linear("x", "m"),
-        Axis::linear("z", "m"),
-        series,
-    )]));
+    let data = render_svg(&figure(vec![panel(Axis::linear("x", "m"), Axis::linear("z", "m"), series.clone())]));
+    series.push(Series::new("rope anchor", Style::Landmark, vec![5.0], vec![0.5]));
+    let both = render_svg(&figure(vec![panel(Axis::linear("x", "m"), Axis::linear("z", "m"), series)]));
     check(&both);
     let strokes = |svg: &str| -> Vec<String> {
         let document = Document::parse(svg).unwrap();
@@ -274,10 +217,7 @@ fn a_landmark_looks_like_no_data() {
         strokes.collect()
     };
     let used = strokes(&data);
-    let own: Vec<String> = strokes(&both)
-        .into_iter()
-        .filter(|s| !used.contains(s))
-        .collect();
+    let own: Vec<String> = strokes(&both).into_iter().filter(|s| !used.contains(s)).collect();
     // Square and cross, in the panel and in the legend.
     assert_eq!(own, vec!["#4a4a4a"; 4]);
     assert!(!data.contains("#4a4a4a"));
@@ -286,15 +226,8 @@ fn a_landmark_looks_like_no_data() {
 #[test]
 fn the_legend_shows_every_label_once_even_if_there_are_many() {
     let labels: Vec<String> = (0..23).map(|i| format!("series number {i}")).collect();
-    let series = labels
-        .iter()
-        .map(|l| Series::new(l, Style::Line, vec![0.0, 1.0], vec![1.0, 2.0]))
-        .collect();
-    let svg = render_svg(&figure(vec![panel(
-        Axis::linear("x", ""),
-        Axis::linear("y", ""),
-        series,
-    )]));
+    let series = labels.iter().map(|l| Series::new(l, Style::Line, vec![0.0, 1.0], vec![1.0, 2.0])).collect();
+    let svg = render_svg(&figure(vec![panel(Axis::linear("x", ""), Axis::linear("y", ""), series)]));
     check(&svg);
     let shown = texts(&svg);
     for label in &labels {
@@ -304,43 +237,20 @@ fn the_legend_shows_every_label_once_even_if_there_are_many() {
 
 #[test]
 fn bands_are_areas_and_strokes_are_pieces() {
-    let band = Series::new(
-        "band",
-        Style::Band,
-        vec![0.0, 1.0, 2.0],
-        vec![1.0, 2.0, 1.0],
-    )
-    .with_error(vec![0.5; 3]);
-    let strokes = Series::new(
-        "strokes",
-        Style::Strokes,
-        vec![0.0, 0.5, 1.0, 1.5],
-        vec![1.0, 1.2, 1.0, 1.2],
-    );
-    let panel = panel(
-        Axis::linear("x", ""),
-        Axis::linear("y", ""),
-        vec![band, strokes],
-    );
+    let band = Series::new("band", Style::Band, vec![0.0, 1.0, 2.0], vec![1.0, 2.0, 1.0]).with_error(vec![0.5; 3]);
+    let strokes = Series::new("strokes", Style::Strokes, vec![0.0, 0.5, 1.0, 1.5], vec![1.0, 1.2, 1.0, 1.2]);
+    let panel = panel(Axis::linear("x", ""), Axis::linear("y", ""), vec![band, strokes]);
     let svg = render_svg(&figure(vec![panel]));
     check(&svg);
     let document = Document::parse(&svg).unwrap();
     let path = |wanted: &dyn Fn(&Node) -> bool| {
-        let mut found = document
-            .descendants()
-            .filter(|n| n.has_tag_name("path") && wanted(n));
+        let mut found = document.descendants().filter(|n| n.has_tag_name("path") && wanted(n));
         found.next().unwrap().attribute("d").unwrap().to_string()
     };
     let area = path(&|n| n.attribute("fill-opacity").is_some());
-    assert_eq!(
-        (area.matches('L').count(), area.matches('M').count()),
-        (5, 1)
-    );
+    assert_eq!((area.matches('L').count(), area.matches('M').count()), (5, 1));
     let pieces = path(&|n| n.attribute("stroke-width") == Some("1.2"));
-    assert_eq!(
-        (pieces.matches('L').count(), pieces.matches('M').count()),
-        (2, 2)
-    );
+    assert_eq!((pieces.matches('L').count(), pieces.matches('M').count()), (2, 2));
     // The axis has room for the whole band.
     assert!(!texts(&svg).iter().any(|t| t.contains("beyond")));
 }

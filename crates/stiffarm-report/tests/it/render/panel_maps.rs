@@ -24,17 +24,11 @@ fn rectangles(node: &Node) -> Vec<[f64; 4]> {
     let data = node.attribute("d").unwrap();
     let shape = |part: &str| {
         let part = part.replace(['H', 'V'], " ");
-        let v: Vec<f64> = part
-            .split_whitespace()
-            .map(|v| v.parse().unwrap())
-            .collect();
+        let v: Vec<f64> = part.split_whitespace().map(|v| v.parse().unwrap()).collect();
         assert_eq!((v.len(), v[4]), (5, v[0]), "{data}");
         [v[0], v[1], v[2], v[3]]
     };
-    data.split('M')
-        .skip(1)
-        .map(|p| shape(p.trim_end_matches('Z')))
-        .collect()
+    data.split('M').skip(1).map(|p| shape(p.trim_end_matches('Z'))).collect()
 }
 
 #[test]
@@ -48,10 +42,7 @@ fn a_map_covers_its_panel_with_cells_of_equal_size() {
     let svg = render_svg(&figure(vec![panel]));
     check(&svg);
     let document = Document::parse(&svg).unwrap();
-    let cells: Vec<Node> = document
-        .descendants()
-        .filter(|n| n.attribute("shape-rendering").is_some())
-        .collect();
+    let cells: Vec<Node> = document.descendants().filter(|n| n.attribute("shape-rendering").is_some()).collect();
     // The colour bar has 64 levels, the map three looks, the legend one.
     assert_eq!(cells.len(), 64 + 3 + 1);
     let area = |r: &[f64; 4]| (r[2] - r[0]) * (r[3] - r[1]);
@@ -108,10 +99,7 @@ fn the_colour_bar_follows_the_axis_and_has_room() {
         .collect();
     assert_eq!(frames.len(), 6);
     for row in [&frames[0..4], &frames[4..6]] {
-        assert!(
-            row.windows(2).all(|pair| pair[0][1] < pair[1][0]),
-            "{frames:?}"
-        );
+        assert!(row.windows(2).all(|pair| pair[0][1] < pair[1][0]), "{frames:?}");
     }
 }
 
@@ -146,15 +134,9 @@ fn maps_of_a_panel_share_a_grid_and_look_different_where_they_miss() {
         .take(4)
         .map(|(_, [left, _, right, _])| right - left)
         .collect();
-    let plot = document
-        .descendants()
-        .find(|n| n.has_tag_name("rect") && n.attribute("fill") == Some("none"))
-        .unwrap();
+    let plot = document.descendants().find(|n| n.has_tag_name("rect") && n.attribute("fill") == Some("none")).unwrap();
     let expected = number(&plot, "width") / 4.0;
-    assert!(
-        widths.iter().all(|w| (w - expected).abs() < 0.05),
-        "{widths:?} {expected}"
-    );
+    assert!(widths.iter().all(|w| (w - expected).abs() < 0.05), "{widths:?} {expected}");
 }
 
 #[test]
@@ -175,10 +157,7 @@ fn small_values_are_bright_where_asked_for() {
     let svg = render_svg(&figure(vec![panel]));
     check(&svg);
     let document = Document::parse(&svg).unwrap();
-    let cells: Vec<Node> = document
-        .descendants()
-        .filter(|n| n.attribute("shape-rendering").is_some())
-        .collect();
+    let cells: Vec<Node> = document.descendants().filter(|n| n.attribute("shape-rendering").is_some()).collect();
     let (bar, legend) = cells[2..].split_at(64);
     // A map that has a value everywhere needs no entry for cells without one.
     assert!(legend.is_empty());
@@ -189,10 +168,7 @@ fn small_values_are_bright_where_asked_for() {
     // The smaller value lies on the left and has the colour of the bar's lower end.
     let fill = |n: &Node| n.attribute("fill").unwrap().to_owned();
     let [low, high] = [&bar[0], &bar[63]].map(fill);
-    assert_eq!(
-        [places[0], places[1]].map(fill),
-        [low.clone(), high.clone()]
-    );
+    assert_eq!([places[0], places[1]].map(fill), [low.clone(), high.clone()]);
     let green = |colour: &str| u32::from_str_radix(&colour[3..5], 16).unwrap();
     assert!(green(&low) > 220 && green(&high) < 10);
 }

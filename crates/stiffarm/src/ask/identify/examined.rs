@@ -20,12 +20,7 @@ pub(super) struct Examined {
 
 impl Examined {
     /// What a stop leaves out is named in `left_out`.
-    pub fn new(
-        fit: &Fit,
-        mixed: Option<&MixedFit>,
-        profiles: bool,
-        left_out: &mut Vec<String>,
-    ) -> Result<Self> {
+    pub fn new(fit: &Fit, mixed: Option<&MixedFit>, profiles: bool, left_out: &mut Vec<String>) -> Result<Self> {
         let mut out = Examined::default();
         // A profile holds the set-up still.
         if profiles {
@@ -55,20 +50,13 @@ impl Examined {
 }
 
 /// Joints whose intervals hold all errors, where these are known.
-pub(super) fn widened(
-    mut joints: Vec<JointEstimate>,
-    by: Option<&SystematicErrors>,
-) -> Vec<JointEstimate> {
+pub(super) fn widened(mut joints: Vec<JointEstimate>, by: Option<&SystematicErrors>) -> Vec<JointEstimate> {
     by.iter().for_each(|own| own.widen(&mut joints));
     joints
 }
 
 /// What was found; `None`, with its name in `left_out`, where the user stopped it.
-pub(super) fn unless_stopped<T>(
-    name: &str,
-    left_out: &mut Vec<String>,
-    found: Result<T>,
-) -> Result<Option<T>> {
+pub(super) fn unless_stopped<T>(name: &str, left_out: &mut Vec<String>, found: Result<T>) -> Result<Option<T>> {
     match found {
         Err(error) if error.code() == Code::Interrupted => {
             left_out.push(name.to_string());

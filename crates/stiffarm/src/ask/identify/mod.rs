@@ -35,20 +35,13 @@ const ADVICE_ROUNDS: u64 = 2;
 
 /// What is asked of an identification.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Options")
-)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "Options"))]
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 #[serde(default)]
 #[non_exhaustive]
 pub struct IdentifiedOptions {
     /// Postures to leave out, for example those kept for validation
-    #[cfg_attr(
-        feature = "clap",
-        arg(long, value_name = "NAME,…", value_delimiter = ',')
-    )]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "NAME,…", value_delimiter = ','))]
     pub exclude: Vec<String>,
     /// The flange was fixed: the table has the controller's angles and the wrench of the fixture
     #[cfg_attr(feature = "clap", arg(long))]
@@ -63,15 +56,7 @@ pub struct IdentifiedOptions {
     pub fit: FitOptions,
     /// Quantities of the set-up that are identified beside the stiffness, on purpose: anchor,
     /// loading-point, gravity, force-beside, common-shift, … (docs/set-up.md)
-    #[cfg_attr(
-        feature = "clap",
-        arg(
-            long,
-            value_name = "NAME,…",
-            value_delimiter = ',',
-            help_heading = "Estimator"
-        )
-    )]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "NAME,…", value_delimiter = ',', help_heading = "Estimator"))]
     pub free: Vec<String>,
     /// Also resample the postures this often for a bootstrap interval
     #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = count::<usize>()))]
@@ -107,10 +92,7 @@ impl IdentifiedOptions {
     /// Options that exclude each other; as [`FitOptions::options`].
     pub fn options(&self, robot: &Robot) -> Result<IdentifyOptions> {
         refuse(NOT_WITH, &given(self)?)?;
-        Ok(IdentifyOptions {
-            free: self.free.clone(),
-            ..self.fit.options(robot)?
-        })
+        Ok(IdentifyOptions { free: self.free.clone(), ..self.fit.options(robot)? })
     }
 }
 
@@ -130,10 +112,7 @@ pub struct Reduced {
 impl Reduced {
     /// `None` where the measurements were displacements.
     pub fn of(measured: &Measured) -> Option<Self> {
-        Some(Reduced {
-            reduction: measured.reduction.clone()?,
-            screening: measured.screening.clone()?,
-        })
+        Some(Reduced { reduction: measured.reduction.clone()?, screening: measured.screening.clone()? })
     }
 }
 
@@ -212,11 +191,7 @@ impl Identified {
         let scales = screening.into_iter().flat_map(Screening::scales);
         let screened = screening.into_iter().flat_map(|own| &own.findings);
         let reduced = (self.readings.iter()).flat_map(|own| &own.reduction.findings);
-        self.implausible
-            .iter()
-            .chain(scales)
-            .chain(screened)
-            .chain(reduced)
+        self.implausible.iter().chain(scales).chain(screened).chain(reduced)
     }
 
     /// What the fit says, but for its joints.
@@ -296,16 +271,10 @@ impl Identified {
             screening
         };
         let mut out = Identified {
-            readings: Reduced::of(fit.measured()).map(|own| Reduced {
-                screening: explained(own.screening),
-                ..own
-            }),
+            readings: Reduced::of(fit.measured()).map(|own| Reduced { screening: explained(own.screening), ..own }),
             screening: screening(fit.measured()).map(explained),
             identification: axes.with_joints(joints),
-            elastic: elastic.map(|own| Elastic {
-                axes: of_axes.unwrap_or_default(),
-                ..own
-            }),
+            elastic: elastic.map(|own| Elastic { axes: of_axes.unwrap_or_default(), ..own }),
             freed,
             implausible,
             bootstrap,
@@ -329,11 +298,7 @@ impl Identified {
 
     /// Adds the next posture, or why there is none.
     fn advise(&mut self, fit: &Fit, scaled: bool, seed: u64, control: Control<'_>) -> Result<()> {
-        let search = GlobalOptions {
-            seed,
-            rounds: Some(ADVICE_ROUNDS),
-            ..GlobalOptions::default()
-        };
+        let search = GlobalOptions { seed, rounds: Some(ADVICE_ROUNDS), ..GlobalOptions::default() };
         let advice = match control.check() {
             Ok(()) => next_posture(fit, &search, control),
             Err(stopped) => Err(stopped),
@@ -372,9 +337,7 @@ impl Identified {
             let sentence = "The identification was stopped before it had the elastic model and the systematic errors: bands hold the \
                             scatter of the readings alone. Identify again and let it end.";
             let code = "stiffness-unfinished";
-            found
-                .doubts
-                .push(Finding::caution(code, "stiffness", sentence));
+            found.doubts.push(Finding::caution(code, "stiffness", sentence));
         }
         let measured = fit.measured();
         // What a wrong scale of the table explains is no finding of its own.

@@ -5,9 +5,7 @@ use crate::error::{Code, Result};
 use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::numerics::control::Control;
-use crate::plan::certificate::{
-    Certificate, CertificateOptions, JointEfficiency, certify_further, joint_efficiencies,
-};
+use crate::plan::certificate::{Certificate, CertificateOptions, JointEfficiency, certify_further, joint_efficiencies};
 use crate::plan::index::Index;
 
 /// Searches behind the bound of each joint: fewer than behind the one of the
@@ -47,9 +45,7 @@ impl Bounds {
         if index == Index::Prediction && given.len() + postures.len() < FEWEST_PREDICTING {
             return found;
         }
-        watch(Stage::Bounding {
-            postures: postures.len(),
-        });
+        watch(Stage::Bounding { postures: postures.len() });
         let control = control.quiet();
         let options = CertificateOptions::default();
         let certificate = certify_further(cell, index, given, postures, &options, control);
@@ -68,11 +64,7 @@ impl Bounds {
 }
 
 /// The result, unless it failed or was stopped on the way.
-pub(super) fn kept<T>(
-    result: Result<T>,
-    control: Control<'_>,
-    missing: &mut Option<String>,
-) -> Option<T> {
+pub(super) fn kept<T>(result: Result<T>, control: Control<'_>, missing: &mut Option<String>) -> Option<T> {
     if control.stopped() {
         *missing = Some(STOPPED.to_string());
         return None;

@@ -63,10 +63,8 @@ pub fn plan_candidates(
         ..CandidateOptions::default()
     };
     let mut selection = select_candidates(&cell, index, count, candidates, &exchange, control)?;
-    let chosen = selection.chosen.iter().map(|p| Posture {
-        name: candidates[*p].name.clone(),
-        q: candidates[*p].q.clone(),
-    });
+    let chosen =
+        selection.chosen.iter().map(|p| Posture { name: candidates[*p].name.clone(), q: candidates[*p].q.clone() });
     let postures: Vec<Posture> = chosen.collect();
     let limits = limits_of(&cell, &postures)?;
     findings.extend(on_limits(&cell, &postures, &limits));

@@ -31,11 +31,7 @@ pub struct Curve {
 
 /// The best group of one size, beside what is possible.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Size")
-)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "Size"))]
 pub struct CurveSize {
     /// What the search found.
     #[serde(flatten)]
@@ -62,10 +58,7 @@ pub fn plan_curve(
     control: Control<'_>,
 ) -> Result<Planned<Curve>> {
     let nothing = SelectInputs::default();
-    let options = &SelectOptions {
-        curve: true,
-        ..options.clone()
-    };
+    let options = &SelectOptions { curve: true, ..options.clone() };
     options.check(&nothing)?;
     let (cell, findings) = prepared(cell, true);
     let (index, largest) = (options.index(), options.postures(&nothing));
@@ -122,24 +115,14 @@ fn last_size(
 /// The bound of the index for one posture, from which that for n follows: the
 /// bound is σ·sqrt(φ(M₀)/n) with the same M₀ for every n. That of the index prediction, which knows something before the
 /// first posture, is that of the group alone.
-fn one_posture_bound(
-    cell: &Cell,
-    index: Index,
-    group: &[Vec<f64>],
-    control: Control<'_>,
-) -> Result<f64> {
+fn one_posture_bound(cell: &Cell, index: Index, group: &[Vec<f64>], control: Control<'_>) -> Result<f64> {
     let options = CertificateOptions::default();
     let certificate = certify(cell, index, group, &options, control.quiet())?;
     Ok(certificate.bound * (group.len() as f64).sqrt())
 }
 
 /// The points with what one more gains and what is possible.
-fn sizes(
-    index: Index,
-    largest: usize,
-    points: Vec<ErrorAtCount>,
-    bound_of_one: Option<f64>,
-) -> Vec<CurveSize> {
+fn sizes(index: Index, largest: usize, points: Vec<ErrorAtCount>, bound_of_one: Option<f64>) -> Vec<CurveSize> {
     let next: Vec<Option<f64>> = points.iter().skip(1).map(|p| p.value).collect();
     let next = next.into_iter().chain([None]);
     points
@@ -147,19 +130,11 @@ fn sizes(
         .zip(next)
         .map(|(point, next)| {
             let better = if index.larger_is_better() { -1.0 } else { 1.0 };
-            let gain = point
-                .value
-                .zip(next)
-                .map(|(now, next)| better * (now - next) / now);
+            let gain = point.value.zip(next).map(|(now, next)| better * (now - next) / now);
             let holds = index != Index::Prediction || point.postures == largest;
             let bound = bound_of_one.filter(|_| holds);
             let bound = bound.map(|bound| bound / (point.postures as f64).sqrt());
-            CurveSize {
-                gain,
-                bound,
-                efficiency: bound.zip(point.value).map(|(bound, value)| bound / value),
-                point,
-            }
+            CurveSize { gain, bound, efficiency: bound.zip(point.value).map(|(bound, value)| bound / value), point }
         })
         .collect()
 }

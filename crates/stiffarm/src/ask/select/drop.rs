@@ -38,10 +38,7 @@ pub fn plan_drop(
     options: &SelectOptions,
     control: Control<'_>,
 ) -> Result<Planned<DropResult>> {
-    options.check(&SelectInputs {
-        given: given.to_vec(),
-        ..SelectInputs::default()
-    })?;
+    options.check(&SelectInputs { given: given.to_vec(), ..SelectInputs::default() })?;
     let (cell, mut findings) = prepared(cell, true);
     let (index, count) = (options.index(), options.drop.unwrap_or(1));
     let dropped = drop_postures(&cell, index, given, count, control);
@@ -57,11 +54,5 @@ pub fn plan_drop(
         dropped,
         findings,
     };
-    Ok(Planned {
-        result,
-        options: Asked::new(Mode::Drop, options, &cell),
-        seed: None,
-        cell,
-        postures,
-    })
+    Ok(Planned { result, options: Asked::new(Mode::Drop, options, &cell), seed: None, cell, postures })
 }

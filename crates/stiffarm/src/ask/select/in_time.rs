@@ -49,11 +49,7 @@ pub(super) fn in_time(
 ) -> Result<(Cell, usize, Vec<InTime>)> {
     let within = |load: &Load| cell.time.postures_within(seconds, load);
     let all = within(&cell.setup.load);
-    let ways = if index == Index::Prediction {
-        ways(&cell)
-    } else {
-        Vec::new()
-    };
+    let ways = if index == Index::Prediction { ways(&cell) } else { Vec::new() };
     let most = ways.iter().map(|way| within(&way.cell.setup.load));
     let most = most.chain([all]).max().unwrap_or(all);
     if most == 0 {
@@ -64,13 +60,8 @@ pub(super) fn in_time(
         let hint = format!("a plan has {MOST_POSTURES} at most: give less time");
         return Err(Error::invalid(message).hint(hint));
     }
-    let options = GlobalOptions {
-        rounds: Some(global.rounds.unwrap_or(ROUNDS).min(ROUNDS)),
-        ..global.clone()
-    };
-    let model = (ways.len() > 1)
-        .then(|| PredictionModel::of_cell(&cell))
-        .transpose()?;
+    let options = GlobalOptions { rounds: Some(global.rounds.unwrap_or(ROUNDS).min(ROUNDS)), ..global.clone() };
+    let model = (ways.len() > 1).then(|| PredictionModel::of_cell(&cell)).transpose()?;
     let mut found: Vec<(InTime, Way)> = Vec::new();
     for way in ways {
         let (Some(model), load) = (&model, &way.cell.setup.load) else {
@@ -83,17 +74,11 @@ pub(super) fn in_time(
         control.check()?;
         // What cannot determine every joint, or finds nothing, is no way.
         let best = select(&way.cell, index, postures, &options, control.quiet());
-        let Some(prediction) = best
-            .ok()
-            .and_then(|best| value(model, &way.cell, &best.group))
-        else {
+        let Some(prediction) = best.ok().and_then(|best| value(model, &way.cell, &best.group)) else {
             continue;
         };
         // The load of a cell that has one has no name, and neither has what would be beside it.
-        let named = load
-            .cases()
-            .iter()
-            .filter(|_| way.further_mass_kg.is_none());
+        let named = load.cases().iter().filter(|_| way.further_mass_kg.is_none());
         let told = InTime {
             loads: named.map(|case| case.name.clone()).collect(),
             further_mass_kg: way.further_mass_kg,
@@ -127,10 +112,7 @@ fn ways(cell: &Cell) -> Vec<Way> {
     let under = |load: Load, further_mass_kg: Option<f64>| {
         let mut cell = cell.clone();
         cell.setup.load = load;
-        Way {
-            cell,
-            further_mass_kg,
-        }
+        Way { cell, further_mass_kg }
     };
     let cases = cell.setup.load.cases();
     let count = cases.len();
@@ -139,16 +121,10 @@ fn ways(cell: &Cell) -> Vec<Way> {
         (1..1 << count).map(some).collect()
     } else {
         let alone = (0..count).map(|i| vec![i]);
-        alone
-            .chain((2..=count).map(|up_to| (0..up_to).collect()))
-            .collect()
+        alone.chain((2..=count).map(|up_to| (0..up_to).collect())).collect()
     };
-    let chosen =
-        |own: &Vec<usize>| -> Vec<LoadCase> { own.iter().map(|i| cases[*i].clone()).collect() };
-    let mut ways: Vec<Way> = choices
-        .iter()
-        .map(|own| under(Load::Cases(chosen(own)), None))
-        .collect();
+    let chosen = |own: &Vec<usize>| -> Vec<LoadCase> { own.iter().map(|i| cases[*i].clone()).collect() };
+    let mut ways: Vec<Way> = choices.iter().map(|own| under(Load::Cases(chosen(own)), None)).collect();
     if cases.is_empty() {
         ways.push(under(cell.setup.load.clone(), None));
         let pull = match &cell.setup.load {
@@ -170,9 +146,7 @@ fn ways(cell: &Cell) -> Vec<Way> {
 fn value(model: &PredictionModel, under: &Cell, postures: &[Vec<f64>]) -> Option<f64> {
     let cases = under.setup.cases();
     let terms = |q: &Vec<f64>| -> Option<Vec<PostureTerms>> {
-        let each = cases
-            .iter()
-            .map(|setup| PostureTerms::new(setup, q, None).ok());
+        let each = cases.iter().map(|setup| PostureTerms::new(setup, q, None).ok());
         each.collect()
     };
     let terms: Option<Vec<Vec<PostureTerms>>> = postures.iter().map(terms).collect();

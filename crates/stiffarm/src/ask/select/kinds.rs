@@ -30,11 +30,7 @@ pub enum Mode {
 
 /// Options of a result: what was asked, and what else it depends on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Options")
-)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "Options"))]
 pub struct Asked {
     /// How it was made.
     pub mode: Mode,
@@ -47,11 +43,7 @@ pub struct Asked {
 
 impl Asked {
     pub(super) fn new(mode: Mode, options: &SelectOptions, cell: &Cell) -> Self {
-        Asked {
-            mode,
-            asked: options.clone(),
-            characteristic_length_m: cell.characteristic_length,
-        }
+        Asked { mode, asked: options.clone(), characteristic_length_m: cell.characteristic_length }
     }
 }
 

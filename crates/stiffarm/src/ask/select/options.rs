@@ -25,35 +25,9 @@ const MAX_ITERATIONS: u64 = 2000;
 /// What is not asked beside what.
 pub const NOT_WITH: NotWith = &[
     ("count", &["initial", "given"]),
-    (
-        "minutes",
-        &[
-            "count",
-            "initial",
-            "given",
-            "curve",
-            "space_filling",
-            "candidates",
-            ANCHOR,
-            LOADING_POINT,
-            LARGEST,
-        ],
-    ),
-    (
-        "repeats",
-        &["initial", "space_filling", "candidates", "drop"],
-    ),
-    (
-        "curve",
-        &[
-            "initial",
-            "given",
-            "sensitivity",
-            ANCHOR,
-            LOADING_POINT,
-            LARGEST,
-        ],
-    ),
+    ("minutes", &["count", "initial", "given", "curve", "space_filling", "candidates", ANCHOR, LOADING_POINT, LARGEST]),
+    ("repeats", &["initial", "space_filling", "candidates", "drop"]),
+    ("curve", &["initial", "given", "sensitivity", ANCHOR, LOADING_POINT, LARGEST]),
     ("prices", &["initial", "curve"]),
     (
         "space_filling",
@@ -86,25 +60,9 @@ pub const NOT_WITH: NotWith = &[
             LARGEST,
         ],
     ),
-    (
-        "initial",
-        &[
-            "given",
-            "seed",
-            "rounds",
-            "time_limit",
-            "no_certificate",
-            "accept",
-            ANCHOR,
-            LOADING_POINT,
-            LARGEST,
-        ],
-    ),
+    ("initial", &["given", "seed", "rounds", "time_limit", "no_certificate", "accept", ANCHOR, LOADING_POINT, LARGEST]),
     ("given", &["sensitivity", ANCHOR, LOADING_POINT, LARGEST]),
-    (
-        "drop",
-        &["add", "seed", "rounds", "time_limit", "no_certificate"],
-    ),
+    ("drop", &["add", "seed", "rounds", "time_limit", "no_certificate"]),
 ];
 
 const ANCHOR: &str = "anchor_box_mm";
@@ -245,12 +203,7 @@ impl SelectOptions {
             ("given", !inputs.given.is_empty()),
             ("accept", inputs.accept.is_some()),
         ];
-        names.extend(
-            there
-                .iter()
-                .filter(|own| own.1)
-                .map(|own| own.0.to_string()),
-        );
+        names.extend(there.iter().filter(|own| own.1).map(|own| own.0.to_string()));
         refuse(NOT_WITH, &names)?;
         let (index, count) = (self.index(), self.postures(inputs));
         if !(1..=MOST_POSTURES).contains(&count) {
@@ -264,9 +217,7 @@ impl SelectOptions {
             "Under the index {} a plan may hold a posture twice in any case; only prediction keeps them apart.",
             index.as_str()
         );
-        Err(Error::new(Code::Conflict, message)
-            .key("repeats")
-            .hint("leave it out"))
+        Err(Error::new(Code::Conflict, message).key("repeats").hint("leave it out"))
     }
 
     /// The index to improve: prediction counts one load, which is known.
@@ -321,9 +272,7 @@ impl SelectOptions {
             seed: self.seed(),
             rounds: self.rounds,
             // More seconds than a time can have are no limit.
-            time_limit: self
-                .time_limit_s
-                .map(|s| Duration::try_from_secs_f64(s).unwrap_or(Duration::MAX)),
+            time_limit: self.time_limit_s.map(|s| Duration::try_from_secs_f64(s).unwrap_or(Duration::MAX)),
             load: self.load(),
             accept: inputs.accept.clone(),
             repeats: self.repeats,

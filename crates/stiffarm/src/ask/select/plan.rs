@@ -17,8 +17,7 @@ use crate::plan::feasibility::on_limits;
 use crate::plan::index::{GroupEvaluation, Index};
 use crate::plan::route::{RouteOptions, route_findings};
 use crate::plan::select::{
-    LocalOptions, Selection, Sensitivity, SensitivityOptions, limit_prices, select_from,
-    select_watched, sensitivity,
+    LocalOptions, Selection, Sensitivity, SensitivityOptions, limit_prices, select_from, select_watched, sensitivity,
 };
 use crate::units::min_to_s;
 use std::collections::HashSet;
@@ -67,20 +66,12 @@ pub fn plan(
     let given = inputs.given.as_slice();
     let selection = match initial {
         Some(group) => {
-            let local = LocalOptions {
-                max_iterations: options.max_iterations(),
-                ..LocalOptions::default()
-            };
+            let local = LocalOptions { max_iterations: options.max_iterations(), ..LocalOptions::default() };
             select_from(&cell, index, group, local, control)?
         }
-        None => select_watched(
-            &cell,
-            index,
-            count,
-            &global,
-            control.quiet(),
-            &mut |round| watch(Stage::Round(*round)),
-        )?,
+        None => {
+            select_watched(&cell, index, count, &global, control.quiet(), &mut |round| watch(Stage::Round(*round)))?
+        }
     };
     let cell = match &selection.load {
         Some(chosen) => chosen.applied(&cell),
@@ -106,14 +97,7 @@ pub fn plan(
     };
     let sensitivity = examined(&cell, options, &postures, control)?;
     let prices = if options.prices && !control.stopped() {
-        let found = limit_prices(
-            &cell,
-            index,
-            count,
-            &global,
-            selection.value,
-            control.quiet(),
-        )?;
+        let found = limit_prices(&cell, index, count, &global, selection.value, control.quiet())?;
         (!control.stopped()).then_some(found)
     } else {
         None
@@ -130,15 +114,8 @@ pub fn plan(
         add_forecast(&cell, known, &mut before.evaluation);
         Some(before)
     };
-    let after_name = if given.is_empty() {
-        "selected"
-    } else {
-        "with new"
-    };
-    let mut evaluation = GroupEvaluation {
-        name: after_name.to_string(),
-        ..selection.evaluation.clone()
-    };
+    let after_name = if given.is_empty() { "selected" } else { "with new" };
+    let mut evaluation = GroupEvaluation { name: after_name.to_string(), ..selection.evaluation.clone() };
     // An initial group makes way for the plan, given postures stay.
     let stay: Vec<Posture> = given.iter().chain(&postures).cloned().collect();
     add_forecast(&cell, &stay, &mut evaluation);
@@ -154,9 +131,7 @@ pub fn plan(
         given_value: if given.is_empty() {
             None
         } else {
-            before
-                .as_ref()
-                .and_then(|b| b.evaluation.indices.get(index))
+            before.as_ref().and_then(|b| b.evaluation.indices.get(index))
         },
         joints: cell.setup.robot.spring_names(),
         evaluation,
@@ -197,15 +172,10 @@ fn examined(
     if !options.sensitivity || control.stopped() {
         return Ok(None);
     }
-    let mut search = SensitivityOptions {
-        seed: options.seed(),
-        repeats: options.repeats,
-        ..SensitivityOptions::default()
-    };
+    let mut search =
+        SensitivityOptions { seed: options.seed(), repeats: options.repeats, ..SensitivityOptions::default() };
     // Who wants a quick plan wants a quick answer here too.
-    search.rounds = options
-        .rounds
-        .map_or(search.rounds, |rounds| rounds.min(search.rounds));
+    search.rounds = options.rounds.map_or(search.rounds, |rounds| rounds.min(search.rounds));
     let found = sensitivity(cell, options.index(), selected, &search, control)?;
     Ok((!control.stopped()).then_some(found))
 }
@@ -221,9 +191,7 @@ fn named(selection: &Selection, initial: Option<&[Posture]>, given: &[Posture]) 
         return postures;
     }
     let taken: HashSet<&str> = given.iter().map(|p| p.name.as_str()).collect();
-    let free = (given.len() + 1..)
-        .map(|number| number.to_string())
-        .filter(|name| !taken.contains(name.as_str()));
+    let free = (given.len() + 1..).map(|number| number.to_string()).filter(|name| !taken.contains(name.as_str()));
     for (posture, name) in postures.iter_mut().zip(free) {
         posture.name = name;
     }

@@ -16,11 +16,7 @@ use serde::{Deserialize, Serialize};
 
 /// Evenly spread postures with what they are worth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "SpaceFilling")
-)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "SpaceFilling"))]
 pub struct SpaceFillingPlan {
     /// Names of the joints, as in `evaluation`.
     pub joints: Vec<String>,
@@ -55,10 +51,7 @@ pub fn plan_space_filling(
     control: Control<'_>,
 ) -> Result<Planned<SpaceFillingPlan>> {
     let nothing = SelectInputs::default();
-    let options = &SelectOptions {
-        space_filling: true,
-        ..options.clone()
-    };
+    let options = &SelectOptions { space_filling: true, ..options.clone() };
     options.check(&nothing)?;
     let (cell, mut findings) = prepared(cell, true);
     let found = space_filling(&cell, options.postures(&nothing), options.seed(), control)?;

@@ -34,9 +34,7 @@ fn pairs(clamped: &[ClampedPosture]) -> Vec<(usize, usize)> {
             continue;
         };
         let down = clamped.iter().enumerate().find(|(i, b)| {
-            !taken[*i]
-                && b.posture.name == a.posture.name
-                && b.state.strip_prefix("down") == Some(load)
+            !taken[*i] && b.posture.name == a.posture.name && b.state.strip_prefix("down") == Some(load)
         });
         if let Some((down, _)) = down {
             taken[down] = true;

@@ -9,8 +9,8 @@ use super::{ClampedPosture, LoopClosure, closures, system};
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::{FittedNoise, IdentifiedCompliance};
 use crate::estimate::identify::{
-    Assumptions, Estimates, IdentifyOptions, MeasuredSystem, NoiseSource, Prepared, Scale,
-    Solution, Verdict, Weights, check, prior_knowledge, rms,
+    Assumptions, Estimates, IdentifyOptions, MeasuredSystem, NoiseSource, Prepared, Scale, Solution, Verdict, Weights,
+    check, prior_knowledge, rms,
 };
 use crate::estimate::saved::{Sealed, flange_of, once};
 use crate::findings::{Finding, codes, list};
@@ -36,12 +36,7 @@ pub struct ClampedResidual {
     /// RMS of their residuals \[rad\].
     pub residual_rms_rad: f64,
     /// The posture's controller angles \[rad\].
-    #[serde(
-        rename = "q_deg",
-        with = "crate::units::degrees",
-        default,
-        skip_serializing_if = "Vec::is_empty"
-    )]
+    #[serde(rename = "q_deg", with = "crate::units::degrees", default, skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub angles: Vec<f64>,
 }
@@ -158,15 +153,9 @@ pub fn identify_clamped(
     Ok(result)
 }
 
-fn assumptions(
-    cell: &Cell,
-    angle_std: Option<f64>,
-    options: &IdentifyOptions,
-) -> Result<Assumptions> {
+fn assumptions(cell: &Cell, angle_std: Option<f64>, options: &IdentifyOptions) -> Result<Assumptions> {
     if angle_std.is_some_and(|s| !(s.is_finite() && s > 0.0)) {
-        return Err(Error::invalid(
-            "The standard deviation of the angles must be above zero.",
-        ));
+        return Err(Error::invalid("The standard deviation of the angles must be above zero."));
     }
     if options.weights == Weights::Tracker {
         return Err(Error::new(
@@ -191,19 +180,10 @@ fn assumptions(
             ));
         }
     };
-    Ok(Assumptions {
-        estimator: options.estimator,
-        scale,
-        declared_ratio: 0.0,
-        prior: prior_knowledge(cell, options)?,
-    })
+    Ok(Assumptions { estimator: options.estimator, scale, declared_ratio: 0.0, prior: prior_knowledge(cell, options)? })
 }
 
-fn weights(
-    clamped: &[ClampedPosture],
-    system: &MeasuredSystem,
-    solution: &Solution,
-) -> Vec<StateWeight> {
+fn weights(clamped: &[ClampedPosture], system: &MeasuredSystem, solution: &Solution) -> Vec<StateWeight> {
     let Some(weights) = &solution.weights else {
         return Vec::new();
     };
@@ -221,11 +201,7 @@ fn weights(
     out
 }
 
-fn findings(
-    clamped: &[ClampedPosture],
-    closures: &[LoopClosure],
-    result: &ClampedIdentification,
-) -> Vec<Finding> {
+fn findings(clamped: &[ClampedPosture], closures: &[LoopClosure], result: &ClampedIdentification) -> Vec<Finding> {
     let mut out = Vec::new();
     out.extend(sign(&result.estimates));
     out.extend(near_singular(clamped, closures));

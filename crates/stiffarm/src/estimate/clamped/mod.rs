@@ -93,28 +93,15 @@ impl LoopClosure {
         let jacobian = frames.jacobian(clamp) * robot.coupling();
         // (J C)ᵀ has a row per angle; zero rows let the decomposition take
         // arms of fewer than six joints.
-        let tall = DMatrix::from_fn(
-            n.max(6),
-            6,
-            |j, i| if j < n { jacobian[(i, j)] } else { 0.0 },
-        );
-        let parts =
-            svd(tall).ok_or_else(|| Error::new(Code::NotFinite, "The Jacobian is not finite."))?;
+        let tall = DMatrix::from_fn(n.max(6), 6, |j, i| if j < n { jacobian[(i, j)] } else { 0.0 });
+        let parts = svd(tall).ok_or_else(|| Error::new(Code::NotFinite, "The Jacobian is not finite."))?;
         let largest = parts.values[0];
-        let rank = parts
-            .values
-            .iter()
-            .filter(|s| **s > SINGULAR * largest)
-            .count();
+        let rank = parts.values.iter().filter(|s| **s > SINGULAR * largest).count();
         let mut follow = parts.v.columns(0, rank).transpose();
         for (i, mut row) in follow.row_iter_mut().enumerate() {
             row.unscale_mut(parts.values[i]);
         }
-        Ok(LoopClosure {
-            directions: parts.u.view((0, 0), (n, rank)).into_owned(),
-            follow,
-            hidden: n.min(6) - rank,
-        })
+        Ok(LoopClosure { directions: parts.u.view((0, 0), (n, rank)).into_owned(), follow, hidden: n.min(6) - rank })
     }
 
     fn rank(&self) -> usize {
@@ -129,11 +116,7 @@ impl LoopClosure {
 /// # Errors
 /// No postures, a number that is not finite, a wrong number of angles, or an
 /// extra term that appears twice or that the robot cannot have.
-pub fn clamped_system(
-    cell: &Cell,
-    clamped: &[ClampedPosture],
-    extra: &[ExtraTerm],
-) -> Result<MeasuredSystem> {
+pub fn clamped_system(cell: &Cell, clamped: &[ClampedPosture], extra: &[ExtraTerm]) -> Result<MeasuredSystem> {
     let closures = closures(cell, clamped)?;
     system(cell, clamped, extra, &closures)
 }
@@ -141,10 +124,7 @@ pub fn clamped_system(
 /// The closure of each clamped posture.
 fn closures(cell: &Cell, clamped: &[ClampedPosture]) -> Result<Vec<LoopClosure>> {
     if clamped.is_empty() {
-        return Err(Error::new(
-            Code::TooFewData,
-            "There are no clamped postures to identify from.",
-        ));
+        return Err(Error::new(Code::TooFewData, "There are no clamped postures to identify from."));
     }
     let robot = &cell.setup.robot;
     clamped
@@ -155,18 +135,12 @@ fn closures(cell: &Cell, clamped: &[ClampedPosture]) -> Result<Vec<LoopClosure>>
             let numbers = c.wrench.force.iter().chain(c.wrench.moment.iter());
             let motion = c.fixture_motion.iter().flat_map(|t| t.iter());
             if numbers.chain(motion).any(|v| !v.is_finite()) {
-                let message = format!(
-                    "The wrench or the fixture's motion of posture \"{}\" is not finite.",
-                    c.posture.name
-                );
+                let message =
+                    format!("The wrench or the fixture's motion of posture \"{}\" is not finite.", c.posture.name);
                 return Err(Error::new(Code::NotFinite, message));
             }
             let frames = Frames::new(robot, &c.posture.q);
-            LoopClosure::new(
-                robot,
-                &frames,
-                &frames.point(&cell.setup.tool.loading_point),
-            )
+            LoopClosure::new(robot, &frames, &frames.point(&cell.setup.tool.loading_point))
         })
         .collect()
 }
@@ -200,11 +174,7 @@ fn system(
             system.psi.rows_mut(at, psi.nrows()).copy_from(&psi);
             system.delta.rows_mut(at, psi.nrows()).copy_from(&delta);
             at = rows.end;
-            system.labels.push(RowLabel {
-                measured: m,
-                displacement: 0,
-                rows,
-            });
+            system.labels.push(RowLabel { measured: m, displacement: 0, rows });
         }
         system.blocks.push(Block {
             posture: clamped[states[0]].posture.name.clone(),
@@ -218,11 +188,8 @@ fn system(
 
 /// C⁻¹ E⁻¹, n × n: controller angles that make up for a turn of each spring.
 fn give_per_spring(robot: &Robot) -> Result<DMatrix<f64>> {
-    let inverse = robot
-        .coupling()
-        .clone()
-        .try_inverse()
-        .ok_or_else(|| Error::invalid("C (theta_from_q) is singular."))?;
+    let inverse =
+        robot.coupling().clone().try_inverse().ok_or_else(|| Error::invalid("C (theta_from_q) is singular."))?;
     Ok(match robot.spring_mixing() {
         None => inverse,
         Some(mixing) => inverse * mixing,
@@ -246,10 +213,7 @@ fn rows_of(
     let loads = terms.spring_loads(&setup.robot);
     let springs = loads.len();
     // Vᵀ C⁻¹ E⁻¹ diag(E⁻ᵀΓ) for the springs, S⁻¹Uᵀ (twist) for other terms.
-    let mut psi = closure
-        .directions
-        .tr_mul(give)
-        .resize_horizontally(springs + extra.len(), 0.0);
+    let mut psi = closure.directions.tr_mul(give).resize_horizontally(springs + extra.len(), 0.0);
     scale_columns(&mut psi, loads.iter().copied());
     for (i, term) in extra.iter().enumerate() {
         let twist = &closure.follow * term.twist(&terms, &clamp);
@@ -264,11 +228,7 @@ fn rows_of(
 
 /// Covariance of the rows of one posture in units of the variance of an angle
 /// difference: states against one reference reading share half of it.
-fn covariance(
-    clamped: &[ClampedPosture],
-    closures: &[LoopClosure],
-    states: &[usize],
-) -> Covariance {
+fn covariance(clamped: &[ClampedPosture], closures: &[LoopClosure], states: &[usize]) -> Covariance {
     let starts: Vec<usize> = states
         .iter()
         .scan(0, |at, m| {
@@ -285,8 +245,7 @@ fn covariance(
                 continue;
             }
             let common = closures[m].directions.tr_mul(&closures[k].directions) * 0.5;
-            out.view_mut((starts[a], starts[b]), common.shape())
-                .copy_from(&common);
+            out.view_mut((starts[a], starts[b]), common.shape()).copy_from(&common);
         }
     }
     Covariance::from_matrix(&out)

@@ -61,17 +61,10 @@ pub fn simulate_clamped(
 ) -> Result<Vec<ClampedPosture>> {
     let robot = &cell.setup.robot;
     let compliance = joint_compliance(robot, truth)?;
-    let noise = [
-        simulation.angle_std,
-        simulation.force_std,
-        simulation.moment_std,
-    ];
-    if !noise.iter().all(|s| s.is_finite() && *s >= 0.0)
-        || simulation.fixture_compliance.iter().any(|v| !v.is_finite())
+    let noise = [simulation.angle_std, simulation.force_std, simulation.moment_std];
+    if !noise.iter().all(|s| s.is_finite() && *s >= 0.0) || simulation.fixture_compliance.iter().any(|v| !v.is_finite())
     {
-        return Err(Error::invalid(
-            "Standard deviations must be 0 or above, and the fixture's compliance finite.",
-        ));
+        return Err(Error::invalid("Standard deviations must be 0 or above, and the fixture's compliance finite."));
     }
     let mut rng = run_rng(seed, 1 << 16, 1, stream);
     let mut out = Vec::with_capacity(postures.len() * simulation.moves.len());
@@ -83,23 +76,14 @@ pub fn simulate_clamped(
             check_angles(robot, &motor_move.motor)?;
             let motor = DVector::from_column_slice(&motor_move.motor);
             let push = -(&jacobian * robot.coupling() * motor);
-            let give =
-                &jacobian * &compliance * jacobian.transpose() + simulation.fixture_compliance;
+            let give = &jacobian * &compliance * jacobian.transpose() + simulation.fixture_compliance;
             let wrench = solve(give, &push)?;
             // The robot pushes the fixture by −W.
             let motion = -(simulation.fixture_compliance * wrench);
             let mut noisy = |value: f64, std: f64| value + std * normal(&mut rng);
-            let motor = motor_move
-                .motor
-                .iter()
-                .map(|q| noisy(*q, simulation.angle_std))
-                .collect();
+            let motor = motor_move.motor.iter().map(|q| noisy(*q, simulation.angle_std)).collect();
             let read = Vector6::from_fn(|i, _| {
-                let std = if i < 3 {
-                    simulation.force_std
-                } else {
-                    simulation.moment_std
-                };
+                let std = if i < 3 { simulation.force_std } else { simulation.moment_std };
                 noisy(wrench[i], std)
             });
             out.push(ClampedPosture {

@@ -101,29 +101,18 @@ pub(super) struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    pub(super) fn new(
-        cell: &'a Cell,
-        postures: &'a [Posture],
-        case: &'a CoverageCase,
-    ) -> Result<Self> {
+    pub(super) fn new(cell: &'a Cell, postures: &'a [Posture], case: &'a CoverageCase) -> Result<Self> {
         let world = &case.world;
         let prior = cell.require_prior()?;
         let factors = &world.stiffness_factors;
         check(world, prior.len())?;
         if world.truth != Truth::AsPrior && case.options.estimator != Estimator::Prior {
-            let message =
-                "True values that differ from the prior can be used only with the prior estimator.";
+            let message = "True values that differ from the prior can be used only with the prior estimator.";
             return Err(Error::new(Code::Conflict, message));
         }
-        let compliance = prior
-            .iter()
-            .enumerate()
-            .map(|(j, k)| 1.0 / (k * factors.get(j).copied().unwrap_or(1.0)))
-            .collect();
-        let largest = world
-            .load_states
-            .iter()
-            .fold(0.0_f64, |m, s| m.max(s.abs()));
+        let compliance =
+            prior.iter().enumerate().map(|(j, k)| 1.0 / (k * factors.get(j).copied().unwrap_or(1.0))).collect();
+        let largest = world.load_states.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
         let mut scene = Scene {
             cell,
             postures,
@@ -138,10 +127,7 @@ impl<'a> Scene<'a> {
         for posture in postures {
             let nominal = PostureTerms::new(&cell.setup, &posture.q, None)?;
             for (s, load) in world.load_states.iter().enumerate() {
-                let wrench = Wrench {
-                    force: nominal.wrench().force * *load,
-                    moment: nominal.wrench().moment * *load,
-                };
+                let wrench = Wrench { force: nominal.wrench().force * *load, moment: nominal.wrench().moment * *load };
                 let terms = PostureTerms::new(&cell.setup, &posture.q, Some(&wrench))?;
                 lost.extend_from_slice(gap(&terms, world.lost_motion_rad).as_slice());
                 let displacements = terms
@@ -151,10 +137,7 @@ impl<'a> Scene<'a> {
                     .map(|(point, at)| {
                         let (covariance, root) = scene.reading(at)?;
                         scene.roots.push(root);
-                        Ok(Displacement {
-                            covariance,
-                            ..Displacement::new(point, Vector3::zeros())
-                        })
+                        Ok(Displacement { covariance, ..Displacement::new(point, Vector3::zeros()) })
                     })
                     .collect::<Result<Vec<_>>>()?;
                 scene.measured.push(MeasuredPosture {
@@ -179,11 +162,8 @@ impl<'a> Scene<'a> {
         let plain = Matrix3::identity() * self.cell.noise.reading_variance.sqrt();
         let Some(accuracy) = &tracker.accuracy else {
             return if self.case.world.tracker_errors {
-                Err(Error::new(
-                    Code::MissingKey,
-                    "Errors of the tracker need its accuracy, and the cell has none.",
-                )
-                .key("tracker"))
+                Err(Error::new(Code::MissingKey, "Errors of the tracker need its accuracy, and the cell has none.")
+                    .key("tracker"))
             } else {
                 Ok((None, plain))
             };
@@ -196,8 +176,7 @@ impl<'a> Scene<'a> {
             covariance
                 .cholesky()
                 .ok_or_else(|| {
-                    let message =
-                        "The tracker's accuracy must be above zero along the beam and across.";
+                    let message = "The tracker's accuracy must be above zero along the beam and across.";
                     Error::invalid(message).key("tracker")
                 })?
                 .unpack()
@@ -225,10 +204,9 @@ impl<'a> Scene<'a> {
                 let side = if rng.random::<bool>() { 1.0 } else { -1.0 };
                 h * (1.0 + side * count * spread)
             }
-            Truth::Drawn => (0..MAX_DRAWS)
-                .map(|_| h * (1.0 + spread * normal(rng)))
-                .find(|drawn| *drawn > 0.0)
-                .unwrap_or(*h),
+            Truth::Drawn => {
+                (0..MAX_DRAWS).map(|_| h * (1.0 + spread * normal(rng))).find(|drawn| *drawn > 0.0).unwrap_or(*h)
+            }
         };
         self.compliance.iter().map(&mut draw).collect()
     }
@@ -245,9 +223,7 @@ impl<'a> Scene<'a> {
         let truth = DVector::from_column_slice(truth);
         let mut delta = system.psi.columns(0, system.springs) * &truth + &self.lost_motion;
         if !world.model_errors.is_exact() {
-            delta += world
-                .model_errors
-                .draw(self.cell, self.postures, &truth, rng)?;
+            delta += world.model_errors.draw(self.cell, self.postures, &truth, rng)?;
         }
         let points = self.cell.setup.tool.point_count();
         let states = self.shares.len();
@@ -315,21 +291,14 @@ fn check(world: &ErrorModel, springs: usize) -> Result<()> {
     }
     let factors = &world.stiffness_factors;
     if !(factors.is_empty() || factors.len() == springs) {
-        return Err(Error::new(
-            Code::Dimension,
-            format!("{} factors for {springs} joints.", factors.len()),
-        ));
+        return Err(Error::new(Code::Dimension, format!("{} factors for {springs} joints.", factors.len())));
     }
     if factors.iter().any(|f| !(f.is_finite() && *f > 0.0)) {
         return invalid("A factor on the stiffness must be above zero.");
     }
     let sizes = [world.common_ratio, world.lost_motion_rad];
     let gross = world.outliers.map_or([0.0; 2], |o| [o.share, o.size]);
-    if sizes
-        .iter()
-        .chain(&gross)
-        .any(|v| !(v.is_finite() && *v >= 0.0))
-    {
+    if sizes.iter().chain(&gross).any(|v| !(v.is_finite() && *v >= 0.0)) {
         return invalid("The size of an error must be 0 or above.");
     }
     if loads.len() > 1 && !world.model_errors.is_exact() {

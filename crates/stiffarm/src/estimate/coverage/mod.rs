@@ -14,8 +14,8 @@ pub use table::{AdverseCoverage, Intervals, MeasuredCoverage, Record, measured, 
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::identify::{
-    Estimator, Experiment, IdentifyOptions, JointEstimate, Prepared, Rows, Scale, assumptions,
-    estimates, interval_quantile, resampled,
+    Estimator, Experiment, IdentifyOptions, JointEstimate, Prepared, Rows, Scale, assumptions, estimates,
+    interval_quantile, resampled,
 };
 use crate::findings::{Finding, list};
 use crate::model::cell::Cell;
@@ -171,12 +171,7 @@ impl Counts {
 /// # Errors
 /// No prior stiffness, postures that do not determine each of these joints (they are
 /// named), a case that contradicts itself, or as [`crate::estimate::identify::identify`].
-pub fn coverage(
-    cell: &Cell,
-    postures: &[Posture],
-    case: &CoverageCase,
-    control: Control<'_>,
-) -> Result<Coverage> {
+pub fn coverage(cell: &Cell, postures: &[Posture], case: &CoverageCase, control: Control<'_>) -> Result<Coverage> {
     if case.experiments == 0 || case.experiments > MAX_EXPERIMENTS {
         let message = format!("Coverage is counted in 1 to {MAX_EXPERIMENTS} experiments.");
         return Err(Error::invalid(message));
@@ -221,10 +216,7 @@ pub fn coverage(
                     system: &system,
                     prepared: &prepared,
                     assumed: &assumed,
-                    control: Control {
-                        progress: None,
-                        ..control
-                    },
+                    control: Control { progress: None, ..control },
                 };
                 let all = prepared.solve(&delta, &assumed)?;
                 let (seed, level) = (rng.random(), options.confidence);
@@ -234,11 +226,7 @@ pub fn coverage(
                 continue;
             }
             let mut own = assumed.clone();
-            if let Scale::Repeats {
-                sigma,
-                degrees_of_freedom,
-            } = &mut own.scale
-            {
+            if let Scale::Repeats { sigma, degrees_of_freedom } = &mut own.scale {
                 *sigma = scene.scatter(*degrees_of_freedom, &mut rng);
             }
             let solution = prepared.solve(&delta, &own)?;
@@ -262,18 +250,10 @@ pub fn coverage(
         Some(_) => Some(system.shifts().min(system.psi.nrows()) - first.factor.rank()),
         None => degrees_of_freedom,
     };
-    Ok(Coverage {
-        findings,
-        ..shares(&system.unknowns, &counts, case, degrees_of_freedom)
-    })
+    Ok(Coverage { findings, ..shares(&system.unknowns, &counts, case, degrees_of_freedom) })
 }
 
-fn shares(
-    names: &[String],
-    counts: &Counts,
-    case: &CoverageCase,
-    degrees_of_freedom: Option<usize>,
-) -> Coverage {
+fn shares(names: &[String], counts: &Counts, case: &CoverageCase, degrees_of_freedom: Option<usize>) -> Coverage {
     let experiments = case.experiments as f64;
     let springs = counts.covered.len();
     let joints: Vec<JointCoverage> = (0..springs)
@@ -286,9 +266,8 @@ fn shares(
             without_interval: counts.missing[j] as f64 / experiments,
         })
         .collect();
-    let mean = |value: &dyn Fn(&JointCoverage) -> f64| -> f64 {
-        joints.iter().map(value).sum::<f64>() / springs as f64
-    };
+    let mean =
+        |value: &dyn Fn(&JointCoverage) -> f64| -> f64 { joints.iter().map(value).sum::<f64>() / springs as f64 };
     let widths: Option<Vec<f64>> = joints.iter().map(|j| j.relative_half_width).collect();
     // Variance of the number of covered joints of an experiment. Where all experiments are alike, the standard error is
     // that with four experiments more, half of them otherwise (Agresti and Coull 1998,

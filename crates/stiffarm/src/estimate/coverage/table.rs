@@ -128,9 +128,7 @@ pub fn measured(intervals: Intervals, degrees_of_freedom: usize) -> Option<Measu
             .filter(move |r| r.intervals == Some(intervals))
             .filter_map(|r| Some((r.degrees_of_freedom?, r)))
     };
-    let nearest = own()
-        .filter(|(dof, r)| *dof <= degrees_of_freedom && !r.adverse)
-        .max_by_key(|(dof, _)| *dof)?;
+    let nearest = own().filter(|(dof, r)| *dof <= degrees_of_freedom && !r.adverse).max_by_key(|(dof, _)| *dof)?;
     let (dof, record) = nearest;
     Some(MeasuredCoverage {
         degrees_of_freedom: dof,

@@ -108,11 +108,7 @@ pub(crate) fn diagnose_in(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Diagnos
     });
     findings.extend(outliers.findings());
     let several = fit.system().blocks.len() > 1;
-    let influence = if several {
-        Some(fit.leave_one_out()?)
-    } else {
-        None
-    };
+    let influence = if several { Some(fit.leave_one_out()?) } else { None };
     if let Some(influence) = &influence {
         findings.extend(influence_findings(influence, &result.estimates.unknowns));
     }
@@ -122,12 +118,7 @@ pub(crate) fn diagnose_in(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Diagnos
     }
     let second_order = match result.estimates.stiffness() {
         Some(stiffness) => {
-            match second_order::watched_shares(
-                fit.cell(),
-                fit.postures(),
-                &stiffness,
-                fit.control(),
-            ) {
+            match second_order::watched_shares(fit.cell(), fit.postures(), &stiffness, fit.control()) {
                 // Angles and loads went into the fit: nothing but the equilibrium can fail here.
                 Err(error) if error.code() == Code::InvalidValue => {
                     findings.push(second_order::unstable());
@@ -148,11 +139,7 @@ pub(crate) fn diagnose_in(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Diagnos
     let signals = joint_signals(fit);
     // Single readings set aside, the rest may be no more than noise.
     let tested = outliers.noise_without.as_ref().or(noise.as_ref());
-    findings.extend(signal::findings(
-        &signals,
-        result.residual_rms_m,
-        tested.map(|test| test.agreement),
-    ));
+    findings.extend(signal::findings(&signals, result.residual_rms_m, tested.map(|test| test.agreement)));
     Ok(Diagnosis {
         noise,
         outliers,
@@ -173,10 +160,7 @@ fn influence_findings(influence: &LeaveOneOut, unknowns: &[String]) -> Vec<Findi
     for posture in &influence.postures {
         let name = &posture.posture;
         if !posture.lost.is_empty() {
-            let message = format!(
-                "Without posture {name} the others do not determine {}.",
-                list(&posture.lost)
-            );
+            let message = format!("Without posture {name} the others do not determine {}.", list(&posture.lost));
             out.push(Finding::caution(codes::POSTURE_NEEDED, name, message));
         }
         let moved: Vec<String> = unknowns

@@ -58,11 +58,7 @@ pub struct NoiseTest {
 /// As [`identify`](crate::estimate::identify::identify()).
 pub fn noise_test(fit: &Fit) -> Result<Option<NoiseTest>> {
     let expected = fit.cell().noise.displacement_std();
-    let by = |estimator| IdentifyOptions {
-        estimator,
-        noise: NoiseSource::Estimated,
-        ..fit.options().clone()
-    };
+    let by = |estimator| IdentifyOptions { estimator, noise: NoiseSource::Estimated, ..fit.options().clone() };
     let weighted = fit.with(&by(Estimator::Weighted))?;
     let solution = weighted.solution();
     let (Some(residual), true) = (solution.residual_std, expected > 0.0) else {
@@ -75,9 +71,7 @@ pub fn noise_test(fit: &Fit) -> Result<Option<NoiseTest>> {
     };
     let two = fit.with(&by(Estimator::TwoVariance))?;
     let two = two.solution();
-    let within = two
-        .residual_std
-        .filter(|_| !two.independent_rows && two.gamma > 0.0);
+    let within = two.residual_std.filter(|_| !two.independent_rows && two.gamma > 0.0);
     Ok(Some(NoiseTest {
         residual_std_m: residual,
         expected_std_m: expected,
@@ -99,11 +93,7 @@ impl NoiseTest {
     /// where something was set aside.
     pub fn finding(&self, without: Option<&NoiseTest>) -> Finding {
         let single = without.is_some_and(|test| test.agreement != Agreement::Larger);
-        let sizes = format!(
-            "{} against {}",
-            length(self.residual_std_m),
-            length(self.expected_std_m)
-        );
+        let sizes = format!("{} against {}", length(self.residual_std_m), length(self.expected_std_m));
         let times = match self.ratio {
             r if r >= 10.0 => format!("{r:.0}"),
             r if r >= 2.0 => format!("{r:.1}"),
@@ -124,9 +114,7 @@ impl NoiseTest {
                     "something beyond the stated noise is in the data, or the noise is stated too small"
                 };
                 let p = probability(self.p_larger);
-                let message = format!(
-                    "The residuals are {times} times the cell's noise ({sizes}, {p}): {meaning}."
-                );
+                let message = format!("The residuals are {times} times the cell's noise ({sizes}, {p}): {meaning}.");
                 (codes::RESIDUALS_ABOVE_NOISE, Severity::Caution, message)
             }
             Agreement::Smaller => {
@@ -137,9 +125,8 @@ impl NoiseTest {
                 ("residuals-below-noise", Severity::Caution, message)
             }
         };
-        let within = self
-            .within_ratio
-            .filter(|w| self.agreement == Agreement::Larger && !single && *w < SHARED * self.ratio);
+        let within =
+            self.within_ratio.filter(|w| self.agreement == Agreement::Larger && !single && *w < SHARED * self.ratio);
         if let Some(within) = within {
             message += &format!(
                 " What the points of a posture do not share is {within:.1} times the noise: the rest moves all points \

@@ -57,11 +57,7 @@ pub(super) fn watched_shares(
             let mut best = (0.0, 0.0);
             for (change, displacement) in changes.iter().zip(&parts.displacement) {
                 if *change > best.0 {
-                    let share = if *displacement > 0.0 {
-                        change / displacement
-                    } else {
-                        0.0
-                    };
+                    let share = if *displacement > 0.0 { change / displacement } else { 0.0 };
                     best = (*change, share);
                 }
             }
@@ -89,8 +85,7 @@ pub(super) fn unstable() -> Finding {
 
 /// Whether the linear model is enough, at displacements with noise `sigma` \[m\].
 pub(super) fn finding(shares: &[SecondOrderShare], sigma: f64) -> Option<Finding> {
-    let largest =
-        |of: fn(&SecondOrderShare) -> f64| shares.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
+    let largest = |of: fn(&SecondOrderShare) -> f64| shares.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
     let correction = largest(|s| s.correction_m)?;
     let equilibrium = largest(|s| s.linearisation_m)?;
     let matters = equilibrium.linearisation_m > sigma && equilibrium.linearisation_share > SHARE;

@@ -50,10 +50,7 @@ pub fn joint_signals(fit: &Fit) -> Vec<JointSignal> {
             let h = solution.values[j];
             let known = !solution.undetermined.contains(&j);
             let moved = rms((system.psi.column(j) * h).as_slice());
-            let error = solution
-                .covariance
-                .as_ref()
-                .map(|c| c[(j, j)].max(0.0).sqrt());
+            let error = solution.covariance.as_ref().map(|c| c[(j, j)].max(0.0).sqrt());
             JointSignal {
                 name: system.unknowns[j].clone(),
                 torque_rms_nm: rms(&torques[j]),
@@ -68,18 +65,10 @@ pub fn joint_signals(fit: &Fit) -> Vec<JointSignal> {
 /// Joints that move the tool by less than the residuals and are therefore
 /// barely determined. `agreement` is that of the residuals with the cell's
 /// noise; `None` where it was not tested.
-pub(super) fn findings(
-    signals: &[JointSignal],
-    residual: f64,
-    agreement: Option<Agreement>,
-) -> Vec<Finding> {
+pub(super) fn findings(signals: &[JointSignal], residual: f64, agreement: Option<Agreement>) -> Vec<Finding> {
     let median = {
         let torques: Vec<f64> = signals.iter().map(|s| s.torque_rms_nm).collect();
-        if torques.is_empty() {
-            0.0
-        } else {
-            crate::numerics::sample::median(&torques)
-        }
+        if torques.is_empty() { 0.0 } else { crate::numerics::sample::median(&torques) }
     };
     let mut out: Vec<Finding> = unloaded(signals).collect();
     for signal in signals {
@@ -89,10 +78,8 @@ pub(super) fn findings(
             continue;
         };
         let name = &signal.name;
-        let strong: Vec<&JointSignal> = signals
-            .iter()
-            .filter(|s| WEAK_TORQUE * s.torque_rms_nm > signal.torque_rms_nm)
-            .collect();
+        let strong: Vec<&JointSignal> =
+            signals.iter().filter(|s| WEAK_TORQUE * s.torque_rms_nm > signal.torque_rms_nm).collect();
         let others = match strong.as_slice() {
             [] => String::new(),
             strong => {
@@ -107,9 +94,7 @@ pub(super) fn findings(
                 }
             }
         };
-        let error = signal.relative_error.map_or(String::new(), |e| {
-            format!(" (standard error {})", percent(e))
-        });
+        let error = signal.relative_error.map_or(String::new(), |e| format!(" (standard error {})", percent(e)));
         // What the model misses comes again with each posture of the same kind;
         // noise averages out.
         let remedy = match (signal.torque_rms_nm < WEAK_TORQUE * median, agreement) {
@@ -182,10 +167,7 @@ pub fn correlated_pairs(result: &Identification) -> Vec<CorrelatedPair> {
         for (j, correlation) in row.iter().enumerate().take(i) {
             if let Some(correlation) = correlation.filter(|c| c.abs() > CORRELATED) {
                 out.push(CorrelatedPair {
-                    unknowns: [
-                        result.estimates.unknowns[j].clone(),
-                        result.estimates.unknowns[i].clone(),
-                    ],
+                    unknowns: [result.estimates.unknowns[j].clone(), result.estimates.unknowns[i].clone()],
                     correlation,
                 });
             }

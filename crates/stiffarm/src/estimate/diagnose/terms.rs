@@ -72,11 +72,7 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
     // Of postures reached from the side of their load no reading shows it, nor does one against a preload.
     let is_shown = fit.cell().route.approach.is_none() && !fit.measured().is_against_preload();
     let lost = (0..n).filter(|_| is_shown).map(ExtraTerm::LostMotion);
-    let terms: Vec<ExtraTerm> = [ExtraTerm::BaseTilt]
-        .into_iter()
-        .chain(tilts)
-        .chain(lost)
-        .collect();
+    let terms: Vec<ExtraTerm> = [ExtraTerm::BaseTilt].into_iter().chain(tilts).chain(lost).collect();
     let columns = fit.columns(&terms);
     let column = |i: usize| columns.column(i);
     let same = |i: usize, j: usize| {
@@ -86,8 +82,7 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
     let asked = |i: usize| options.extra.contains(&terms[i]);
     let tried: Vec<usize> = (0..terms.len())
         .filter(|&i| {
-            let earlier =
-                (0..i).any(|j| same(i, j)) || (0..terms.len()).any(|j| asked(j) && same(i, j));
+            let earlier = (0..i).any(|j| same(i, j)) || (0..terms.len()).any(|j| asked(j) && same(i, j));
             !(asked(i) || earlier && column(i).norm() > 0.0)
         })
         .collect();
@@ -105,11 +100,7 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
         let t = value.zip(standard_error).filter(|(_, error)| *error > 0.0);
         let tail = |(value, error): (f64, f64)| {
             let both = two_sided(value / error, result.interval_degrees_of_freedom)?;
-            Some(if value > 0.0 {
-                0.5 * both
-            } else {
-                1.0 - 0.5 * both
-            })
+            Some(if value > 0.0 { 0.5 * both } else { 1.0 - 0.5 * both })
         };
         Ok(TermTrial {
             rms_m: rms,
@@ -118,9 +109,7 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
             standard_error,
             p_value: t.and_then(tail),
             same_as,
-            lost_joints: joints_that(&base.estimates.joints, &result.joints, |b, a| {
-                has_value(b) && !has_value(a)
-            }),
+            lost_joints: joints_that(&base.estimates.joints, &result.joints, |b, a| has_value(b) && !has_value(a)),
             open_joints: joints_that(&base.estimates.joints, &result.joints, |b, a| {
                 let closed = |j: &JointEstimate| j.interval[1].is_some();
                 closed(b) && !closed(a) && has_value(a)
@@ -137,11 +126,7 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
         let size = |t: &TermTrial| t.rms_m.unwrap_or(f64::INFINITY);
         size(a).total_cmp(&size(b))
     });
-    Ok(TermTrials {
-        rms_m,
-        axis_only: options.extra.is_empty(),
-        trials,
-    })
+    Ok(TermTrials { rms_m, axis_only: options.extra.is_empty(), trials })
 }
 
 /// Value and standard error of the estimate of an extra term.
@@ -164,9 +149,7 @@ fn joints_that(
     is: impl Fn(&JointEstimate, &JointEstimate) -> bool,
 ) -> Vec<String> {
     let both = before.iter().zip(after);
-    both.filter(|(b, a)| is(b, a))
-        .map(|(_, a)| a.name.clone())
-        .collect()
+    both.filter(|(b, a)| is(b, a)).map(|(_, a)| a.name.clone()).collect()
 }
 
 impl TermTrials {
@@ -174,9 +157,8 @@ impl TermTrials {
     /// and its estimate is positive beyond doubt (1 %).
     pub fn finding(&self) -> Option<Finding> {
         let base = self.rms_m?;
-        let good = |t: &&TermTrial| {
-            t.p_value.is_some_and(|p| p < LEVEL) && t.ratio.is_some_and(|r| r < 1.0 - WORTHWHILE)
-        };
+        let good =
+            |t: &&TermTrial| t.p_value.is_some_and(|p| p < LEVEL) && t.ratio.is_some_and(|r| r < 1.0 - WORTHWHILE);
         let best = self.trials.iter().find(good)?;
         let words = |t: &TermTrial| {
             let rms = length(t.rms_m.unwrap_or(f64::NAN));
@@ -187,38 +169,21 @@ impl TermTrials {
             others => format!(" (or the {}, which acts alike here)", list(others)),
         };
         let (fall, rms) = words(best);
-        let mut message = format!(
-            "The {}{alike} lowers the leave-one-out RMS by {fall}, from {} to {rms}",
-            best.name,
-            length(base)
-        );
+        let mut message =
+            format!("The {}{alike} lowers the leave-one-out RMS by {fall}, from {} to {rms}", best.name, length(base));
         if best.lost_joints.is_empty() {
             message += &bounds(best);
         } else {
-            let verb = if best.lost_joints.len() == 1 {
-                "has"
-            } else {
-                "have"
-            };
-            message += &format!(
-                ", but then {} {verb} no positive estimate",
-                list(&best.lost_joints)
-            );
+            let verb = if best.lost_joints.len() == 1 { "has" } else { "have" };
+            message += &format!(", but then {} {verb} no positive estimate", list(&best.lost_joints));
             let keeps = |t: &&TermTrial| good(t) && t.lost_joints.is_empty();
             if let Some(other) = self.trials.iter().find(keeps) {
                 let (fall, rms) = words(other);
-                message += &format!(
-                    "; the {} lowers it by {fall}, to {rms}, and leaves every joint one",
-                    other.name
-                );
+                message += &format!("; the {} lowers it by {fall}, to {rms}, and leaves every joint one", other.name);
                 message += &bounds(other);
             }
         }
-        let model = if self.axis_only {
-            "the axis-only model"
-        } else {
-            "the model as it is"
-        };
+        let model = if self.axis_only { "the axis-only model" } else { "the model as it is" };
         message += &format!(". So {model} is rejected.");
         Some(Finding::caution(codes::FURTHER_TERM, &best.name, message))
     }

@@ -55,18 +55,12 @@ impl Estimator {
     /// True where the intervals are exact, or conservative, for normal errors:
     /// linear estimators with Student's t or normal quantiles.
     pub fn is_exact(self) -> bool {
-        matches!(
-            self,
-            Estimator::TwoVariance | Estimator::Ordinary | Estimator::Weighted
-        )
+        matches!(self, Estimator::TwoVariance | Estimator::Ordinary | Estimator::Weighted)
     }
 
     /// True where both variances are estimated.
     pub(super) fn has_shifts(self) -> bool {
-        matches!(
-            self,
-            Estimator::TwoVariance | Estimator::NonNegative | Estimator::Prior
-        )
+        matches!(self, Estimator::TwoVariance | Estimator::NonNegative | Estimator::Prior)
     }
 }
 

@@ -54,24 +54,9 @@ pub struct Bootstrap {
 /// As [`super::identify`]; fewer than two postures; too few resamples for the
 /// confidence; or too few of them that determine the joints.
 pub fn bootstrap(fit: &Fit, resamples: usize, seed: u64, confidence: f64) -> Result<Bootstrap> {
-    check(&IdentifyOptions {
-        confidence,
-        ..fit.options().clone()
-    })?;
-    let rows = Rows {
-        system: fit.system(),
-        prepared: fit.prepared(),
-        assumed: fit.assumed(),
-        control: fit.control(),
-    };
-    resampled(
-        &rows,
-        &fit.system().delta,
-        fit.solution(),
-        resamples,
-        seed,
-        confidence,
-    )
+    check(&IdentifyOptions { confidence, ..fit.options().clone() })?;
+    let rows = Rows { system: fit.system(), prepared: fit.prepared(), assumed: fit.assumed(), control: fit.control() };
+    resampled(&rows, &fit.system().delta, fit.solution(), resamples, seed, confidence)
 }
 
 /// What a bootstrap draws from.
@@ -99,12 +84,7 @@ pub(crate) fn resampled(
     seed: u64,
     confidence: f64,
 ) -> Result<Bootstrap> {
-    let Rows {
-        system,
-        prepared,
-        assumed,
-        control,
-    } = *rows;
+    let Rows { system, prepared, assumed, control } = *rows;
     let postures = system.blocks.len();
     if postures < 2 {
         let message = "Postures can only be resampled where there are at least two.";
@@ -123,35 +103,23 @@ pub(crate) fn resampled(
     let numbers: Vec<usize> = (0..resamples).collect();
     let drawn = in_order_watched(&numbers, "resampling postures", control, |(_, r)| {
         let mut rng = resample_rng(seed, *r);
-        let chosen: Vec<usize> = (0..postures)
-            .map(|_| rng.random_range(0..postures))
-            .collect();
+        let chosen: Vec<usize> = (0..postures).map(|_| rng.random_range(0..postures)).collect();
         let (prepared, white) = prepared.select(&chosen, &white)?;
         let solution = prepared.solve_white(&white, assumed)?;
-        let lost = solution
-            .undetermined
-            .iter()
-            .any(|j| !all.undetermined.contains(j));
+        let lost = solution.undetermined.iter().any(|j| !all.undetermined.contains(j));
         Ok((!lost).then_some(solution.values))
     })?;
     let kept: Vec<_> = drawn.iter().flatten().collect();
     if kept.len() < least {
-        let message = format!(
-            "Only {} of {resamples} resamples of {postures} postures determine the joints.",
-            kept.len()
-        );
+        let message =
+            format!("Only {} of {resamples} resamples of {postures} postures determine the joints.", kept.len());
         return Err(Error::new(Code::TooFewData, message)
             .hint("measure more postures, or use the intervals of the estimator itself"));
     }
     let joint = |j: usize| -> JointEstimate {
         let value = (!all.undetermined.contains(&j)).then(|| all.values[j]);
         let values: Vec<f64> = kept.iter().map(|v| v[j]).collect();
-        let mut out = estimate(
-            &system.unknowns[j],
-            value,
-            Some(standard_deviation(&values)),
-            None,
-        );
+        let mut out = estimate(&system.unknowns[j], value, Some(standard_deviation(&values)), None);
         if value.is_some() {
             out.close(quantile_of(&values, tail), quantile_of(&values, 1.0 - tail));
         }

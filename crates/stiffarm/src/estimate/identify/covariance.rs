@@ -71,9 +71,7 @@ impl Covariance {
     /// From a symmetric matrix, split where it falls into parts.
     pub fn from_matrix(matrix: &DMatrix<f64>) -> Self {
         let entries = (0..matrix.nrows()).flat_map(|i| (0..=i).map(move |j| (i, j)));
-        let entries = entries
-            .map(|(i, j)| (i, j, matrix[(i, j)]))
-            .filter(|e| e.2 != 0.0);
+        let entries = entries.map(|(i, j)| (i, j, matrix[(i, j)])).filter(|e| e.2 != 0.0);
         Covariance::from_entries(matrix.nrows(), &entries.collect::<Vec<_>>())
     }
 
@@ -84,9 +82,7 @@ impl Covariance {
         let members = classes(rows, links);
         let mut place = vec![(0, 0); rows];
         for (class, own) in members.iter().enumerate() {
-            own.iter()
-                .enumerate()
-                .for_each(|(at, i)| place[*i] = (class, at));
+            own.iter().enumerate().for_each(|(at, i)| place[*i] = (class, at));
         }
         let empty = |own: &Vec<usize>| DMatrix::zeros(own.len(), own.len());
         let mut matrices: Vec<DMatrix<f64>> = members.iter().map(empty).collect();
@@ -99,10 +95,7 @@ impl Covariance {
         }
         let plain = |m: &DMatrix<f64>| m.len() == 1 && m[0] == 1.0;
         let parts = members.into_iter().zip(matrices);
-        Covariance {
-            parts: parts.filter(|(_, matrix)| !plain(matrix)).collect(),
-            common: None,
-        }
+        Covariance { parts: parts.filter(|(_, matrix)| !plain(matrix)).collect(), common: None }
     }
 
     /// True for independent rows of variance 1.
@@ -117,8 +110,7 @@ impl Covariance {
 
     /// Whitens rows by B alone, in place; false where it is not positive definite.
     pub(crate) fn whiten_without_common(&self, rows: &mut DMatrix<f64>) -> bool {
-        self.factors()
-            .is_some_and(|parts| whiten_parts(&parts, rows))
+        self.factors().is_some_and(|parts| whiten_parts(&parts, rows))
     }
 
     /// The covariance of the rows `chosen`, in that order.
@@ -249,9 +241,8 @@ impl Covariance {
 
     /// Lower Cholesky factors of the parts, with their rows.
     fn factors(&self) -> Option<Vec<(Vec<usize>, DMatrix<f64>)>> {
-        let root = |(rows, matrix): &(Vec<usize>, DMatrix<f64>)| {
-            Some((rows.clone(), matrix.clone().cholesky()?.unpack()))
-        };
+        let root =
+            |(rows, matrix): &(Vec<usize>, DMatrix<f64>)| Some((rows.clone(), matrix.clone().cholesky()?.unpack()));
         self.parts.iter().map(root).collect()
     }
 }
@@ -287,9 +278,7 @@ pub(super) fn covariance(
     labels: &[RowLabel],
     weights: Weights,
 ) -> Result<Covariance> {
-    let of = |label: &RowLabel| -> &Displacement {
-        &measured[label.measured].displacements[label.displacement]
-    };
+    let of = |label: &RowLabel| -> &Displacement { &measured[label.measured].displacements[label.displacement] };
     // Shares of the variance of a displacement: a reading of either state, or
     // of the loaded one alone where the paper's count holds.
     let two = cell.noise.readings_per_displacement == 2;
@@ -307,10 +296,7 @@ pub(super) fn covariance(
             .hint("give range_um and angle_urad in [tracker] of the cell, or u95x_mm, u95y_mm, u95z_mm in the table, and the raw readings")),
         }
     };
-    let readings: Vec<Matrix3<f64>> = labels
-        .iter()
-        .map(|l| reading(of(l)))
-        .collect::<Result<_>>()?;
+    let readings: Vec<Matrix3<f64>> = labels.iter().map(|l| reading(of(l))).collect::<Result<_>>()?;
     // Displacements before each that can share anything with it.
     let mut alike: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     let mut entries = Vec::new();
@@ -327,11 +313,7 @@ pub(super) fn covariance(
         if reference != 0.0 {
             for &j in group.iter() {
                 let mean = (readings[i] + readings[j]) * 0.5;
-                add(
-                    i,
-                    j,
-                    &(mean * (reference * a.shared_reference(of(&labels[j])))),
-                );
+                add(i, j, &(mean * (reference * a.shared_reference(of(&labels[j])))));
             }
         }
         group.push(i);
@@ -354,19 +336,13 @@ fn common(
 ) -> Option<DMatrix<f64>> {
     let mut states: Vec<usize> = labels.iter().map(|l| l.measured).collect();
     states.dedup();
-    if states
-        .iter()
-        .all(|m| measured[*m].common_readings == [0.0; 2])
-    {
+    if states.iter().all(|m| measured[*m].common_readings == [0.0; 2]) {
         return None;
     }
     let mut out = DMatrix::zeros(3 * labels.len(), 3 * (states.len() + 1));
     for (i, label) in labels.iter().enumerate() {
         let [here, all] = measured[label.measured].common_readings;
-        let state = states
-            .iter()
-            .position(|m| *m == label.measured)
-            .unwrap_or(0);
+        let state = states.iter().position(|m| *m == label.measured).unwrap_or(0);
         let unit = readings[i].trace() / 3.0 * loaded;
         for axis in 0..3 {
             out[(3 * i + axis, axis)] = (all * unit).sqrt();
@@ -379,15 +355,8 @@ fn common(
 /// What shifts common to a posture do to its rows, rows × 3c. What the model
 /// misses grows with the load, so a shift counts in proportion to the joint
 /// torques; loads in different directions have shifts of their own.
-pub(super) fn shared(
-    measured: &[MeasuredPosture],
-    states: &[usize],
-    torques: &[DVector<f64>],
-) -> DMatrix<f64> {
-    let rows: usize = states
-        .iter()
-        .map(|m| 3 * measured[*m].displacements.len())
-        .sum();
+pub(super) fn shared(measured: &[MeasuredPosture], states: &[usize], torques: &[DVector<f64>]) -> DMatrix<f64> {
+    let rows: usize = states.iter().map(|m| 3 * measured[*m].displacements.len()).sum();
     // States by falling torque, so that the largest of a direction leads it.
     let order = order_by_number(states.len(), |i| -torques[i].norm());
     let mut leaders: Vec<usize> = Vec::new();
@@ -401,11 +370,7 @@ pub(super) fn shared(
             Some(class) => {
                 let leader = &torques[leaders[class]];
                 let size = leader.norm_squared();
-                let part = if size > 0.0 {
-                    torques[s].dot(leader) / size
-                } else {
-                    1.0
-                };
+                let part = if size > 0.0 { torques[s].dot(leader) / size } else { 1.0 };
                 (class, part)
             }
             None => {

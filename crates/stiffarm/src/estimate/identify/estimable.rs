@@ -52,19 +52,14 @@ fn directions(solution: &Solution, reference: &[f64]) -> Option<(Svd, usize)> {
     let mut relative = seen.resize_vertically(reference.len(), 0.0);
     scale_columns(&mut relative, reference.iter().copied());
     let found = svd(relative)?;
-    let good = (0..solution.factor.rank())
-        .filter(|&i| found.values[i] > 0.0 && sigma <= WEAK * found.values[i])
-        .count();
+    let good =
+        (0..solution.factor.rank()).filter(|&i| found.values[i] > 0.0 && sigma <= WEAK * found.values[i]).count();
     Some((found, good))
 }
 
 /// Sets of unknowns that `solution` determines only together, although each has
 /// a column of its own; `reference` as in [`estimable_combinations`].
-pub(super) fn collinear_sets(
-    system: &MeasuredSystem,
-    solution: &Solution,
-    reference: &[f64],
-) -> Vec<CollinearSet> {
+pub(super) fn collinear_sets(system: &MeasuredSystem, solution: &Solution, reference: &[f64]) -> Vec<CollinearSet> {
     let n = system.unknowns.len();
     let Some((Svd { values, v, .. }, good)) = directions(solution, reference) else {
         return Vec::new();
@@ -73,9 +68,7 @@ pub(super) fn collinear_sets(
     // determined, and whole. What is lost exactly is named as undetermined.
     let covariance = |range: std::ops::Range<usize>, j: usize, k: usize| -> f64 {
         let parts = range.filter(|i| values[*i] > 0.0);
-        parts
-            .map(|i| v[(j, i)] * v[(k, i)] / values[i].powi(2))
-            .sum()
+        parts.map(|i| v[(j, i)] * v[(k, i)] / values[i].powi(2)).sum()
     };
     let rank = solution.factor.rank();
     let whole: Vec<f64> = (0..n).map(|j| covariance(0..rank, j, j)).collect();
@@ -104,10 +97,7 @@ pub(super) fn collinear_sets(
         let lost = (good..rank).filter(|i| set.contains(&v.column(*i).iamax()));
         let determined = set.len().saturating_sub(lost.count());
         if determined > 0 && set.len() > 1 {
-            out.push(CollinearSet {
-                unknowns: set.iter().map(|j| system.unknowns[*j].clone()).collect(),
-                determined,
-            });
+            out.push(CollinearSet { unknowns: set.iter().map(|j| system.unknowns[*j].clone()).collect(), determined });
         }
     }
     out
@@ -141,10 +131,7 @@ pub(super) fn estimable_combinations(
         for &j in &parts {
             coefficients[j] = rows[(i, j)] * reference[pivot] / reference[j];
         }
-        let variance = solution
-            .covariance
-            .as_ref()
-            .map(|c| coefficients.dot(&(c * &coefficients)));
+        let variance = solution.covariance.as_ref().map(|c| coefficients.dot(&(c * &coefficients)));
         out.push(EstimableCombination {
             unknowns: parts.iter().map(|j| system.unknowns[*j].clone()).collect(),
             coefficients: parts.iter().map(|j| coefficients[*j]).collect(),

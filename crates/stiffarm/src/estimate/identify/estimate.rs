@@ -123,10 +123,7 @@ impl JointEstimate {
         let k = self.stiffness.filter(|k| *k > 0.0);
         // The lower end of k is 1/(H + half width).
         self.half_width = k.zip(self.interval[0]).map(|(k, low)| k / low - 1.0);
-        if matches!(
-            self.verdict,
-            Verdict::NotByItself | Verdict::SignOrModelFault
-        ) {
+        if matches!(self.verdict, Verdict::NotByItself | Verdict::SignOrModelFault) {
             return;
         }
         self.verdict = match (self.interval, self.half_width) {

@@ -5,9 +5,7 @@ use super::assumptions::Estimator;
 use super::estimate::{JointEstimate, Verdict, estimates, interval_quantile, standard_error};
 use super::solve::Solution;
 use super::system::MeasuredSystem;
-use super::{
-    AngleEstimate, CollinearSet, EstimableCombination, IdentifyOptions, NoiseSource, estimable,
-};
+use super::{AngleEstimate, CollinearSet, EstimableCombination, IdentifyOptions, NoiseSource, estimable};
 use crate::error::Result;
 use crate::findings::{Finding, Severity, codes, list, shown};
 use crate::model::cell::Cell;
@@ -94,9 +92,7 @@ impl Estimates {
         });
         let reference = reference_sizes(cell, system);
         let matrix = |entry: &dyn Fn(usize, usize) -> Option<f64>| -> Vec<Vec<Option<f64>>> {
-            (0..count)
-                .map(|i| (0..count).map(|j| entry(i, j)).collect())
-                .collect()
+            (0..count).map(|i| (0..count).map(|j| entry(i, j)).collect()).collect()
         };
         let covariance = matrix(&|i, j| {
             let covariance = solution.covariance.as_ref()?;
@@ -104,13 +100,8 @@ impl Estimates {
         });
         let inverse = solution.factor.inverse_information();
         let correlation = matrix(&|i, j| {
-            (known(i) && known(j)).then(|| {
-                if i == j {
-                    1.0
-                } else {
-                    inverse[(i, j)] / (inverse[(i, i)] * inverse[(j, j)]).sqrt()
-                }
-            })
+            (known(i) && known(j))
+                .then(|| if i == j { 1.0 } else { inverse[(i, j)] / (inverse[(i, i)] * inverse[(j, j)]).sqrt() })
         });
         let condition = if solution.undetermined.is_empty() && options.extra.is_empty() {
             let s = Factor::new(&system.psi)?.singular_values(|_| 1.0)?;
@@ -130,10 +121,7 @@ impl Estimates {
         }
         Ok(Estimates {
             joints,
-            extra_springs: further
-                .filter(|j| is_spring(*j))
-                .flat_map(|j| springs(j..j + 1))
-                .collect(),
+            extra_springs: further.filter(|j| is_spring(*j)).flat_map(|j| springs(j..j + 1)).collect(),
             lost_motion: lost_motion.collect(),
             extra: system.extra.clone(),
             estimator: options.estimator,
@@ -146,11 +134,7 @@ impl Estimates {
             unknowns: system.unknowns.clone(),
             covariance,
             correlation,
-            undetermined_joints: solution
-                .undetermined
-                .iter()
-                .map(|&j| system.unknowns[j].clone())
-                .collect(),
+            undetermined_joints: solution.undetermined.iter().map(|&j| system.unknowns[j].clone()).collect(),
             combinations: estimable::estimable_combinations(system, solution, &reference),
             collinear,
             noise: options.noise,
@@ -160,10 +144,7 @@ impl Estimates {
 
     /// Stiffness of all joints, if each has a positive one.
     pub fn stiffness(&self) -> Option<Vec<f64>> {
-        self.joints
-            .iter()
-            .map(|j| j.stiffness.filter(|k| *k > 0.0))
-            .collect()
+        self.joints.iter().map(|j| j.stiffness.filter(|k| *k > 0.0)).collect()
     }
 
     /// True when every joint has a stiffness with a closed interval.
@@ -201,9 +182,8 @@ impl Estimates {
                 "What they determine together stands below the joints; "
             };
             let names = list(&shown(&self.undetermined_joints));
-            let sentence = format!(
-                "These measurements cannot determine {names}. {rest}`stiffarm check` looks for the reason."
-            );
+            let sentence =
+                format!("These measurements cannot determine {names}. {rest}`stiffarm check` looks for the reason.");
             out.push(Finding::serious("undetermined", names, sentence));
         }
         let of = |verdict: Verdict| {

@@ -57,10 +57,7 @@ impl Experiment {
         let mut out = DMatrix::zeros(system.delta.len(), terms.len());
         let mut of_posture: Option<(usize, Vec<DVector<f64>>)> = None;
         for label in &system.labels {
-            if of_posture
-                .as_ref()
-                .is_none_or(|(m, _)| *m != label.measured)
-            {
+            if of_posture.as_ref().is_none_or(|(m, _)| *m != label.measured) {
                 let own = self.terms(label.measured).into_iter();
                 let columns = own.flat_map(|own| terms.iter().map(|term| term.column(own)));
                 of_posture = Some((label.measured, columns.collect()));
@@ -68,8 +65,7 @@ impl Experiment {
             let (_, point) = self.behind(label);
             let columns = of_posture.iter().flat_map(|(_, columns)| columns);
             for (i, column) in columns.enumerate() {
-                out.fixed_view_mut::<3, 1>(label.rows.start, i)
-                    .copy_from(&column.fixed_rows::<3>(3 * point));
+                out.fixed_view_mut::<3, 1>(label.rows.start, i).copy_from(&column.fixed_rows::<3>(3 * point));
             }
         }
         out
@@ -101,14 +97,8 @@ impl Experiment {
             let setup = cell.setup.of_state(&posture.state)?;
             terms[m] = Some(posture.terms(&setup, wrench)?);
         }
-        let experiment = Experiment {
-            cell,
-            measured,
-            terms,
-            states,
-            journal: Mutex::default(),
-            watch: Watch::default(),
-        };
+        let experiment =
+            Experiment { cell, measured, terms, states, journal: Mutex::default(), watch: Watch::default() };
         experiment.note(|| "terms".to_string());
         Ok(experiment)
     }
@@ -121,9 +111,7 @@ impl Experiment {
     pub(crate) fn showing(&self, extra: &[ExtraTerm]) -> Result<Option<Self>> {
         let other = self.measured.showing(extra);
         let made = other.map(|measured| Experiment::of(self.cell.clone(), measured));
-        Ok(made
-            .transpose()?
-            .map(|made| made.watched(self.watch.clone())))
+        Ok(made.transpose()?.map(|made| made.watched(self.watch.clone())))
     }
 
     /// The same, stopped as `watch` says.
@@ -179,13 +167,7 @@ impl Experiment {
     /// As [`assumptions`].
     pub(crate) fn assumptions(&self, options: &IdentifyOptions) -> Result<Assumptions> {
         let scatter = options.scatter.or(self.measured.scatter);
-        assumptions(
-            &self.cell,
-            &IdentifyOptions {
-                scatter,
-                ..options.clone()
-            },
-        )
+        assumptions(&self.cell, &IdentifyOptions { scatter, ..options.clone() })
     }
 
     /// The measured posture and the measuring point behind `label`.

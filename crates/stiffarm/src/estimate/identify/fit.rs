@@ -73,11 +73,7 @@ impl Fit {
     ///
     /// # Errors
     /// As [`identify`](super::identify()).
-    pub fn new(
-        cell: &Cell,
-        measured: impl Into<Measured>,
-        options: &IdentifyOptions,
-    ) -> Result<Self> {
+    pub fn new(cell: &Cell, measured: impl Into<Measured>, options: &IdentifyOptions) -> Result<Self> {
         Fit::watched(cell, measured, options, Watch::default())
     }
 
@@ -96,7 +92,8 @@ impl Fit {
         check(options)?;
         let is_lost = |term: &ExtraTerm| !term.is_spring();
         if cell.route.approach.is_some() && options.extra.iter().any(is_lost) {
-            let message = "The cell says that postures are reached from the side of their load: no reading shows lost motion.";
+            let message =
+                "The cell says that postures are reached from the side of their load: no reading shows lost motion.";
             return Err(Error::new(Code::Conflict, message.to_string())
                 .hint("leave the term out; or take [route] approach_deg out, if they were not"));
         }
@@ -203,13 +200,7 @@ impl Fit {
             } else {
                 Arc::new(Prepared::new(&inner.system, options.estimator)?)
             };
-            return Fit::of(
-                experiment,
-                options,
-                left_out,
-                inner.system.clone(),
-                prepared,
-            );
+            return Fit::of(experiment, options, left_out, inner.system.clone(), prepared);
         }
         let whole = experiment.system(&options.extra, options.weights)?;
         let system = if left_out.is_empty() {
@@ -232,13 +223,7 @@ impl Fit {
         let name = term.name(&self.cell().setup.robot);
         let system = inner.system.extended(term, name, column);
         let prepared = inner.prepared.extended(column)?;
-        Fit::of(
-            inner.experiment.clone(),
-            &options,
-            inner.left_out.clone(),
-            Arc::new(system),
-            Arc::new(prepared),
-        )
+        Fit::of(inner.experiment.clone(), &options, inner.left_out.clone(), Arc::new(system), Arc::new(prepared))
     }
 
     /// The same without the displacements for which `keep` fails; `None` where
@@ -254,13 +239,7 @@ impl Fit {
         let make = || {
             let prepared = Arc::new(Prepared::new(&system, inner.options.estimator)?);
             let (experiment, left_out) = (inner.experiment.clone(), left_out.clone());
-            Fit::of(
-                experiment,
-                &inner.options,
-                left_out,
-                Arc::new(system),
-                prepared,
-            )
+            Fit::of(experiment, &inner.options, left_out, Arc::new(system), prepared)
         };
         self.kept(&inner.options, &left_out, make).map(Some)
     }
@@ -340,23 +319,12 @@ impl Fit {
     pub(crate) fn fold_without(&self, left_out: Vec<usize>) -> Result<Fold> {
         let inner = &*self.inner;
         let count = inner.system.blocks.len();
-        fold_without(
-            left_out,
-            count,
-            &inner.prepared,
-            &inner.white,
-            &inner.assumed,
-        )
+        fold_without(left_out, count, &inner.prepared, &inner.white, &inner.assumed)
     }
 
     /// The fits without each of `lists` of postures (indices of blocks, ascending).
     pub(crate) fn folds_without(&self, lists: &[Vec<usize>]) -> Result<Vec<Fold>> {
-        in_order_watched(
-            lists,
-            "leaving postures out",
-            self.control(),
-            |(_, list)| self.fold_without(list.clone()),
-        )
+        in_order_watched(lists, "leaving postures out", self.control(), |(_, list)| self.fold_without(list.clone()))
     }
 
     fn new_folds(&self, count: usize) -> Result<Vec<Fold>> {
@@ -365,13 +333,7 @@ impl Fit {
             let (options, left_out) = (&inner.options, &inner.left_out);
             format!("{count} folds {options:?} without {left_out:?}")
         });
-        folds(
-            &inner.prepared,
-            &inner.white,
-            &inner.assumed,
-            count,
-            self.control(),
-        )
+        folds(&inner.prepared, &inner.white, &inner.assumed, count, self.control())
     }
 
     pub(crate) fn experiment(&self) -> &Experiment {

@@ -9,14 +9,7 @@ use std::ops::Range;
 /// in 1, 2, … dimensions (a displacement has three, a clamped posture up to six).
 const THRESHOLDS: [f64; 6] = [1.345, 1.501, 1.628, 1.731, 1.812, 1.869];
 /// Median of the norm of 1, 2, … standard normal components.
-const MEDIAN_NORMS: [f64; 6] = [
-    0.674_489_8,
-    1.177_410_0,
-    1.538_172_3,
-    1.832_128_3,
-    2.086_015_4,
-    2.312_600_4,
-];
+const MEDIAN_NORMS: [f64; 6] = [0.674_489_8, 1.177_410_0, 1.538_172_3, 1.832_128_3, 2.086_015_4, 2.312_600_4];
 /// Reweightings after which the values are taken as they are.
 const ITERATIONS: usize = 200;
 /// Relative change of the fit that ends the iteration.
@@ -52,10 +45,7 @@ pub(super) fn huber(
     let mut sigma = 0.0;
     let norms = |values: &DVector<f64>| -> Vec<f64> {
         let residual = delta - psi * values;
-        groups
-            .iter()
-            .map(|g| residual.rows(g.start, g.len()).norm())
-            .collect()
+        groups.iter().map(|g| residual.rows(g.start, g.len()).norm()).collect()
     };
     let size = delta.norm();
     for _ in 0..ITERATIONS {
@@ -65,11 +55,7 @@ pub(super) fn huber(
         if free <= 0.0 {
             break;
         }
-        let scaled: Vec<f64> = now
-            .iter()
-            .zip(groups)
-            .map(|(norm, g)| norm / of(&MEDIAN_NORMS, g.len()))
-            .collect();
+        let scaled: Vec<f64> = now.iter().zip(groups).map(|(norm, g)| norm / of(&MEDIAN_NORMS, g.len())).collect();
         sigma = crate::numerics::sample::median(&scaled) / free.sqrt();
         if sigma <= 64.0 * f64::EPSILON * size {
             break;
@@ -88,23 +74,13 @@ pub(super) fn huber(
             break;
         }
     }
-    Ok(Huber {
-        covariance: covariance(factor, &norms(&values), groups, sigma),
-        values,
-        weights,
-        sigma,
-    })
+    Ok(Huber { covariance: covariance(factor, &norms(&values), groups, sigma), values, weights, sigma })
 }
 
 /// Huber's asymptotic covariance with his correction for few rows (Huber &
 /// Ronchetti, Robust Statistics, 2009, section 7.6), for spherical errors:
 /// K² Σψ²/(rows − n) / mean(a)² (ΨᵀΨ)⁻¹, a the mean derivative of ψ.
-fn covariance(
-    factor: &Factor,
-    norms: &[f64],
-    groups: &[Range<usize>],
-    sigma: f64,
-) -> Option<DMatrix<f64>> {
+fn covariance(factor: &Factor, norms: &[f64], groups: &[Range<usize>], sigma: f64) -> Option<DMatrix<f64>> {
     let rows: usize = groups.iter().map(Range::len).sum();
     let rank = factor.rank();
     if rows <= rank {
@@ -114,25 +90,15 @@ fn covariance(
         return Some(factor.inverse_information() * 0.0);
     }
     let limit = |g: &Range<usize>| of(&THRESHOLDS, g.len()) * sigma;
-    let squares: f64 = norms
-        .iter()
-        .zip(groups)
-        .map(|(r, g)| r.min(limit(g)).powi(2))
-        .sum();
+    let squares: f64 = norms.iter().zip(groups).map(|(r, g)| r.min(limit(g)).powi(2)).sum();
     // Of d directions one is cut to zero slope, the others keep limit/r.
     let slope = |r: f64, g: &Range<usize>| {
-        if r <= limit(g) {
-            1.0
-        } else {
-            (g.len() as f64 - 1.0) / g.len() as f64 * limit(g) / r
-        }
+        if r <= limit(g) { 1.0 } else { (g.len() as f64 - 1.0) / g.len() as f64 * limit(g) / r }
     };
     let share = |g: &Range<usize>| g.len() as f64 / rows as f64;
     let pairs = || norms.iter().zip(groups);
     let mean: f64 = pairs().map(|(r, g)| share(g) * slope(*r, g)).sum();
-    let spread: f64 = pairs()
-        .map(|(r, g)| share(g) * (slope(*r, g) - mean).powi(2))
-        .sum();
+    let spread: f64 = pairs().map(|(r, g)| share(g) * (slope(*r, g) - mean).powi(2)).sum();
     if mean <= 0.0 {
         return None;
     }

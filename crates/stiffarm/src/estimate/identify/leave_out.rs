@@ -64,12 +64,8 @@ pub(super) fn folds(
 ) -> Result<Vec<Fold>> {
     let count = prepared.whitened().block_count();
     if folds < 2 || folds > count {
-        return Err(Error::invalid(format!(
-            "{count} postures cannot be left out in {folds} folds."
-        ))
-        .hint(format!(
-            "give a number of folds from 2 to the number of postures, {count}"
-        )));
+        return Err(Error::invalid(format!("{count} postures cannot be left out in {folds} folds."))
+            .hint(format!("give a number of folds from 2 to the number of postures, {count}")));
     }
     let numbers: Vec<usize> = (0..folds).collect();
     let others = Others::new(prepared, white, assumed);
@@ -137,12 +133,7 @@ pub(crate) fn prediction_error(
 }
 
 /// True where a posture sees none of these unknowns.
-pub(crate) fn sees_only_known(
-    system: &MeasuredSystem,
-    block: usize,
-    undetermined: &[usize],
-    rounding: f64,
-) -> bool {
+pub(crate) fn sees_only_known(system: &MeasuredSystem, block: usize, undetermined: &[usize], rounding: f64) -> bool {
     let rows = &system.blocks[block].rows;
     let psi = system.psi.rows(rows.start, rows.len());
     let blind = |j: &usize| psi.column(*j).norm() <= rounding;
@@ -166,13 +157,8 @@ pub(super) fn influence(system: &MeasuredSystem, all: &Solution, folds: &[Fold])
         let error = prediction_error(system, b, &fold.solution, rounding);
         complete &= error.is_some();
         errors.extend(error.iter().flat_map(|e| e.iter().copied()));
-        let lost: Vec<usize> = fold
-            .solution
-            .undetermined
-            .iter()
-            .copied()
-            .filter(|j| !all.undetermined.contains(j))
-            .collect();
+        let lost: Vec<usize> =
+            fold.solution.undetermined.iter().copied().filter(|j| !all.undetermined.contains(j)).collect();
         let shift = |j: usize| {
             let known = !all.undetermined.contains(&j) && !lost.contains(&j);
             let variance = all.covariance.as_ref().filter(|_| known)?[(j, j)];
@@ -185,8 +171,5 @@ pub(super) fn influence(system: &MeasuredSystem, all: &Solution, folds: &[Fold])
             lost: lost.iter().map(|j| system.unknowns[*j].clone()).collect(),
         });
     }
-    LeaveOneOut {
-        rms_m: complete.then(|| rms(&errors)),
-        postures,
-    }
+    LeaveOneOut { rms_m: complete.then(|| rms(&errors)), postures }
 }

@@ -180,14 +180,8 @@ pub struct Identification {
 impl Identification {
     /// The same with other joints: those of a model beside the axes alone.
     pub(crate) fn with_joints(&self, joints: Vec<JointEstimate>) -> Self {
-        let estimates = Estimates {
-            joints,
-            ..self.estimates.clone()
-        };
-        Identification {
-            estimates,
-            ..self.clone()
-        }
+        let estimates = Estimates { joints, ..self.estimates.clone() };
+        Identification { estimates, ..self.clone() }
     }
 }
 
@@ -198,11 +192,7 @@ impl Identification {
 /// a measured load without forces; a confidence outside (0, 1); options that
 /// contradict each other. Joints without information, also for want of rows, are not an
 /// error: they are named in the result.
-pub fn identify(
-    cell: &Cell,
-    measured: impl Into<Measured>,
-    options: &IdentifyOptions,
-) -> Result<Identification> {
+pub fn identify(cell: &Cell, measured: impl Into<Measured>, options: &IdentifyOptions) -> Result<Identification> {
     Fit::new(cell, measured, options)?.identification().cloned()
 }
 
@@ -215,35 +205,21 @@ pub fn assumptions(cell: &Cell, options: &IdentifyOptions) -> Result<Assumptions
     let declared_ratio = noise.common_ratio();
     let scale = match (options.noise, options.scatter) {
         (NoiseSource::Estimated, _) => Scale::Estimated,
-        (NoiseSource::Known, _) => Scale::Known {
-            sigma: noise.displacement_std(),
-            gamma: declared_ratio,
-        },
+        (NoiseSource::Known, _) => Scale::Known { sigma: noise.displacement_std(), gamma: declared_ratio },
         (NoiseSource::Repeats, Some(scatter)) => Scale::Repeats {
             sigma: scatter.reading_std_m * f64::from(noise.readings_per_displacement).sqrt(),
             degrees_of_freedom: scatter.degrees_of_freedom,
         },
         (NoiseSource::Repeats, None) => {
-            return Err(Error::new(
-                Code::TooFewData,
-                "The noise cannot come from repeats: no reading was repeated.",
-            )
-            .hint("measure each point twice, or take the noise from the residuals or the cell"));
+            return Err(Error::new(Code::TooFewData, "The noise cannot come from repeats: no reading was repeated.")
+                .hint("measure each point twice, or take the noise from the residuals or the cell"));
         }
     };
-    Ok(Assumptions {
-        estimator: options.estimator,
-        scale,
-        declared_ratio,
-        prior: prior_knowledge(cell, options)?,
-    })
+    Ok(Assumptions { estimator: options.estimator, scale, declared_ratio, prior: prior_knowledge(cell, options)? })
 }
 
 /// The cell's prior compliance, for the estimator that uses it.
-pub(crate) fn prior_knowledge(
-    cell: &Cell,
-    options: &IdentifyOptions,
-) -> Result<Option<PriorKnowledge>> {
+pub(crate) fn prior_knowledge(cell: &Cell, options: &IdentifyOptions) -> Result<Option<PriorKnowledge>> {
     Ok(match options.estimator {
         Estimator::Prior => Some(PriorKnowledge {
             compliance: cell.require_prior()?.iter().map(|k| 1.0 / k).collect(),
@@ -261,14 +237,10 @@ pub(crate) fn check(options: &IdentifyOptions) -> Result<()> {
         )));
     }
     if !(options.prior_std.is_finite() && options.prior_std > 0.0) {
-        return Err(Error::invalid(
-            "The relative standard deviation of the prior must be above zero.",
-        ));
+        return Err(Error::invalid("The relative standard deviation of the prior must be above zero."));
     }
     let estimator = options.estimator;
-    if options.noise == NoiseSource::Repeats
-        && (estimator.has_shifts() || estimator == Estimator::Huber)
-    {
+    if options.noise == NoiseSource::Repeats && (estimator.has_shifts() || estimator == Estimator::Huber) {
         let message = format!(
             "The {} estimator estimates the size of the noise itself, so noise from repeats cannot be used.",
             estimator.as_str()
@@ -286,19 +258,15 @@ fn describe(fit: &Fit) -> Result<Identification> {
     let estimates = Estimates::new(cell, system, solution, fit.options())?;
     let residual = fit.residual();
     let left = prepared.whitened().residual(fit.white()).norm_squared();
-    let estimates_shifts = estimates.estimator.has_shifts()
-        && !estimates.independent_rows
-        && prepared.whitened().is_separable();
+    let estimates_shifts =
+        estimates.estimator.has_shifts() && !estimates.independent_rows && prepared.whitened().is_separable();
     let free = estimates.degrees_of_freedom;
     Ok(Identification {
         estimates,
         residual_rms_m: rms(residual.as_slice()),
         displacement_rms_m: rms(system.delta.as_slice()),
         residual_std_m: solution.residual_std,
-        posture_common_std_m: solution
-            .sigma
-            .filter(|_| estimates_shifts)
-            .map(|s| s * solution.gamma.sqrt()),
+        posture_common_std_m: solution.sigma.filter(|_| estimates_shifts).map(|s| s * solution.gamma.sqrt()),
         total_std_m: (free > 0).then(|| (left / free as f64).sqrt()),
         expected_std_m: cell.noise.displacement_std(),
         prior_stiffness: cell.prior.clone().unwrap_or_default(),

@@ -55,13 +55,7 @@ pub(super) fn non_negative(
             let blocking = free
                 .iter()
                 .filter(|j| **j < bounded && candidate[**j] <= 0.0)
-                .map(|&j| {
-                    if values[j] > 0.0 {
-                        (j, values[j] / (values[j] - candidate[j]))
-                    } else {
-                        (j, 0.0)
-                    }
-                })
+                .map(|&j| if values[j] > 0.0 { (j, values[j] / (values[j] - candidate[j])) } else { (j, 0.0) })
                 .min_by(|a, b| a.1.total_cmp(&b.1));
             let Some((blocked, step)) = blocking else {
                 values = candidate;
@@ -82,8 +76,5 @@ pub(super) fn non_negative(
             first = false;
         }
     }
-    Err(Error::new(
-        Code::Numerical,
-        "The non-negative least squares did not converge.",
-    ))
+    Err(Error::new(Code::Numerical, "The non-negative least squares did not converge."))
 }

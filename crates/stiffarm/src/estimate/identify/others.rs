@@ -34,11 +34,7 @@ pub(super) struct Others<'a> {
 impl<'a> Others<'a> {
     /// `None` for Huber's estimator, whose weights depend on every row, and where
     /// no unknown is determined.
-    pub(super) fn new(
-        prepared: &'a Prepared,
-        white: &DVector<f64>,
-        assumed: &'a Assumptions,
-    ) -> Option<Self> {
+    pub(super) fn new(prepared: &'a Prepared, white: &DVector<f64>, assumed: &'a Assumptions) -> Option<Self> {
         let system = prepared.whitened();
         if assumed.estimator == Estimator::Huber || system.factor().rank() == 0 {
             return None;
@@ -86,11 +82,7 @@ impl<'a> Others<'a> {
             return Ok(None);
         }
         let ratio = || {
-            if self.criterion.is_rounding() {
-                0.0
-            } else {
-                self.criterion.best_without(left_out, &own, shape.rows)
-            }
+            if self.criterion.is_rounding() { 0.0 } else { self.criterion.best_without(left_out, &own, shape.rows) }
         };
         let mut enough = true;
         let rows = |gamma: f64| {
@@ -110,11 +102,7 @@ impl<'a> Others<'a> {
     /// The factor of what is left, where it stands well above the rounding of
     /// the difference.
     fn enough(&self, sums: &Sums) -> Option<Root> {
-        let squares = if self.criterion.is_rounding() {
-            f64::NEG_INFINITY
-        } else {
-            DOMINANT * self.criterion.size()
-        };
+        let squares = if self.criterion.is_rounding() { f64::NEG_INFINITY } else { DOMINANT * self.criterion.size() };
         let root = sums.root()?;
         (root.least() > DECISIVE && root.rest > squares).then_some(root)
     }

@@ -23,11 +23,7 @@ pub fn implausible_scale(cell: &Cell, result: &Identification) -> Option<Finding
         let Some(k) = joint.stiffness else { continue };
         let collinear = result.estimates.collinear.iter();
         let error = joint.readings_standard_error.map_or(0.0, |e| e / k.abs());
-        if error > KNOWN
-            || collinear
-                .flat_map(|s| &s.unknowns)
-                .any(|n| *n == joint.name)
-        {
+        if error > KNOWN || collinear.flat_map(|s| &s.unknowns).any(|n| *n == joint.name) {
             continue;
         }
         ratios.push(ratio(cell, j, k));
@@ -77,13 +73,8 @@ fn suspicious(
         Some(_) => "the cell's prior",
         None => "what industrial robots have",
     };
-    let (factor, word) = if middle > 1.0 {
-        (middle, "larger")
-    } else {
-        (1.0 / middle, "smaller")
-    };
+    let (factor, word) = if middle > 1.0 { (middle, "larger") } else { (1.0 / middle, "smaller") };
     let cause = cause(middle > 1.0);
-    let sentence =
-        format!("The joint stiffness is {factor:.0} times {word} than {against}. {cause}");
+    let sentence = format!("The joint stiffness is {factor:.0} times {word} than {against}. {cause}");
     Some(Finding::serious("implausible-stiffness", subject, sentence))
 }

@@ -78,10 +78,7 @@ pub fn profile(fit: &Fit) -> Result<Option<Profile>> {
         return Ok(None);
     }
     let (solution, system) = (fit.solution(), fit.system());
-    let (Some(covariance), false) = (
-        &solution.covariance,
-        solution.t_degrees_of_freedom == Some(0),
-    ) else {
+    let (Some(covariance), false) = (&solution.covariance, solution.t_degrees_of_freedom == Some(0)) else {
         return Ok(None);
     };
     let t = quantile(solution.t_degrees_of_freedom, fit.options().confidence)?;
@@ -102,21 +99,11 @@ pub fn profile(fit: &Fit) -> Result<Option<Profile>> {
     fit.control().check()?;
     let finding = finding(&joints);
     let difference = joints.iter().filter_map(|j| j.difference).reduce(f64::max);
-    Ok(Some(Profile {
-        joints,
-        difference,
-        finding,
-    }))
+    Ok(Some(Profile { joints, difference, finding }))
 }
 
 /// Ends of the compliance of joint `j`.
-fn ends(
-    fit: &Fit,
-    criterion: &Restricted<'_>,
-    j: usize,
-    error: f64,
-    t: f64,
-) -> Result<[Option<f64>; 2]> {
+fn ends(fit: &Fit, criterion: &Restricted<'_>, j: usize, error: f64, t: f64) -> Result<[Option<f64>; 2]> {
     let (solution, system) = (fit.solution(), fit.system());
     let centre = solution.values[j];
     let half = t * error;
@@ -187,11 +174,7 @@ fn lowest(value: &impl Fn(f64) -> Option<f64>, centre: f64, half: f64) -> Option
     Some(minimum(value, ends, start, 1e-6 * half))
 }
 
-fn joint_profile(
-    name: &str,
-    compliance_interval: [Option<f64>; 2],
-    main_interval: [Option<f64>; 2],
-) -> JointProfile {
+fn joint_profile(name: &str, compliance_interval: [Option<f64>; 2], main_interval: [Option<f64>; 2]) -> JointProfile {
     let [low, high] = compliance_interval;
     let positive = |h: Option<f64>| h.filter(|h| *h > 0.0).map(|h| 1.0 / h);
     // As in the main result: no interval of k where even the upper end of the
@@ -202,17 +185,9 @@ fn joint_profile(
     };
     let pairs = interval.iter().zip(&main_interval);
     let same_ends = pairs.clone().all(|(a, b)| a.is_some() == b.is_some());
-    let difference = pairs
-        .filter_map(|(a, b)| Some((a.as_ref()? / b.as_ref()? - 1.0).abs()))
-        .reduce(f64::max)
-        .filter(|_| same_ends);
-    JointProfile {
-        name: name.to_string(),
-        compliance_interval,
-        interval,
-        main_interval,
-        difference,
-    }
+    let difference =
+        pairs.filter_map(|(a, b)| Some((a.as_ref()? / b.as_ref()? - 1.0).abs())).reduce(f64::max).filter(|_| same_ends);
+    JointProfile { name: name.to_string(), compliance_interval, interval, main_interval, difference }
 }
 
 fn finding(joints: &[JointProfile]) -> Finding {
@@ -229,12 +204,7 @@ fn finding(joints: &[JointProfile]) -> Finding {
         .iter()
         .filter(differs)
         .map(|joint| {
-            format!(
-                "{} {} instead of {} N·m/rad",
-                joint.name,
-                words(joint.interval),
-                words(joint.main_interval)
-            )
+            format!("{} {} instead of {} N·m/rad", joint.name, words(joint.interval), words(joint.main_interval))
         })
         .collect();
     let largest = joints.iter().filter_map(|j| j.difference).reduce(f64::max);
@@ -247,16 +217,11 @@ fn finding(joints: &[JointProfile]) -> Finding {
         return Finding::caution("profile-differs", "intervals", message);
     }
     let message = match largest {
-        Some(largest) if largest < 1e-6 => {
-            "The profile of the likelihood gives the same intervals.".to_string()
+        Some(largest) if largest < 1e-6 => "The profile of the likelihood gives the same intervals.".to_string(),
+        Some(largest) => {
+            format!("The profile of the likelihood agrees with the intervals within {}.", percent(largest))
         }
-        Some(largest) => format!(
-            "The profile of the likelihood agrees with the intervals within {}.",
-            percent(largest)
-        ),
-        None => {
-            "No joint has an interval that a profile of the likelihood could check.".to_string()
-        }
+        None => "No joint has an interval that a profile of the likelihood could check.".to_string(),
     };
     Finding::note("profile-agrees", "intervals", message)
 }

@@ -24,12 +24,7 @@ pub struct PostureResidual {
     /// RMS of its residual components \[m\].
     pub residual_rms_m: f64,
     /// Its controller angles \[rad\].
-    #[serde(
-        rename = "q_deg",
-        with = "crate::units::degrees",
-        default,
-        skip_serializing_if = "Vec::is_empty"
-    )]
+    #[serde(rename = "q_deg", with = "crate::units::degrees", default, skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub angles: Vec<f64>,
     /// Measured force and moment on the robot at the loading point, base axes \[N; N·m\];
@@ -95,9 +90,7 @@ pub(super) fn by_posture(
             let own = &residual.as_slice()[label.rows.clone()];
             residuals.extend_from_slice(own);
             let point = point_of(measured, label);
-            let covariance = block
-                .covariance
-                .of_point(label.rows.start - block.rows.start);
+            let covariance = block.covariance.of_point(label.rows.start - block.rows.start);
             let vector = DisplacementResidual {
                 point: cell.setup.tool.measuring_points[point].name.clone(),
                 residual_m: std::array::from_fn(|i| own[i]),
@@ -143,8 +136,7 @@ pub(super) fn by_point(
             if point_of(measured, label) == p {
                 let at = own.ncols();
                 own = own.insert_column(at, 0.0);
-                own.column_mut(at)
-                    .copy_from(&residual.rows(label.rows.start, 3));
+                own.column_mut(at).copy_from(&residual.rows(label.rows.start, 3));
             }
         }
         if own.ncols() == 0 {
@@ -176,9 +168,7 @@ pub(super) fn displacement_weights(
         .map(|(label, weight)| DisplacementWeight {
             posture: measured[label.measured].posture.name.clone(),
             state: measured[label.measured].state.clone(),
-            point: cell.setup.tool.measuring_points[point_of(measured, label)]
-                .name
-                .clone(),
+            point: cell.setup.tool.measuring_points[point_of(measured, label)].name.clone(),
             weight: *weight,
         })
         .collect();

@@ -44,19 +44,8 @@ impl Response {
         };
         let free: Vec<usize> = (0..psi.ncols()).filter(|j| !held.contains(j)).collect();
         let own = solution.weights.is_some() || free.len() < psi.ncols();
-        let factor = if own && !free.is_empty() {
-            Some(Factor::new(&psi.select_columns(&free))?)
-        } else {
-            None
-        };
-        Ok(Response {
-            fit: fit.clone(),
-            gamma: solution.gamma,
-            psi,
-            delta,
-            factor,
-            free,
-        })
+        let factor = if own && !free.is_empty() { Some(Factor::new(&psi.select_columns(&free))?) } else { None };
+        Ok(Response { fit: fit.clone(), gamma: solution.gamma, psi, delta, factor, free })
     }
 
     /// The fit with random effects u whose whitened columns are `random`, with the ratio `gamma`. The equations of a
@@ -76,9 +65,7 @@ impl Response {
         let count = fixed + random.ncols();
         let mut psi = whitened.psi().clone().resize_horizontally(count, 0.0);
         psi.columns_mut(fixed, random.ncols()).copy_from(random);
-        let mut psi = whitened
-            .with_shifts(&psi, gamma)
-            .resize_vertically(rows + roots.nrows(), 0.0);
+        let mut psi = whitened.with_shifts(&psi, gamma).resize_vertically(rows + roots.nrows(), 0.0);
         psi.view_mut((rows, fixed), roots.shape()).copy_from(roots);
         let free: Vec<usize> = (0..count)
             .filter(|j| match j.checked_sub(fixed) {

@@ -33,10 +33,7 @@ pub(super) struct Sums {
 
 impl Sums {
     fn zero(rank: usize) -> Self {
-        Sums {
-            rank,
-            all: vec![0.0; packed(rank, 0) + rank + 2],
-        }
+        Sums { rank, all: vec![0.0; packed(rank, 0) + rank + 2] }
     }
 
     fn information(&self) -> &[f64] {
@@ -71,11 +68,7 @@ impl Sums {
             let mut moved = self.moment().to_vec();
             forward(&factor, &mut moved);
             let explained: f64 = moved.iter().map(|v| v * v).sum();
-            Root {
-                rest: self.size() - explained,
-                factor,
-                moved,
-            }
+            Root { rest: self.size() - explained, factor, moved }
         })
     }
 
@@ -142,11 +135,7 @@ impl Root {
     pub(super) fn factor(&self) -> DMatrix<f64> {
         let rank = self.moved.len();
         let entry = |i: usize, j: usize| {
-            if j <= i {
-                self.factor[packed(i, j)]
-            } else {
-                0.0
-            }
+            if j <= i { self.factor[packed(i, j)] } else { 0.0 }
         };
         DMatrix::from_fn(rank, rank, entry)
     }
@@ -341,8 +330,7 @@ impl<'a> Restricted<'a> {
         let start = grid_place(0) + STEP * (window as f64 - 1.0);
         let nodes = &self.nodes;
         let node = |j: usize| start + 0.5 * STEP * (1.0 + nodes[j].0);
-        let sums = self.windows[window]
-            .get_or_init(|| (0..NODES).map(|j| self.at(node(j).exp())).collect());
+        let sums = self.windows[window].get_or_init(|| (0..NODES).map(|j| self.at(node(j).exp())).collect());
         let mut total = 0.0;
         let mut out = Sums::zero(self.rank());
         for (j, sums) in sums.iter().enumerate() {
@@ -361,8 +349,7 @@ impl<'a> Restricted<'a> {
     }
 
     fn grid(&self) -> &[Sums] {
-        self.grid
-            .get_or_init(|| (0..GRID.len()).map(|i| self.on_grid(i)).collect())
+        self.grid.get_or_init(|| (0..GRID.len()).map(|i| self.on_grid(i)).collect())
     }
 
     /// The γ ≥ 0 with the smallest value, and that value.
@@ -406,11 +393,7 @@ fn best(points: impl Iterator<Item = f64>, zero: f64, at: impl Fn(f64) -> f64) -
     };
     let ends = [best.0 - STEP, best.0 + STEP];
     let (place, value) = minimum(at, ends, best, TOLERANCE);
-    if value < none.1 {
-        (place.exp(), value)
-    } else {
-        none
-    }
+    if value < none.1 { (place.exp(), value) } else { none }
 }
 
 impl Whitened {

@@ -92,11 +92,7 @@ impl Prepared {
             groups.push(moved.collect());
             at += own.iter().map(Range::len).sum::<usize>();
         }
-        let prepared = Prepared {
-            whitened,
-            springs: self.springs,
-            groups,
-        };
+        let prepared = Prepared { whitened, springs: self.springs, groups };
         Ok((prepared, white))
     }
 
@@ -105,11 +101,7 @@ impl Prepared {
     /// # Errors
     /// As [`Whitened::extended`].
     pub(super) fn extended(&self, column: &DVector<f64>) -> Result<Self> {
-        Ok(Prepared {
-            whitened: self.whitened.extended(column)?,
-            springs: self.springs,
-            groups: self.groups.clone(),
-        })
+        Ok(Prepared { whitened: self.whitened.extended(column)?, springs: self.springs, groups: self.groups.clone() })
     }
 
     /// The whitened system.
@@ -138,17 +130,8 @@ impl Prepared {
         let ratio = || system.variance_ratio(white);
         let rows = |gamma: f64| {
             let (psi, delta) = self.shifted(white, gamma);
-            let factor = if gamma > 0.0 {
-                Factor::new(&psi)?
-            } else {
-                system.factor().clone()
-            };
-            Ok(Rows {
-                psi,
-                delta,
-                rest: 0.0,
-                factor,
-            })
+            let factor = if gamma > 0.0 { Factor::new(&psi)? } else { system.factor().clone() };
+            Ok(Rows { psi, delta, rest: 0.0, factor })
         };
         least_squares(shape, self.springs, assumed, ratio, rows)
     }
@@ -181,18 +164,12 @@ impl Prepared {
 
     fn huber(&self, white: &DVector<f64>, assumed: &Assumptions) -> Result<Solution> {
         let psi = self.whitened.psi();
-        let Huber {
-            values,
-            weights,
-            covariance,
-            sigma,
-        } = huber::huber(psi, self.whitened.factor(), white, &self.groups.concat())?;
+        let Huber { values, weights, covariance, sigma } =
+            huber::huber(psi, self.whitened.factor(), white, &self.groups.concat())?;
         let rank = self.whitened.factor().rank();
         let free = psi.nrows() - rank.min(psi.nrows());
         let (covariance, t_degrees_of_freedom) = match assumed.scale {
-            Scale::Known { sigma: known, .. } if sigma > 0.0 => {
-                (covariance.map(|c| c * (known / sigma).powi(2)), None)
-            }
+            Scale::Known { sigma: known, .. } if sigma > 0.0 => (covariance.map(|c| c * (known / sigma).powi(2)), None),
             _ => (covariance, Some(free)),
         };
         Ok(Solution {
@@ -284,10 +261,7 @@ pub(super) fn least_squares(
     let estimated = (free > 0).then(|| (size / free as f64).sqrt());
     let (sigma, t_degrees_of_freedom) = match assumed.scale {
         Scale::Known { sigma, .. } => (Some(sigma), None),
-        Scale::Repeats {
-            sigma,
-            degrees_of_freedom,
-        } => (Some(sigma), Some(degrees_of_freedom)),
+        Scale::Repeats { sigma, degrees_of_freedom } => (Some(sigma), Some(degrees_of_freedom)),
         Scale::Estimated => (estimated, Some(t_dof)),
     };
     let base = Solution {
@@ -313,21 +287,12 @@ pub(super) fn least_squares(
 }
 
 /// The same fit with no spring compliance below zero.
-fn bounded(
-    psi: &DMatrix<f64>,
-    delta: &DVector<f64>,
-    springs: usize,
-    base: Solution,
-) -> Result<Solution> {
+fn bounded(psi: &DMatrix<f64>, delta: &DVector<f64>, springs: usize, base: Solution) -> Result<Solution> {
     let (values, free) = non_negative(psi, delta, springs)?;
     // What the data say nothing about is not held by them.
     let held = |j: &usize| !free.contains(j) && !base.undetermined.contains(j);
     let at_bound: Vec<usize> = (0..springs).filter(held).collect();
-    Ok(Solution {
-        values,
-        at_bound,
-        ..base
-    })
+    Ok(Solution { values, at_bound, ..base })
 }
 
 /// Rows of the data with those of a prior below them, all in units of σ.
@@ -358,17 +323,15 @@ fn with_prior(
     assumed: &Assumptions,
 ) -> Result<Solution> {
     let prior = assumed.prior.as_ref().ok_or_else(|| {
-        Error::new(
-            Code::MissingKey,
-            "This estimate needs a prior joint stiffness, and the cell has none.",
-        )
-        .key("stiffness.prior_nm_per_rad")
+        Error::new(Code::MissingKey, "This estimate needs a prior joint stiffness, and the cell has none.")
+            .key("stiffness.prior_nm_per_rad")
     })?;
     let Some(sigma) = base.sigma.filter(|s| *s > 0.0) else {
         let message = "Weighing the prior against the data needs the size of the noise, and the data leave no \
                        degree of freedom to judge it.";
-        return Err(Error::new(Code::TooFewData, message)
-            .hint("take the size of the noise from the cell (noise known)"));
+        return Err(
+            Error::new(Code::TooFewData, message).hint("take the size of the noise from the cell (noise known)")
+        );
     };
     debug_assert!(psi.ncols() >= springs);
     let (psi, delta) = with_prior_rows(psi, delta, springs, prior, sigma);

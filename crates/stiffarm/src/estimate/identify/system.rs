@@ -77,10 +77,7 @@ impl MeasuredSystem {
             for label in self.labels_of(block).iter().filter(|l| keep(l)) {
                 let at = rows.len();
                 rows.extend(label.rows.clone());
-                labels.push(RowLabel {
-                    rows: at..rows.len(),
-                    ..*label
-                });
+                labels.push(RowLabel { rows: at..rows.len(), ..*label });
             }
             if rows.len() == from {
                 continue;
@@ -160,21 +157,11 @@ pub(super) fn assemble<'a>(
             for (d, displacement) in posture.displacements.iter().enumerate() {
                 let row = 3 * displacement.point;
                 if row + 3 > columns.nrows() {
-                    return Err(Error::new(
-                        Code::UnknownName,
-                        "A displacement names a point the tool does not have.",
-                    ));
+                    return Err(Error::new(Code::UnknownName, "A displacement names a point the tool does not have."));
                 }
                 system.psi.rows_mut(at, 3).copy_from(&columns.rows(row, 3));
-                system
-                    .delta
-                    .rows_mut(at, 3)
-                    .copy_from(&(displacement.value - known.fixed_rows::<3>(row)));
-                system.labels.push(RowLabel {
-                    measured: m,
-                    displacement: d,
-                    rows: at..at + 3,
-                });
+                system.delta.rows_mut(at, 3).copy_from(&(displacement.value - known.fixed_rows::<3>(row)));
+                system.labels.push(RowLabel { measured: m, displacement: d, rows: at..at + 3 });
                 at += 3;
             }
             torques.push(DVector::from_column_slice(terms.torque()));
@@ -199,10 +186,7 @@ pub(super) fn assemble<'a>(
         }
     }
     if system.delta.iter().any(|v| !v.is_finite()) {
-        return Err(Error::new(
-            Code::NotFinite,
-            "A displacement is not a finite number.",
-        ));
+        return Err(Error::new(Code::NotFinite, "A displacement is not a finite number."));
     }
     Ok(system)
 }
@@ -215,10 +199,7 @@ pub(crate) fn unknowns(robot: &Robot, extra: &[ExtraTerm]) -> Result<Vec<String>
     let mut unknowns = robot.spring_names();
     for (i, term) in extra.iter().enumerate() {
         if !term.fits(robot.joint_count()) {
-            let message = format!(
-                "An extra term names a joint or an entry that {} does not have.",
-                robot.name()
-            );
+            let message = format!("An extra term names a joint or an entry that {} does not have.", robot.name());
             return Err(Error::new(Code::UnknownName, message));
         }
         let name = term.name(robot);
@@ -258,11 +239,7 @@ pub(crate) fn known_displacement(
 /// postures without any displacement are left out.
 pub(super) fn states_by_posture(measured: &[MeasuredPosture]) -> Vec<Vec<usize>> {
     let mut order = by_name(measured.iter().map(|m| m.posture.name.as_str()));
-    order.retain(|states| {
-        states
-            .iter()
-            .any(|m| !measured[*m].displacements.is_empty())
-    });
+    order.retain(|states| states.iter().any(|m| !measured[*m].displacements.is_empty()));
     order
 }
 
@@ -282,8 +259,5 @@ pub(crate) fn by_name<'a>(names: impl Iterator<Item = &'a str>) -> Vec<Vec<usize
 }
 
 pub(super) fn no_displacements() -> Error {
-    Error::new(
-        Code::TooFewData,
-        "There are no displacements to identify from.",
-    )
+    Error::new(Code::TooFewData, "There are no displacements to identify from.")
 }

@@ -63,8 +63,8 @@ impl Whitening {
             // Zero rows let the decomposition see all columns.
             shared = shared.resize_vertically(columns, 0.0);
         }
-        let parts = tall_svd(shared)
-            .ok_or_else(|| Error::new(Code::NotFinite, "A covariance is not a finite number."))?;
+        let parts =
+            tall_svd(shared).ok_or_else(|| Error::new(Code::NotFinite, "A covariance is not a finite number."))?;
         let rank = parts.values.iter().filter(|v| **v > 0.0).count();
         let sizes = parts.values.rows(0, rank).map(|v| v * v);
         let at = |i: usize| sizes.iter().map(move |s| share(grid_place(i).exp(), *s));
@@ -123,10 +123,7 @@ impl Whitened {
                 }
                 psi.rows_mut(from, count).copy_from(&rows);
             }
-            blocks.push(Shared {
-                rows: block.rows.clone(),
-                by: Arc::new(by),
-            });
+            blocks.push(Shared { rows: block.rows.clone(), by: Arc::new(by) });
         }
         Whitened::of(psi, blocks)
     }
@@ -135,18 +132,9 @@ impl Whitened {
     fn of(psi: DMatrix<f64>, blocks: Vec<Shared>) -> Result<Self> {
         let factor = Factor::new(&psi)?;
         let basis = factor.basis(psi.nrows());
-        let seen = blocks
-            .iter()
-            .map(|b| {
-                basis
-                    .rows(b.rows.start, b.rows.len())
-                    .tr_mul(&b.by.directions)
-            })
-            .collect();
+        let seen = blocks.iter().map(|b| basis.rows(b.rows.start, b.rows.len()).tr_mul(&b.by.directions)).collect();
         // Where every row is a shift of its own, shifts and noise are one thing.
-        let separable = blocks
-            .iter()
-            .any(|b| b.by.directions.ncols() < b.rows.len());
+        let separable = blocks.iter().any(|b| b.by.directions.ncols() < b.rows.len());
         Ok(Whitened {
             shifts: blocks.iter().map(|b| b.by.directions.ncols()).sum(),
             psi,
@@ -173,15 +161,9 @@ impl Whitened {
         for &b in chosen {
             let block = &self.blocks[b];
             let (from, count) = (block.rows.start, block.rows.len());
-            psi.rows_mut(at, count)
-                .copy_from(&self.psi.rows(from, count));
-            delta
-                .rows_mut(at, count)
-                .copy_from(&white.rows(from, count));
-            blocks.push(Shared {
-                rows: at..at + count,
-                by: block.by.clone(),
-            });
+            psi.rows_mut(at, count).copy_from(&self.psi.rows(from, count));
+            delta.rows_mut(at, count).copy_from(&white.rows(from, count));
+            blocks.push(Shared { rows: at..at + count, by: block.by.clone() });
             at += count;
         }
         Ok((Whitened::of(psi, blocks)?, delta))
@@ -264,9 +246,7 @@ impl Whitened {
             let (from, count) = (block.rows.start, block.rows.len());
             let mut parts = block.by.directions.tr_mul(&rows.rows(from, count));
             for (k, size) in block.by.sizes.iter().enumerate() {
-                parts
-                    .row_mut(k)
-                    .scale_mut(1.0 - 1.0 / (1.0 + gamma * size).sqrt());
+                parts.row_mut(k).scale_mut(1.0 - 1.0 / (1.0 + gamma * size).sqrt());
             }
             let mut rows = out.rows_mut(from, count);
             rows -= &block.by.directions * parts;

@@ -98,9 +98,8 @@ pub(super) fn doubt(
             weighed.view_mut(at.0, at.1).copy_from(&block);
         }
         if let Some((_, both)) = &by_ratio {
-            let cross = both.columns(class.start, class.len())
-                * inverse.rows(class.start, class.len())
-                * spread[(1, 2 + c)];
+            let cross =
+                both.columns(class.start, class.len()) * inverse.rows(class.start, class.len()) * spread[(1, 2 + c)];
             more -= &cross;
             more -= cross.transpose();
         }
@@ -131,11 +130,7 @@ fn bound(information: &mut DMatrix<f64>, from: usize, most: f64) {
         return;
     };
     let mut block = information.view_mut((from, from), (count, count));
-    for (value, vector) in eigen
-        .eigenvalues
-        .iter()
-        .zip(eigen.eigenvectors.column_iter())
-    {
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
         let lacks = (most.powi(-2) - value).max(0.0);
         block.ger(lacks, &vector, &vector, 1.0);
     }
@@ -151,18 +146,12 @@ fn eigen(matrix: DMatrix<f64>) -> Option<SymmetricEigen<f64, Dyn>> {
 /// one, on the space that it determines.
 fn inverted(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let root = matrix.diagonal().map(|v| v.max(f64::MIN_POSITIVE).sqrt());
-    let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| {
-        matrix[(i, j)] / (root[i] * root[j])
-    });
+    let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)] / (root[i] * root[j]));
     let mut out = DMatrix::zeros(matrix.nrows(), matrix.ncols());
     let Some(eigen) = eigen(scaled) else {
         return out;
     };
-    for (value, vector) in eigen
-        .eigenvalues
-        .iter()
-        .zip(eigen.eigenvectors.column_iter())
-    {
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
         if *value > RANK {
             out.ger(1.0 / value, &vector, &vector, 1.0);
         }

@@ -51,11 +51,7 @@ pub(super) fn likeliest(
 ) -> Result<(ElasticSizing, Found)> {
     let of = |sizing, near: Option<&Sizes>, sigma| {
         fit.control().check()?;
-        let choice = Choice {
-            sizing,
-            structure: true,
-            sigma,
-        };
+        let choice = Choice { sizing, structure: true, sigma };
         found(fit, white, axes, gamma, left_out, choice, near)
     };
     let alike = of(ElasticSizing::Alike, near, None)?;
@@ -95,12 +91,8 @@ pub(super) fn found(
     choice: Choice,
     near: Option<&Sizes>,
 ) -> Result<Found> {
-    let effects = fitted(
-        &fit.cell().setup.robot,
-        joint_give(fit, axes).as_slice(),
-        choice.sizing,
-        &fit.cell().known_elements,
-    );
+    let effects =
+        fitted(&fit.cell().setup.robot, joint_give(fit, axes).as_slice(), choice.sizing, &fit.cell().known_elements);
     let known = known(&fit.cell().known_elements, &effects, choice.sigma);
     let scales = effects.iter().map(|effect| effect.scale);
     let rows = white.of_effects(scales, &means(&effects), &known);
@@ -108,35 +100,19 @@ pub(super) fn found(
         return Err(too_few("the joint axes leave nothing of the displacements"));
     }
     let likelihood = Likelihood::new(&rows, left_out);
-    let is_structure = |class: &ElasticClass| {
-        matches!(class, ElasticClass::Bearing | ElasticClass::Beam) && !choice.structure
-    };
-    let nothing: Vec<bool> = (0..rows.told())
-        .map(|i| ElasticClass::ALL.get(i).is_some_and(is_structure))
-        .collect();
+    let is_structure =
+        |class: &ElasticClass| matches!(class, ElasticClass::Bearing | ElasticClass::Beam) && !choice.structure;
+    let nothing: Vec<bool> = (0..rows.told()).map(|i| ElasticClass::ALL.get(i).is_some_and(is_structure)).collect();
     let zeros = std::iter::repeat_n(0.0, rows.told());
-    let none = Sizes {
-        gamma,
-        classes: zeros.chain(rows.held).collect(),
-    };
-    let (Some((sizes, value)), Some(without)) = (
-        likelihood.best(near, &nothing, fit.control()),
-        likelihood.solve(&none),
-    ) else {
+    let none = Sizes { gamma, classes: zeros.chain(rows.held).collect() };
+    let (Some((sizes, value)), Some(without)) =
+        (likelihood.best(near, &nothing, fit.control()), likelihood.solve(&none))
+    else {
         return Err(too_few("there are hardly more displacements than joints"));
     };
     // The search may end a hair above what no effects at all give.
-    let (sizes, value) = if without.value <= value {
-        (none, without.value)
-    } else {
-        (sizes, value)
-    };
-    Ok(Found {
-        effects,
-        rows,
-        sizes,
-        values: [value, without.value],
-    })
+    let (sizes, value) = if without.value <= value { (none, without.value) } else { (sizes, value) };
+    Ok(Found { effects, rows, sizes, values: [value, without.value] })
 }
 
 /// Rows of what is known of the effects, in units of their scales, where σ is `sigma`; none without.
@@ -186,12 +162,7 @@ impl Found {
 
     /// The solution of the mixed-model equations of all postures but `left_out` in the effects' own units.
     pub(super) fn compliance(&self, fit: &Fit, left_out: &[usize]) -> Option<IdentifiedCompliance> {
-        let Found {
-            effects,
-            rows,
-            sizes,
-            ..
-        } = self;
+        let Found { effects, rows, sizes, .. } = self;
         let likelihood = Likelihood::new(rows, left_out);
         let plain = fit.solution();
         let fixed = rows.fixed;

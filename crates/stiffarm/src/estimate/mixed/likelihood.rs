@@ -82,9 +82,7 @@ impl Solved {
 
     /// L⁻¹Λ^(1/2) x of columns x of unknowns, A = L Lᵀ: their squares are xᵀ(XᵀV⁻¹X + Λ⁻¹)⁻¹x.
     fn whitened(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
-        let kept = DMatrix::from_fn(self.kept.len(), x.ncols(), |i, j| {
-            x[(self.kept[i], j)] * self.scale[self.kept[i]]
-        });
+        let kept = DMatrix::from_fn(self.kept.len(), x.ncols(), |i, j| x[(self.kept[i], j)] * self.scale[self.kept[i]]);
         self.factor.whitened(&kept)
     }
 
@@ -126,12 +124,7 @@ pub(super) struct Likelihood<'a> {
 impl<'a> Likelihood<'a> {
     /// Of all postures but `left_out` (ascending).
     pub(super) fn new(rows: &'a Rows, left_out: &'a [usize]) -> Self {
-        Likelihood {
-            rows,
-            left_out,
-            plain: rows.plain(left_out),
-            alike: rows.alike(left_out),
-        }
+        Likelihood { rows, left_out, plain: rows.plain(left_out), alike: rows.alike(left_out) }
     }
 
     pub(super) fn rows(&self) -> &'a Rows {
@@ -148,16 +141,12 @@ impl<'a> Likelihood<'a> {
     pub(super) fn solve(&self, sizes: &Sizes) -> Option<Solved> {
         let (fixed, random) = (self.rows.fixed, self.rows.random());
         let unknowns = fixed + random;
-        let sums = self
-            .rows
-            .at(sizes.gamma, self.left_out, &self.plain, self.alike.as_ref());
+        let sums = self.rows.at(sizes.gamma, self.left_out, &self.plain, self.alike.as_ref());
         let free = sums.rows + self.rows.idle.len();
         let free = free.checked_sub(fixed).filter(|free| *free > 0)?;
         let mut scale = DVector::from_element(unknowns, 1.0);
         for (class, size) in self.rows.classes.iter().zip(&sizes.classes) {
-            scale
-                .rows_mut(fixed + class.start, class.len())
-                .fill(size.sqrt());
+            scale.rows_mut(fixed + class.start, class.len()).fill(size.sqrt());
         }
         let gram = sums.gram;
         let kept: Vec<usize> = (0..unknowns).filter(|i| scale[*i] > 0.0).collect();
@@ -172,9 +161,7 @@ impl<'a> Likelihood<'a> {
         for i in fixed..kept.len() {
             matrix[(i, i)] += 1.0;
         }
-        let right = DVector::from_fn(kept.len(), |i, _| {
-            gram[(kept[i], unknowns)] * scale[kept[i]]
-        });
+        let right = DVector::from_fn(kept.len(), |i, _| gram[(kept[i], unknowns)] * scale[kept[i]]);
         let factor = Cholesky::new(&matrix)?;
         let solution = factor.solve(&right);
         let left = gram[(unknowns, unknowns)] - right.dot(&solution);
@@ -246,10 +233,7 @@ impl<'a> Likelihood<'a> {
             let trace = diagonal.rows(from, len).sum();
             gradient[shared + c] = len as f64 - trace - squares / solved.variance;
             along[shared + c] = squares;
-            moved.set_column(
-                shared + c,
-                &(solved.gram.view((0, from), (unknowns, len)) * effects),
-            );
+            moved.set_column(shared + c, &(solved.gram.view((0, from), (unknowns, len)) * effects));
         }
         for c in 0..self.rows.told() {
             let (from, len) = range(c);
@@ -263,11 +247,7 @@ impl<'a> Likelihood<'a> {
         let seen = solved.whitened(&moved);
         let free = solved.free as f64 * solved.variance;
         let curvature = own - seen.tr_mul(&seen) - &along * along.transpose() / free;
-        Some(Slopes {
-            value: solved.value,
-            gradient,
-            curvature: curvature / solved.variance,
-        })
+        Some(Slopes { value: solved.value, gradient, curvature: curvature / solved.variance })
     }
 }
 

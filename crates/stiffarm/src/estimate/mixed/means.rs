@@ -12,9 +12,7 @@ pub(super) fn gathered(columns: &mut DMatrix<f64>, means: &[Range<usize>]) {
 
 /// C L⁻¹.
 pub(super) fn scattered(columns: &mut DMatrix<f64>, means: &[Range<usize>]) {
-    with(columns, means, |count| {
-        (1.0 / (1.0 + count).sqrt() - 1.0) / count
-    });
+    with(columns, means, |count| (1.0 / (1.0 + count).sqrt() - 1.0) / count);
 }
 
 /// C (I + `part`(count) 1 1ᵀ): what L and its inverse are.
@@ -22,10 +20,7 @@ fn with(columns: &mut DMatrix<f64>, means: &[Range<usize>], part: impl Fn(f64) -
     for mean in means.iter().filter(|mean| !mean.is_empty()) {
         let own = columns.columns(mean.start, mean.len());
         let sum = own.column_sum() * part(mean.len() as f64);
-        for mut column in columns
-            .columns_mut(mean.start, mean.len())
-            .column_iter_mut()
-        {
+        for mut column in columns.columns_mut(mean.start, mean.len()).column_iter_mut() {
             column += &sum;
         }
     }

@@ -98,8 +98,7 @@ pub(crate) struct Alone {
 impl MixedFit {
     /// Why a fit with these options has no mixed model.
     pub(crate) fn excluded_by(options: &IdentifyOptions) -> Option<Error> {
-        let conflict =
-            |message: &str, hint: &str| Some(Error::new(Code::Conflict, message).hint(hint));
+        let conflict = |message: &str, hint: &str| Some(Error::new(Code::Conflict, message).hint(hint));
         if options.estimator != Estimator::TwoVariance || options.noise != NoiseSource::Estimated {
             return conflict(
                 "The mixed model estimates the size of the noise and of what a posture's points share itself.",
@@ -154,15 +153,8 @@ impl MixedFit {
         let near = other.map(|other| &other.sizes);
         let (axes, gamma) = (&solution.values, solution.gamma);
         let (sizing, found) = likeliest(fit, &white, axes, gamma, &[], near)?;
-        let compliance = found
-            .compliance(fit, &[])
-            .ok_or_else(|| too_few("the equations are singular"))?;
-        let Found {
-            effects,
-            rows,
-            sizes,
-            values,
-        } = found;
+        let compliance = found.compliance(fit, &[]).ok_or_else(|| too_few("the equations are singular"))?;
+        let Found { effects, rows, sizes, values } = found;
         Ok(MixedFit {
             reproduced: OnceLock::new(),
             response: OnceLock::new(),
@@ -244,11 +236,7 @@ impl MixedFit {
         let sigma = self.compliance.spread.as_ref().map(|spread| spread.sigma);
         let of = |sizing| {
             self.fit.control().check()?;
-            let choice = Choice {
-                sizing,
-                structure: false,
-                sigma,
-            };
+            let choice = Choice { sizing, structure: false, sigma };
             let (axes, gamma) = (&solution.values, solution.gamma);
             found(&self.fit, &self.white, axes, gamma, &[], choice, None)
         };
@@ -308,14 +296,9 @@ impl MixedFit {
     /// A fit that fails.
     pub(crate) fn alone(&self, kept: &[usize]) -> Result<Alone> {
         let all = self.rows.posture_count();
-        let left_out: Vec<usize> = (0..all)
-            .filter(|b| kept.binary_search(b).is_err())
-            .collect();
+        let left_out: Vec<usize> = (0..all).filter(|b| kept.binary_search(b).is_err()).collect();
         let plain = self.fit.fold_without(left_out)?;
-        let mut out = Alone {
-            axes: None,
-            mixed: None,
-        };
+        let mut out = Alone { axes: None, mixed: None };
         if plain.solution.undetermined != self.rows.idle {
             return Ok(out);
         }
@@ -346,28 +329,18 @@ impl MixedFit {
             let (axes, gamma, near) = (&solution.values, solution.gamma, Some(&self.sizes));
             let sigma = self.compliance.spread.as_ref().map(|spread| spread.sigma);
             let found = || {
-                let choice = Choice {
-                    sizing: self.sizing,
-                    structure: true,
-                    sigma,
-                };
+                let choice = Choice { sizing: self.sizing, structure: true, sigma };
                 let found = found(&self.fit, &self.white, axes, gamma, left_out, choice, near);
                 found.ok()?.compliance(&self.fit, left_out)
             };
             let determined = solution.undetermined == self.rows.idle;
-            Ok(MixedFold {
-                left_out: fold.left_out.clone(),
-                compliance: determined.then(found).flatten(),
-            })
+            Ok(MixedFold { left_out: fold.left_out.clone(), compliance: determined.then(found).flatten() })
         })
     }
 }
 
 fn too_few(why: &str) -> Error {
-    Error::new(
-        Code::TooFewData,
-        format!("Nothing can be said of what gives way beyond the joint axes: {why}."),
-    )
+    Error::new(Code::TooFewData, format!("Nothing can be said of what gives way beyond the joint axes: {why}."))
 }
 
 /// True where no displacement depends on unknown `j`: a joint that never carries load.
@@ -376,20 +349,9 @@ fn is_idle(system: &MeasuredSystem, j: usize) -> bool {
 }
 
 /// The system with the columns of extra terms.
-fn extended(
-    system: &MeasuredSystem,
-    terms: &[ExtraTerm],
-    columns: &DMatrix<f64>,
-) -> MeasuredSystem {
+fn extended(system: &MeasuredSystem, terms: &[ExtraTerm], columns: &DMatrix<f64>) -> MeasuredSystem {
     let fixed = system.psi.ncols();
-    let mut psi = system
-        .psi
-        .clone()
-        .resize_horizontally(fixed + terms.len(), 0.0);
+    let mut psi = system.psi.clone().resize_horizontally(fixed + terms.len(), 0.0);
     psi.columns_mut(fixed, terms.len()).copy_from(columns);
-    MeasuredSystem {
-        psi,
-        extra: terms.to_vec(),
-        ..system.clone()
-    }
+    MeasuredSystem { psi, extra: terms.to_vec(), ..system.clone() }
 }

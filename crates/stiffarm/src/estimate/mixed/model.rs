@@ -19,17 +19,11 @@ impl MixedModel {
     ///
     /// # Errors
     /// As [`Whitened::new`].
-    pub fn new(
-        system: &MeasuredSystem,
-        random: &DMatrix<f64>,
-        classes: Vec<Range<usize>>,
-    ) -> Result<Self> {
+    pub fn new(system: &MeasuredSystem, random: &DMatrix<f64>, classes: Vec<Range<usize>>) -> Result<Self> {
         let whitened = Whitened::new(system)?;
         let white = whitened.whiten(&system.delta);
         let shifts = whitened.is_separable();
-        Ok(MixedModel {
-            rows: Rows::new(&whitened, random, classes, &white, (&[], shifts)),
-        })
+        Ok(MixedModel { rows: Rows::new(&whitened, random, classes, &white, (&[], shifts)) })
     }
 
     /// −2 ln of the restricted likelihood, up to a constant, and its derivatives by ln γ
@@ -45,12 +39,7 @@ impl MixedModel {
     }
 
     /// h and u, their covariance and σ² at given ratios, all postures but `left_out`.
-    pub fn solve(
-        &self,
-        gamma: f64,
-        classes: &[f64],
-        left_out: &[usize],
-    ) -> Option<(DVector<f64>, DMatrix<f64>, f64)> {
+    pub fn solve(&self, gamma: f64, classes: &[f64], left_out: &[usize]) -> Option<(DVector<f64>, DMatrix<f64>, f64)> {
         let solved = Likelihood::new(&self.rows, left_out).solve(&sizes(gamma, classes))?;
         let covariance = solved.inverse() * solved.variance;
         Some((solved.values(&self.rows), covariance, solved.variance))
@@ -72,18 +61,11 @@ impl MixedModel {
 
     /// γ and the variance ratios of largest likelihood, with −2 ln L.
     pub fn best(&self) -> Option<(f64, Vec<f64>, f64)> {
-        let found = Likelihood::new(&self.rows, &[]).best(
-            None,
-            &vec![false; self.rows.told()],
-            Control::default(),
-        );
+        let found = Likelihood::new(&self.rows, &[]).best(None, &vec![false; self.rows.told()], Control::default());
         found.map(|(sizes, value)| (sizes.gamma, sizes.classes, value))
     }
 }
 
 fn sizes(gamma: f64, classes: &[f64]) -> Sizes {
-    Sizes {
-        gamma,
-        classes: classes.to_vec(),
-    }
+    Sizes { gamma, classes: classes.to_vec() }
 }

@@ -55,11 +55,7 @@ struct NeverLoaded {
 ///
 /// # Errors
 /// Postures that are none of the robot.
-pub(crate) fn never_loaded(
-    cell: &Cell,
-    saved: &Saved,
-    work: &[WorkRows],
-) -> Result<Option<Finding>> {
+pub(crate) fn never_loaded(cell: &Cell, saved: &Saved, work: &[WorkRows]) -> Result<Option<Finding>> {
     let spread = saved.predictor.spread.as_ref();
     let Some((spread, doubt)) = spread.and_then(|own| Some((own, own.doubt.as_ref()?))) else {
         return Ok(None);
@@ -85,11 +81,7 @@ pub(crate) fn never_loaded(
         length(found.untold),
         list(&found.places),
     );
-    Ok(Some(Finding::caution(
-        codes::NEVER_LOADED,
-        "load",
-        sentence,
-    )))
+    Ok(Some(Finding::caution(codes::NEVER_LOADED, "load", sentence)))
 }
 
 /// The numbers behind it; `None` where such directions do not rule the error, or it does not matter.
@@ -137,19 +129,12 @@ fn found(
     {
         left.swap(0, best);
     }
-    Ok(Some(NeverLoaded {
-        error: rms(error),
-        untold: rms(untold),
-        left,
-        places,
-    }))
+    Ok(Some(NeverLoaded { error: rms(error), untold: rms(untold), left, places }))
 }
 
 /// Columns d, each over the root of the variance of dᵀx, of the directions of which readings told less than half.
 fn untold_directions(spread: &Spread, doubt: &SizeDoubt) -> DMatrix<f64> {
-    let root = doubt
-        .prior
-        .map(|p| if p > 0.0 { 1.0 / p.sqrt() } else { 0.0 });
+    let root = doubt.prior.map(|p| if p > 0.0 { 1.0 / p.sqrt() } else { 0.0 });
     let n = root.len();
     let mut own = DMatrix::from_fn(n, n, |i, j| spread.covariance[(i, j)] * root[i] * root[j]);
     scattered(&mut own, &doubt.means);
@@ -180,22 +165,14 @@ fn seen(cell: &Cell, loads: &[SeenLoad]) -> Result<Vec<PostureTerms>> {
     let terms = |load: &SeenLoad| {
         let mut setup = cell.setup.clone();
         setup.tool.loading_point = load.at_m.into();
-        let wrench = Wrench {
-            force: load.force_n.into(),
-            moment: load.moment_nm.into(),
-        };
+        let wrench = Wrench { force: load.force_n.into(), moment: load.moment_nm.into() };
         PostureTerms::new(&setup, &load.q, Some(&wrench))
     };
     loads.iter().map(terms).collect()
 }
 
 /// Covariance of the unknowns after each of the postures was measured under the load of `setup`.
-fn after(
-    spread: &Spread,
-    setup: &Setup,
-    predictor: &IdentifiedCompliance,
-    loads: &[SeenLoad],
-) -> Result<DMatrix<f64>> {
+fn after(spread: &Spread, setup: &Setup, predictor: &IdentifiedCompliance, loads: &[SeenLoad]) -> Result<DMatrix<f64>> {
     let mut covariance = spread.covariance.clone();
     let is_same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME);
     for (i, load) in loads.iter().enumerate() {
@@ -239,21 +216,16 @@ fn places_of(
     let known = |of: &dyn Fn(usize) -> bool| {
         let own = (springs..predictor.values.len()).filter(|i| of(*i) && doubt.prior[*i] > 0.0);
         let own: Vec<usize> = own.collect();
-        let root: DVector<f64> =
-            DVector::from_iterator(own.len(), own.iter().map(|i| doubt.prior[*i].sqrt()));
+        let root: DVector<f64> = DVector::from_iterator(own.len(), own.iter().map(|i| doubt.prior[*i].sqrt()));
         let own_covariance = DMatrix::from_fn(own.len(), own.len(), |a, b| {
-            spread.covariance[(own[a], own[b])] / (root[a] * root[b])
-                + if a == b { 1e-9 } else { 0.0 }
+            spread.covariance[(own[a], own[b])] / (root[a] * root[b]) + if a == b { 1e-9 } else { 0.0 }
         });
         let across = DMatrix::from_fn(own.len(), with.nrows(), |a, r| with[(r, own[a])] / root[a]);
-        own_covariance
-            .cholesky()
-            .map_or(0.0, |factor| factor.solve(&across).dot(&across))
+        own_covariance.cholesky().map_or(0.0, |factor| factor.solve(&across).dot(&across))
     };
     let is_at = |i: usize, place: Option<usize>| predictor.extra[i - springs].joint() == place;
-    let mut all: Vec<(Option<usize>, f64)> = places(robot.joint_count())
-        .map(|place| (place, known(&|i| is_at(i, place))))
-        .collect();
+    let mut all: Vec<(Option<usize>, f64)> =
+        places(robot.joint_count()).map(|place| (place, known(&|i| is_at(i, place)))).collect();
     all.sort_by(|a, b| b.1.total_cmp(&a.1));
     let few = all.iter().take(MOST_PLACES);
     let named = few.filter(|(_, part)| *part > AS_MUCH * all[0].1);
@@ -265,10 +237,7 @@ fn places_of(
             None => "the base".to_string(),
             Some(j) => format!("{} and its link", robot.joints()[*j].name),
         };
-        out.push(format!(
-            "{name}{}",
-            loaded(*place, of_shift > of_turn, work, seen)
-        ));
+        out.push(format!("{name}{}", loaded(*place, of_shift > of_turn, work, seen)));
     }
     out
 }

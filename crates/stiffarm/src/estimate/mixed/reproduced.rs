@@ -39,15 +39,9 @@ impl Reproduced {
     ///
     /// # Errors
     /// No postures to be looked at; interrupted.
-    pub(crate) fn over_cell(
-        cell: &Cell,
-        terms: &[ExtraTerm],
-        control: Control<'_>,
-    ) -> Result<Self> {
+    pub(crate) fn over_cell(cell: &Cell, terms: &[ExtraTerm], control: Control<'_>) -> Result<Self> {
         let (setups, postures) = (cell.setup.cases(), postures(cell)?);
-        let each = postures
-            .iter()
-            .flat_map(|q| setups.iter().map(move |setup| (setup, q)));
+        let each = postures.iter().flat_map(|q| setups.iter().map(move |setup| (setup, q)));
         // A rope without direction bends nothing.
         let all = each.filter_map(|(setup, q)| PostureTerms::new(setup, q, None).ok());
         Reproduced::over(&cell.setup.robot, &all.collect::<Vec<_>>(), terms, control)
@@ -68,9 +62,7 @@ impl Reproduced {
         let portions: Vec<_> = all.chunks(PORTION).collect();
         let what = "the axes over the cell";
         let sums = in_order_watched(&portions, what, control, |(_, portion)| {
-            let blocks = portion
-                .iter()
-                .map(|own| own.borrow().block_with(robot, terms).transpose());
+            let blocks = portion.iter().map(|own| own.borrow().block_with(robot, terms).transpose());
             // One product for all of them.
             let rows: Vec<f64> = blocks.flat_map(|block| Vec::from(block.data)).collect();
             let rows = DMatrix::from_vec(count, rows.len() / count, rows);
@@ -78,9 +70,7 @@ impl Reproduced {
         })?;
         let mut sum = DMatrix::zeros(springs, count);
         sums.iter().for_each(|own| sum += own);
-        Ok(Reproduced {
-            projection: solved(&sum, springs),
-        })
+        Ok(Reproduced { projection: solved(&sum, springs) })
     }
 
     /// h + L u of values, or of their change \[rad/(N·m)\].
@@ -96,8 +86,7 @@ impl Reproduced {
         let mut row = DVector::zeros(spread.covariance.ncols());
         row[j] = 1.0;
         let besides = row.len() - springs;
-        row.rows_mut(springs, besides)
-            .copy_from(&self.projection.row(j).transpose());
+        row.rows_mut(springs, besides).copy_from(&self.projection.row(j).transpose());
         let with = &spread.covariance * &row;
         let variance = row.dot(&with).max(0.0);
         (with, variance)
@@ -111,12 +100,8 @@ fn solved(sum: &DMatrix<f64>, springs: usize) -> DMatrix<f64> {
     let most = scale.iter().copied().fold(0.0, f64::max);
     let bent: Vec<usize> = (0..springs).filter(|j| scale[*j] > 1e-9 * most).collect();
     let count = bent.len();
-    let gram = DMatrix::from_fn(count, count, |a, b| {
-        sum[(bent[a], bent[b])] / (scale[bent[a]] * scale[bent[b]])
-    });
-    let right = DMatrix::from_fn(count, out.ncols(), |a, i| {
-        sum[(bent[a], springs + i)] / scale[bent[a]]
-    });
+    let gram = DMatrix::from_fn(count, count, |a, b| sum[(bent[a], bent[b])] / (scale[bent[a]] * scale[bent[b]]));
+    let right = DMatrix::from_fn(count, out.ncols(), |a, i| sum[(bent[a], springs + i)] / scale[bent[a]]);
     if let Some(factor) = gram.cholesky() {
         let solved = factor.solve(&right);
         for (a, j) in bent.iter().enumerate() {
@@ -140,9 +125,7 @@ fn postures(cell: &Cell) -> Result<Vec<Vec<f64>>> {
         }
     }
     if found.len() < FEWEST {
-        found = (0..POSTURES as u32)
-            .map(|i| spread(&cell.bounds, i))
-            .collect();
+        found = (0..POSTURES as u32).map(|i| spread(&cell.bounds, i)).collect();
     }
     Ok(found)
 }

@@ -108,8 +108,7 @@ impl MixedFit {
         let spread = found.spread.as_ref();
         let robot = &self.fit().cell().setup.robot;
         let elements = self.effects.iter().zip(values);
-        let elements =
-            elements.filter(|(effect, _)| !ElasticClass::ENTRIES.contains(&effect.class));
+        let elements = elements.filter(|(effect, _)| !ElasticClass::ENTRIES.contains(&effect.class));
         let elements = elements.map(|(effect, value)| ElasticElement {
             name: effect.term.name(robot),
             class: effect.class,
@@ -118,12 +117,7 @@ impl MixedFit {
         MixedResult {
             sizing: self.sizing,
             elements: elements.collect(),
-            sizes: ElasticClass::ALL
-                .map(|class| ElasticSize {
-                    class,
-                    std: self.size(class),
-                })
-                .to_vec(),
+            sizes: ElasticClass::ALL.map(|class| ElasticSize { class, std: self.size(class) }).to_vec(),
             residual_std_m: spread.map_or(0.0, |s| s.sigma),
             posture_common_std_m: spread.map_or(0.0, |s| s.shift),
             total_std_m: spread.map_or(0.0, |s| s.sigma.hypot(s.shift)),

@@ -32,51 +32,31 @@ const KEPT: f64 = 1e-4;
 impl Likelihood<'_> {
     /// The sizes of largest likelihood: from `near`, or from several starts. Classes that are `nothing` are left out.
     /// `None` where there is no likelihood.
-    pub(super) fn best(
-        &self,
-        near: Option<&Sizes>,
-        nothing: &[bool],
-        control: Control<'_>,
-    ) -> Option<(Sizes, f64)> {
+    pub(super) fn best(&self, near: Option<&Sizes>, nothing: &[bool], control: Control<'_>) -> Option<(Sizes, f64)> {
         let rows = self.rows();
         let shared = rows.has_shifts().then_some(RATIO);
         let mut search = Search {
             likelihood: self,
-            bounds: shared
-                .into_iter()
-                .chain(nothing.iter().map(|_| SHARES))
-                .collect(),
+            bounds: shared.into_iter().chain(nothing.iter().map(|_| SHARES)).collect(),
             // Logarithm of the λ that gives a row the variance of the noise.
-            units: (0..nothing.len())
-                .map(|class| -rows.mean_square(class).ln())
-                .collect(),
+            units: (0..nothing.len()).map(|class| -rows.mean_square(class).ln()).collect(),
             nothing: nothing.to_vec(),
         };
         // What some classes alone would say is a doubt, not a result: one start is enough.
-        let shares = if nothing.contains(&true) {
-            &STARTS[..1]
-        } else {
-            &STARTS
-        };
+        let shares = if nothing.contains(&true) { &STARTS[..1] } else { &STARTS };
         let starts = match near {
             Some(sizes) => vec![search.near(sizes)],
             None => {
                 let from = |share: &f64| {
                     let at = |i: usize, _| {
-                        if shared.is_some() && i == 0 {
-                            0.0
-                        } else {
-                            *share
-                        }
+                        if shared.is_some() && i == 0 { 0.0 } else { *share }
                     };
                     DVector::from_fn(search.bounds.len(), at)
                 };
                 shares.iter().map(from).collect()
             }
         };
-        let found = starts
-            .into_iter()
-            .filter_map(|start| search.from(start, control));
+        let found = starts.into_iter().filter_map(|start| search.from(start, control));
         let best = found.min_by(|a, b| a.1.value.total_cmp(&b.1.value));
         best.map(|(x, at)| {
             let shared = search.shared();
@@ -86,12 +66,7 @@ impl Likelihood<'_> {
     }
 
     /// Classes that give next to nothing give nothing, where that is as likely.
-    fn without_nothing(
-        &self,
-        mut sizes: Sizes,
-        mut value: f64,
-        is_told: impl Fn(usize) -> bool,
-    ) -> (Sizes, f64) {
+    fn without_nothing(&self, mut sizes: Sizes, mut value: f64, is_told: impl Fn(usize) -> bool) -> (Sizes, f64) {
         let all = 0..self.rows().told();
         for class in all.filter(|c| !is_told(*c)) {
             if sizes.classes[class] == 0.0 {
@@ -144,12 +119,8 @@ impl Search<'_, '_> {
         let shared = self.shared();
         let ratio = (shared == 1).then(|| sizes.gamma.ln());
         let classes = sizes.classes.iter().zip(&self.units);
-        let all = ratio
-            .into_iter()
-            .chain(classes.map(|(size, unit)| size.ln() - unit));
-        let kept = all
-            .zip(&self.bounds)
-            .map(|(x, [low, high])| x.clamp(low + LITTLE, *high));
+        let all = ratio.into_iter().chain(classes.map(|(size, unit)| size.ln() - unit));
+        let kept = all.zip(&self.bounds).map(|(x, [low, high])| x.clamp(low + LITTLE, *high));
         let place = DVector::from_iterator(self.bounds.len(), kept);
         if sizes.classes.contains(&0.0)
             && let Some(slopes) = self.likelihood.slopes(&self.sizes(&place))

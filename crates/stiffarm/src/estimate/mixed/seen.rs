@@ -32,13 +32,7 @@ impl Seen {
     fn with(fit: &Fit, white: &DVector<f64>, basis: DMatrix<f64>, free: usize, gamma: f64) -> Seen {
         let both = fit.prepared().whitened().delta_with_shifts(white, gamma);
         let residual = &both - &basis * basis.tr_mul(&both);
-        Seen {
-            size: both.dot(&residual),
-            basis,
-            residual,
-            free,
-            gamma,
-        }
+        Seen { size: both.dot(&residual), basis, residual, free, gamma }
     }
 }
 
@@ -64,32 +58,17 @@ impl MixedFit {
         let mean = precision.clone().cholesky();
         let mean = mean.map_or_else(|| DVector::zeros(count), |f| f.solve(&known.tr_mul(&read)));
         let white = self.fit.white() - &random * mean;
-        let mut all = whitened
-            .psi()
-            .clone()
-            .resize_horizontally(fixed + random.ncols(), 0.0);
+        let mut all = whitened.psi().clone().resize_horizontally(fixed + random.ncols(), 0.0);
         all.columns_mut(fixed, random.ncols()).copy_from(&random);
         let all = whitened.with_shifts(&all, self.sizes.gamma);
         let mut matrix = all.tr_mul(&all);
         let mut own = matrix.view_mut((fixed, fixed), precision.shape());
         own += precision;
         rows.idle.iter().for_each(|j| matrix[(*j, *j)] += 1.0);
-        let basis = matrix
-            .cholesky()
-            .and_then(|factor| factor.l().solve_lower_triangular(&all.transpose()));
-        let basis = basis.ok_or_else(|| {
-            Error::new(
-                Code::Numerical,
-                "The equations of the mixed model are singular.",
-            )
-        })?;
+        let basis = matrix.cholesky().and_then(|factor| factor.l().solve_lower_triangular(&all.transpose()));
+        let basis =
+            basis.ok_or_else(|| Error::new(Code::Numerical, "The equations of the mixed model are singular."))?;
         let free = self.fit.system().delta.len() + rows.idle.len() - fixed;
-        Ok(Seen::with(
-            &self.fit,
-            &white,
-            basis.transpose(),
-            free,
-            self.sizes.gamma,
-        ))
+        Ok(Seen::with(&self.fit, &white, basis.transpose(), free, self.sizes.gamma))
     }
 }

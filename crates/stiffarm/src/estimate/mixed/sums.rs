@@ -83,11 +83,7 @@ pub(super) struct Known {
 impl Known {
     /// Nothing of so many.
     pub(super) fn nothing(effects: usize) -> Self {
-        Known {
-            rows: DMatrix::zeros(0, effects),
-            read: DVector::zeros(0),
-            ratio: None,
-        }
+        Known { rows: DMatrix::zeros(0, effects), read: DVector::zeros(0), ratio: None }
     }
 }
 
@@ -110,17 +106,13 @@ impl Rows {
         let count = fixed + random.ncols() + 1;
         let mut all = DMatrix::zeros(whitened.rows(), count);
         all.columns_mut(0, fixed).copy_from(whitened.psi());
-        all.column_mut(count - 1)
-            .copy_from(&whitened.residual(white));
+        all.column_mut(count - 1).copy_from(&whitened.residual(white));
         let (mut seen, mut along) = (Vec::new(), Vec::new());
-        let postures: Vec<Range<usize>> = (0..whitened.block_count())
-            .map(|b| whitened.block_rows(b))
-            .collect();
+        let postures: Vec<Range<usize>> = (0..whitened.block_count()).map(|b| whitened.block_rows(b)).collect();
         for (b, rows) in postures.iter().enumerate() {
             let mut own = random.rows(rows.start, rows.len()).into_owned();
             whitened.whiten_block(b, &mut own);
-            all.view_mut((rows.start, fixed), own.shape())
-                .copy_from(&own);
+            all.view_mut((rows.start, fixed), own.shape()).copy_from(&own);
             if shifts {
                 let (directions, sizes) = whitened.directions(b);
                 let x = all.rows(rows.start, rows.len());
@@ -132,11 +124,7 @@ impl Rows {
         let mut whole = all.transpose() * &all;
         // As if each had been read as zero: of the rest this changes nothing.
         idle.iter().for_each(|j| whole[(*j, *j)] += 1.0);
-        let seen = if seen.is_empty() {
-            DMatrix::zeros(count, 0)
-        } else {
-            DMatrix::from_columns(&seen)
-        };
+        let seen = if seen.is_empty() { DMatrix::zeros(count, 0) } else { DMatrix::from_columns(&seen) };
         let first = along.first().map_or(0.0, |(_, size): &(usize, f64)| *size);
         let is_alike = |(_, size): &(usize, f64)| (size / first - 1.0).abs() < ONE_SIZE;
         let alike = !along.is_empty() && along.iter().all(is_alike);
@@ -165,10 +153,7 @@ impl Rows {
         known: &Known,
     ) -> Self {
         let fixed = self.fixed;
-        let means: Vec<_> = means
-            .iter()
-            .map(|mean| fixed + mean.start..fixed + mean.end)
-            .collect();
+        let means: Vec<_> = means.iter().map(|mean| fixed + mean.start..fixed + mean.end).collect();
         let scales = std::iter::repeat_n(1.0, fixed).chain(scales);
         let changed = |mut columns: DMatrix<f64>| {
             scale_columns(&mut columns, scales.clone());
@@ -232,9 +217,7 @@ impl Rows {
     /// Rows of what is known of the random effects, and what was read there.
     pub(super) fn known(&self) -> (DMatrix<f64>, DVector<f64>) {
         let from = self.measured();
-        let rows = self
-            .all
-            .view((from, self.fixed), (self.known, self.random()));
+        let rows = self.all.view((from, self.fixed), (self.known, self.random()));
         let read = self.all.column(self.all.ncols() - 1);
         (rows.into_owned(), read.rows(from, self.known).into_owned())
     }
@@ -259,8 +242,7 @@ impl Rows {
     /// Number and size of each direction of the postures that take part.
     fn kept<'a>(&'a self, left_out: &'a [usize]) -> impl Iterator<Item = (usize, f64)> + 'a {
         let all = self.directions.iter().enumerate();
-        all.filter(move |(_, (posture, _))| left_out.binary_search(posture).is_err())
-            .map(|(k, (_, size))| (k, *size))
+        all.filter(move |(_, (posture, _))| left_out.binary_search(posture).is_err()).map(|(k, (_, size))| (k, *size))
     }
 
     /// XᵀX of all postures but `left_out`, without shifts.
@@ -291,21 +273,11 @@ impl Rows {
 
     /// The sums of all postures but `left_out`, of which `plain` are those without
     /// shifts and `alike` their directions, at the ratio `gamma` of the two variances.
-    pub(super) fn at(
-        &self,
-        gamma: f64,
-        left_out: &[usize],
-        plain: &DMatrix<f64>,
-        alike: Option<&Alike>,
-    ) -> Sums {
+    pub(super) fn at(&self, gamma: f64, left_out: &[usize], plain: &DMatrix<f64>, alike: Option<&Alike>) -> Sums {
         let mut out = Sums {
             gram: plain.clone(),
             logarithms: 0.0,
-            rows: self.known
-                + self
-                    .others(left_out)
-                    .map(|b| self.postures[b].len())
-                    .sum::<usize>(),
+            rows: self.known + self.others(left_out).map(|b| self.postures[b].len()).sum::<usize>(),
         };
         if gamma <= 0.0 {
             return out;
@@ -330,12 +302,7 @@ impl Rows {
     }
 
     /// What the information about γ needs, in columns times `scale`.
-    pub(super) fn ratio_sums(
-        &self,
-        gamma: f64,
-        left_out: &[usize],
-        scale: &DVector<f64>,
-    ) -> RatioSums {
+    pub(super) fn ratio_sums(&self, gamma: f64, left_out: &[usize], scale: &DVector<f64>) -> RatioSums {
         let count = scale.len();
         let kept: Vec<(usize, f64)> = self.kept(left_out).collect();
         let mut x = DMatrix::zeros(count, kept.len());
@@ -353,12 +320,7 @@ impl Rows {
             let part = gamma * size;
             x.column_mut(to).scale_mut((part / (1.0 + part)).sqrt());
         }
-        RatioSums {
-            second: &x * x.transpose(),
-            first,
-            trace,
-            squares,
-        }
+        RatioSums { second: &x * x.transpose(), first, trace, squares }
     }
 
     /// Derivatives by ln γ at `solution` (of X's columns, −1 for the last), where `whitened` makes of columns x of unknowns
@@ -393,13 +355,7 @@ impl Rows {
         let x = DMatrix::from_columns(&columns.collect::<Vec<_>>());
         let left = x.tr_mul(solution);
         let seen = whitened(&x.rows(0, unknowns).into_owned());
-        let mut out = ByRatio {
-            logarithms: 0.0,
-            squares: 0.0,
-            determinant: 0.0,
-            twice: 0.0,
-            moved: DVector::zeros(0),
-        };
+        let mut out = ByRatio { logarithms: 0.0, squares: 0.0, determinant: 0.0, twice: 0.0, moved: DVector::zeros(0) };
         let mut changed = left.clone();
         for (i, (_, size)) in kept.iter().enumerate() {
             let part = gamma * size;

@@ -40,14 +40,8 @@ pub(super) fn further_loads(cell: &Cell, magnitude: f64) -> Vec<(String, Setup)>
         Load::Rope { anchor, .. } => Some(anchor),
         _ => None,
     });
-    let frames = Frames::new(
-        &cell.setup.robot,
-        &vec![0.0; cell.setup.robot.joint_count()],
-    );
-    let (axis, origin) = (
-        UnitVector3::new_normalize(frames.axes()[0]),
-        on_first_axis(&frames),
-    );
+    let frames = Frames::new(&cell.setup.robot, &vec![0.0; cell.setup.robot.joint_count()]);
+    let (axis, origin) = (UnitVector3::new_normalize(frames.axes()[0]), on_first_axis(&frames));
     for anchor in anchors {
         for quarters in 1..4 {
             let turn = Rotation3::from_axis_angle(&axis, f64::from(quarters) * FRAC_PI_2);
@@ -55,10 +49,7 @@ pub(super) fn further_loads(cell: &Cell, magnitude: f64) -> Vec<(String, Setup)>
             let [x, y, z] = anchor.map(|v| (1e3 * v).round() + 0.0).into();
             let words = format!("The rope from an anchor at [{x}, {y}, {z}] mm");
             let load = Load::Rope { anchor, magnitude };
-            let setup = Setup {
-                load,
-                ..cell.setup.clone()
-            };
+            let setup = Setup { load, ..cell.setup.clone() };
             out.push((words, setup));
         }
     }
@@ -66,12 +57,7 @@ pub(super) fn further_loads(cell: &Cell, magnitude: f64) -> Vec<(String, Setup)>
 }
 
 /// What a place carries at work and what it carried in the readings, in words; nothing where these do not differ much.
-pub(super) fn loaded(
-    place: Option<usize>,
-    by_force: bool,
-    work: &[WorkRows],
-    seen: &[PostureTerms],
-) -> String {
+pub(super) fn loaded(place: Option<usize>, by_force: bool, work: &[WorkRows], seen: &[PostureTerms]) -> String {
     let work = work.iter().map(|own| &own.terms);
     let Some(unlike) = Unlike::new(place, by_force, work, seen.iter()) else {
         return String::new();
@@ -91,12 +77,7 @@ pub(super) fn loaded(
 
 /// That no reading has turned the base about a direction about which the work does, where that is so: the model takes what
 /// it gives there from elsewhere, and its bands cannot know better.
-pub(super) fn never_turned(
-    cell: &Cell,
-    saved: &Saved,
-    work: &[WorkRows],
-    seen: &[PostureTerms],
-) -> Option<Finding> {
+pub(super) fn never_turned(cell: &Cell, saved: &Saved, work: &[WorkRows], seen: &[PostureTerms]) -> Option<Finding> {
     let at_work = || work.iter().map(|own| &own.terms);
     let unlike = Unlike::new(None, false, at_work(), seen.iter())?;
     let Unlike { now, then, all, .. } = unlike;
@@ -144,10 +125,7 @@ impl Unlike {
         work: impl Iterator<Item = &'a PostureTerms>,
         seen: impl Iterator<Item = &'a PostureTerms>,
     ) -> Option<Self> {
-        let (at_work, read) = (
-            squares(place, by_force, work),
-            squares(place, by_force, seen),
-        );
+        let (at_work, read) = (squares(place, by_force, work), squares(place, by_force, seen));
         // What was not read at all counts as a hundredth of the work.
         let floor = (1e-4 * at_work.trace() / 3.0).max(f64::MIN_POSITIVE);
         let root = (read + Matrix3::identity() * floor).cholesky()?.l();
@@ -169,10 +147,7 @@ impl Unlike {
     /// The same size of other loads.
     fn size_of(&self, terms: &[PostureTerms]) -> f64 {
         let squares = squares(self.place, self.by_force, terms.iter());
-        self.direction
-            .dot(&(squares * self.direction))
-            .max(0.0)
-            .sqrt()
+        self.direction.dot(&(squares * self.direction)).max(0.0).sqrt()
     }
 
     /// The axis in words; of a joint `None` where it is none of its own.
@@ -191,18 +166,10 @@ impl Unlike {
 }
 
 /// Axes of a link in words.
-const OF_JOINT: [&str; 3] = [
-    "its link",
-    "the direction across its axis and its link",
-    "its axis",
-];
+const OF_JOINT: [&str; 3] = ["its link", "the direction across its axis and its link", "its axis"];
 
 /// Mean square of the loads at a place.
-fn squares<'a>(
-    place: Option<usize>,
-    by_force: bool,
-    all: impl Iterator<Item = &'a PostureTerms>,
-) -> Matrix3<f64> {
+fn squares<'a>(place: Option<usize>, by_force: bool, all: impl Iterator<Item = &'a PostureTerms>) -> Matrix3<f64> {
     let (mut sum, mut count) = (Matrix3::zeros(), 0.0);
     for terms in all {
         let load = load_at(terms, place, by_force);
@@ -221,11 +188,7 @@ fn load_at(terms: &PostureTerms, place: Option<usize>, by_force: bool) -> Vector
         None => (Matrix3::identity(), on_first_axis(frames)),
     };
     let wrench = terms.wrench().moved(terms.loading_point(), &origin);
-    let mut load = axes.tr_mul(&if by_force {
-        wrench.force
-    } else {
-        wrench.moment
-    });
+    let mut load = axes.tr_mul(&if by_force { wrench.force } else { wrench.moment });
     if !by_force {
         let axis = axes.tr_mul(&frames.axes()[place.unwrap_or(0)]);
         load -= axis * axis.dot(&load);

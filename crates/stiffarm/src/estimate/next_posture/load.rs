@@ -36,10 +36,7 @@ pub struct AssumedLoad {
 
 /// The load that the measured forces look like: a rope, or a cylinder that pushes, where their lines meet,
 /// else a constant force where they point alike.
-pub(super) fn assumed_load(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-) -> Result<(Load, AssumedLoad)> {
+pub(super) fn assumed_load(cell: &Cell, measured: &[MeasuredPosture]) -> Result<(Load, AssumedLoad)> {
     let mut lines: Vec<(Vector3<f64>, Vector3<f64>)> = Vec::new();
     let mut sizes = Vec::new();
     for posture in measured {
@@ -53,21 +50,16 @@ pub(super) fn assumed_load(
         }
     }
     let no_load = || {
-        let message = "The measured forces neither meet in a point nor point alike: no load can be assumed at another posture.";
-        Error::invalid(message)
-            .hint("set load.kind to what will load the robot, and use `select --given`")
+        let message =
+            "The measured forces neither meet in a point nor point alike: no load can be assumed at another posture.";
+        Error::invalid(message).hint("set load.kind to what will load the robot, and use `select --given`")
     };
     if lines.is_empty() {
         return Err(no_load());
     }
     let size = median(&sizes);
     if let Some((anchor, pushes)) = common_anchor(&lines) {
-        let assumed = AssumedLoad {
-            anchor_m: Some(anchor.into()),
-            pushes,
-            direction: None,
-            magnitude_n: size,
-        };
+        let assumed = AssumedLoad { anchor_m: Some(anchor.into()), pushes, direction: None, magnitude_n: size };
         let magnitude = if pushes { -size } else { size };
         return Ok((Load::Rope { anchor, magnitude }, assumed));
     }
@@ -76,12 +68,7 @@ pub(super) fn assumed_load(
         return Err(no_load());
     }
     let direction = mean.normalize();
-    let assumed = AssumedLoad {
-        anchor_m: None,
-        pushes: false,
-        direction: Some(direction.into()),
-        magnitude_n: size,
-    };
+    let assumed = AssumedLoad { anchor_m: None, pushes: false, direction: Some(direction.into()), magnitude_n: size };
     let wrench = Wrench::force(direction * size);
     let axes = Axes::Base;
     Ok((Load::Constant { wrench, axes }, assumed))
@@ -102,10 +89,7 @@ fn common_anchor(lines: &[(Vector3<f64>, Vector3<f64>)]) -> Option<(Vector3<f64>
         return None;
     }
     let anchor = normal.cholesky()?.solve(&moment);
-    let angles: Vec<f64> = lines
-        .iter()
-        .map(|(point, direction)| (anchor - point).angle(direction))
-        .collect();
+    let angles: Vec<f64> = lines.iter().map(|(point, direction)| (anchor - point).angle(direction)).collect();
     let typical = median(&angles);
     let pushes = typical > PI - MEETING;
     (pushes || typical < MEETING).then_some((anchor, pushes))

@@ -20,9 +20,7 @@ pub(in crate::estimate) use planned::measured_alike;
 pub use planned::{PlannedErrors, planned_errors};
 
 use crate::error::{Code, Error, Result};
-use crate::estimate::identify::{
-    Block, Estimator, Fit, Identification, JointEstimate, MeasuredSystem, Verdict, rms,
-};
+use crate::estimate::identify::{Block, Estimator, Fit, Identification, JointEstimate, MeasuredSystem, Verdict, rms};
 use crate::findings::list;
 use crate::model::cell::Cell;
 use crate::model::load::Load;
@@ -84,11 +82,7 @@ impl NextPosture {
 /// No stiffness to weigh joints by, measured forces from which no load can be
 /// assumed, no posture within the limits, or none with which all joints
 /// that the load turns are determined.
-pub fn next_posture(
-    fit: &Fit,
-    options: &GlobalOptions,
-    control: Control<'_>,
-) -> Result<NextPosture> {
+pub fn next_posture(fit: &Fit, options: &GlobalOptions, control: Control<'_>) -> Result<NextPosture> {
     let (result, measured) = (fit.identification()?, fit.postures());
     let mut cell = fit.cell().clone();
     let stiffness = stiffness(&cell, result)?;
@@ -102,9 +96,7 @@ pub fn next_posture(
     let relative = |factor: &Factor| -> Vec<Option<f64>> {
         let errors = factor.standard_errors();
         let of_springs = errors.iter().zip(&stiffness);
-        of_springs
-            .map(|(error, k)| error.map(|e| e * k * known.sigma))
-            .collect()
+        of_springs.map(|(error, k)| error.map(|e| e * k * known.sigma)).collect()
     };
     let before = relative(&Factor::new(&known.seen)?);
     let left_out = springs_left_out(&cell);
@@ -122,10 +114,7 @@ pub fn next_posture(
         open.retain(|name| turned.iter().any(|j| names[*j] == *name));
         Error::new(
             Code::NotIdentifiable,
-            format!(
-                "One more posture with this load does not determine {}.",
-                list(&open)
-            ),
+            format!("One more posture with this load does not determine {}.", list(&open)),
         )
     })?;
     let after = relative(&known.with(&cell, &q)?);
@@ -163,8 +152,7 @@ impl Known {
         // What the covariance has per unit of information: σ², for Huber's
         // estimator with what its weights cost.
         let inverse = factor.inverse_information();
-        let determined = (0..inverse.nrows())
-            .find(|j| !solution.undetermined.contains(j) && inverse[(*j, *j)] > 0.0);
+        let determined = (0..inverse.nrows()).find(|j| !solution.undetermined.contains(j) && inverse[(*j, *j)] > 0.0);
         let scale = solution
             .covariance
             .as_ref()
@@ -191,8 +179,7 @@ impl Known {
         let mut psi = DMatrix::zeros(each * setups.len(), unknowns);
         for (number, setup) in setups.iter().enumerate() {
             let terms = PostureTerms::new(setup, q, None)?;
-            psi.rows_mut(each * number, each)
-                .copy_from(&terms.block_with(&cell.setup.robot, &self.extra));
+            psi.rows_mut(each * number, each).copy_from(&terms.block_with(&cell.setup.robot, &self.extra));
         }
         let new = &self.root * psi;
         let mut all = DMatrix::zeros(rows + new.nrows(), unknowns);
@@ -208,9 +195,7 @@ fn typical(system: &MeasuredSystem) -> Result<&Block> {
     // A stable sort: of postures alike the first.
     order.sort_by_key(|b| b.rows.len());
     let middle = order.get(order.len() / 2);
-    middle
-        .copied()
-        .ok_or_else(|| Error::new(Code::Internal, "A fit without postures."))
+    middle.copied().ok_or_else(|| Error::new(Code::Internal, "A fit without postures."))
 }
 
 /// Share of the whole load, that of `setup`, in a measured load state with these terms.
@@ -237,21 +222,13 @@ fn root(fit: &Fit, cell: &Cell, block: &Block, gamma: f64, plain: bool) -> Resul
     for (d, label) in labels.iter().enumerate() {
         let (posture, point) = fit.experiment().behind(label);
         let case = cell.setup.load.case_of(&posture.state)?;
-        shares[d] = share(
-            &setups[case],
-            posture,
-            fit.experiment().terms(label.measured),
-        )?;
+        shares[d] = share(&setups[case], posture, fit.experiment().terms(label.measured))?;
         for axis in 0..3 {
             lay[(3 * d + axis, each * case + 3 * point + axis)] = shares[d];
         }
     }
     let largest = shares.amax();
-    let mut variance = if plain {
-        DMatrix::identity(count, count)
-    } else {
-        block.covariance.to_matrix(count)
-    };
+    let mut variance = if plain { DMatrix::identity(count, count) } else { block.covariance.to_matrix(count) };
     if largest > 0.0 {
         // The shift common to a posture's points grows with the load.
         let part = gamma / (largest * largest);

@@ -37,9 +37,7 @@ pub fn planned_errors<Q: AsRef<[f64]>>(fit: &Fit, planned: &[Q]) -> Result<Plann
     let relative = |factor: &Factor, sigma: f64| -> Vec<Option<f64>> {
         let errors = factor.standard_errors();
         let of_springs = errors.iter().zip(&stiffness);
-        of_springs
-            .map(|(error, k)| error.map(|e| e * k * sigma))
-            .collect()
+        of_springs.map(|(error, k)| error.map(|e| e * k * sigma)).collect()
     };
     let now = relative(&Factor::new(&known.seen)?, known.sigma);
     let mut after = Vec::with_capacity(planned.len());
@@ -56,10 +54,7 @@ pub fn planned_errors<Q: AsRef<[f64]>>(fit: &Fit, planned: &[Q]) -> Result<Plann
 ///
 /// # Errors
 /// As [`planned_errors`].
-pub(in crate::estimate) fn measured_alike<Q: AsRef<[f64]>>(
-    fit: &Fit,
-    planned: &[Q],
-) -> Result<Vec<MeasuredPosture>> {
+pub(in crate::estimate) fn measured_alike<Q: AsRef<[f64]>>(fit: &Fit, planned: &[Q]) -> Result<Vec<MeasuredPosture>> {
     let mut setup = fit.cell().setup.clone();
     if setup.load == Load::Measured {
         setup.load = load::assumed_load(fit.cell(), fit.postures())?.0;
@@ -83,15 +78,13 @@ pub(in crate::estimate) fn measured_alike<Q: AsRef<[f64]>>(
                     moment: terms.wrench().moment * share + wrench.moment,
                 };
                 // The preload is as large a part of the load as it was there.
-                let part = like.preload.zip(like.wrench).map(|(light, whole)| {
-                    light.force.dot(&whole.force) / whole.force.norm_squared()
-                });
+                let part = like
+                    .preload
+                    .zip(like.wrench)
+                    .map(|(light, whole)| light.force.dot(&whole.force) / whole.force.norm_squared());
                 new.preload = part.map(|part| Wrench::force(wrench.force * part));
             }
-            new.posture = Posture {
-                name: format!("planned {number}"),
-                q: q.as_ref().to_vec(),
-            };
+            new.posture = Posture { name: format!("planned {number}"), q: q.as_ref().to_vec() };
             out.push(new);
         }
     }

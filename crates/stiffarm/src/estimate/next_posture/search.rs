@@ -42,28 +42,19 @@ pub(super) fn best_posture(
     // Infinite outside the limits.
     let ready = cell.posture_margins()?;
     let at = |margins: &mut PostureMargins<'_>, q: &[f64]| -> Result<f64> {
-        if margins.least(q)? < 0.0 {
-            Ok(f64::INFINITY)
-        } else {
-            value(q)
-        }
+        if margins.least(q)? < 0.0 { Ok(f64::INFINITY) } else { value(q) }
     };
     let mut best: Option<Candidate> = None;
     let rounds = options.rounds.unwrap_or(ROUNDS).max(1);
     for round in 0..rounds {
-        let over = options
-            .time_limit
-            .is_some_and(|limit| begin.elapsed() >= limit);
+        let over = options.time_limit.is_some_and(|limit| begin.elapsed() >= limit);
         if round > 0 && (over || control.stopped()) {
             break;
         }
         let random = random_group(cell, StartKind::Uniform, CANDIDATES, options.seed, round)?;
         let mut found = in_order(&random, |(_, q)| {
             let value = at(&mut ready.clone(), q)?;
-            Ok(Candidate {
-                q: q.clone(),
-                value,
-            })
+            Ok(Candidate { q: q.clone(), value })
         })?;
         found.retain(|c| c.value.is_finite());
         // A stable sort: equal values stay in the order they were drawn.
@@ -104,9 +95,7 @@ fn improve(
         let mut moved = false;
         for direction in 0..2 * n {
             let along: Vec<f64> = if direction < n {
-                (0..n)
-                    .map(|j| f64::from(u8::from(j == direction)))
-                    .collect()
+                (0..n).map(|j| f64::from(u8::from(j == direction))).collect()
             } else {
                 (0..n).map(|_| 2.0 * rng.random::<f64>() - 1.0).collect()
             };

@@ -38,17 +38,8 @@ impl<'a> Answers<'a> {
     ///
     /// # Errors
     /// A state that is under none of the loads.
-    pub fn new(
-        stated: &'a Stated<'a>,
-        extra: &'a [ExtraTerm],
-        values: DVector<f64>,
-    ) -> Result<Self> {
-        let mut out = Answers {
-            stated,
-            extra,
-            values,
-            postures: Vec::new(),
-        };
+    pub fn new(stated: &'a Stated<'a>, extra: &'a [ExtraTerm], values: DVector<f64>) -> Result<Self> {
+        let mut out = Answers { stated, extra, values, postures: Vec::new() };
         let springs = out.values.len() - extra.len();
         let mut linear = out.values.clone();
         for (i, term) in extra.iter().enumerate() {
@@ -114,8 +105,7 @@ impl<'a> Answers<'a> {
                 self.moved_beside(&mut shown, m, terms, (*quantity, place))?;
             }
             for label in labels {
-                let displacement =
-                    &stated.experiment.postures()[m].displacements[label.displacement];
+                let displacement = &stated.experiment.postures()[m].displacements[label.displacement];
                 let own = 3 * displacement.point;
                 let change = shown.fixed_rows::<3>(own) - answer.displacement.fixed_rows::<3>(own);
                 out.fixed_rows_mut::<3>(label.rows.start).copy_from(&change);
@@ -193,12 +183,7 @@ impl<'a> Answers<'a> {
     }
 
     /// Where the change is in proportion to the number: of an element, or a shift, by itself.
-    fn simple_slope(
-        &self,
-        values: &[Valued],
-        own: Quantity,
-        k: usize,
-    ) -> Option<Result<DVector<f64>>> {
+    fn simple_slope(&self, values: &[Valued], own: Quantity, k: usize) -> Option<Result<DVector<f64>>> {
         let is_alone = values.len() == 1;
         let is_simple = own == Quantity::Shift || own.terms(k).is_some() || own == Quantity::Sensor;
         (is_alone && is_simple).then(|| {
@@ -254,11 +239,7 @@ pub(crate) mod internals {
                 continue;
             }
             let names = quantity.parts(stated.cell());
-            for (k, name) in names
-                .iter()
-                .enumerate()
-                .take(quantity.dimension(names.len()))
-            {
+            for (k, name) in names.iter().enumerate().take(quantity.dimension(names.len())) {
                 let at = |size: f64| vec![(quantity, Place::off(names.len(), k, size))];
                 let missed = |size: f64| -> Result<DVector<f64>> {
                     let (cell, measured) = stated.changed(&at(size))?;

@@ -341,10 +341,8 @@ impl Quantity {
     /// Names of those that can be identified on purpose: readings tell their numbers, and no extra term is theirs.
     pub fn can_be_free() -> impl Iterator<Item = &'static str> {
         let all = Quantity::ALL.into_iter();
-        all.filter(|own| {
-            own.is_told() && own.terms(0).is_none() && own.facts().numbers != Numbers::None
-        })
-        .map(Quantity::name)
+        all.filter(|own| own.is_told() && own.terms(0).is_none() && own.facts().numbers != Numbers::None)
+            .map(Quantity::name)
     }
 
     /// Whether residuals show it: the scale of the force is every stiffness's, and what lies behind the flange is a joint's.
@@ -385,10 +383,7 @@ impl Quantity {
                     Numbers::Body => 6,
                     _ => 3,
                 };
-                axes[..count]
-                    .iter()
-                    .map(|axis| format!("{load}{axis}"))
-                    .collect()
+                axes[..count].iter().map(|axis| format!("{load}{axis}")).collect()
             }
         }
     }
@@ -416,10 +411,7 @@ impl Quantity {
 
     /// Whether its frames are other ones where it is: all is computed anew there.
     pub fn moves_frames(self) -> bool {
-        matches!(
-            self,
-            Quantity::Points | Quantity::Angle(_) | Quantity::Coupling | Quantity::Rows
-        )
+        matches!(self, Quantity::Points | Quantity::Angle(_) | Quantity::Coupling | Quantity::Rows)
     }
 
     /// Step for a derivative by differences: small beside any geometry, large beside rounding, in its unit.

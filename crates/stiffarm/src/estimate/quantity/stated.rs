@@ -56,19 +56,13 @@ impl<'a> Stated<'a> {
                 let setup = cell.setup.of_state(&posture.state).ok()?;
                 let own = setup.load.wrench(terms.frames(), terms.loading_point())?;
                 let factor = own.force.dot(&wrench.force) / own.force.norm_squared();
-                let off = (wrench.force - own.force * factor).norm()
-                    + (wrench.moment - own.moment * factor).norm();
+                let off = (wrench.force - own.force * factor).norm() + (wrench.moment - own.moment * factor).norm();
                 (off <= OWN * wrench.force.norm()).then_some(factor)
             });
             own.map_or(Origin::Force, Origin::Own)
         };
         let postures = experiment.postures().iter().enumerate();
-        Stated {
-            fit,
-            experiment,
-            system,
-            origins: postures.map(origin).collect(),
-        }
+        Stated { fit, experiment, system, origins: postures.map(origin).collect() }
     }
 
     pub fn cell(&self) -> &'a Cell {
@@ -195,12 +189,7 @@ impl<'a> Stated<'a> {
     ///
     /// # Errors
     /// Angles whose load has no sides.
-    pub fn elements(
-        &self,
-        m: usize,
-        quantity: Quantity,
-        place: &Place,
-    ) -> Result<Vec<(ExtraTerm, f64)>> {
+    pub fn elements(&self, m: usize, quantity: Quantity, place: &Place) -> Result<Vec<(ExtraTerm, f64)>> {
         let mut out = Vec::new();
         for (i, size) in place.values.iter().enumerate() {
             let Some(term) = quantity.terms(i) else {
@@ -234,12 +223,7 @@ impl<'a> Stated<'a> {
     ///
     /// # Errors
     /// A state that is under none of the loads.
-    pub fn wrench(
-        &self,
-        setup: &Setup,
-        m: usize,
-        values: &[Valued],
-    ) -> Result<Option<(Wrench, Vector3<f64>)>> {
+    pub fn wrench(&self, setup: &Setup, m: usize, values: &[Valued]) -> Result<Option<(Wrench, Vector3<f64>)>> {
         let posture = &self.experiment.postures()[m];
         let Some(terms) = self.experiment.terms(m) else {
             return Ok(None);
@@ -268,9 +252,7 @@ impl<'a> Stated<'a> {
             match (quantity, sensor) {
                 (Quantity::ForceScale, _) => wrench = wrench.map(|v| v / (1.0 + place.values[0])),
                 (Quantity::SensorAxes, Some(sensor)) => {
-                    wrench = read_again(terms, &wrench, &at, sensor, |axes| {
-                        axes * place.rotated() * axes.transpose()
-                    });
+                    wrench = read_again(terms, &wrench, &at, sensor, |axes| axes * place.rotated() * axes.transpose());
                 }
                 (Quantity::SensorInBase, Some(sensor)) if place.turn[(0, 0)] > 0.0 => {
                     wrench = read_again(terms, &wrench, &at, sensor, |axes| axes.transpose());
@@ -349,9 +331,7 @@ fn change_setup(setup: &mut Setup, quantity: Quantity, place: &Place) {
         Quantity::LoadingPoint(None) => setup.tool.loading_point += place.vector(),
         Quantity::LoadingPoint(Some(i)) => {
             if let Load::Cases(cases) = &mut setup.load
-                && let Some(point) = cases
-                    .get_mut(i)
-                    .and_then(|case| case.loading_point.as_mut())
+                && let Some(point) = cases.get_mut(i).and_then(|case| case.loading_point.as_mut())
             {
                 *point += place.vector();
             }
@@ -390,8 +370,5 @@ fn read_again(
     let origin = pose.translation.vector;
     let axes = pose.rotation.to_rotation_matrix();
     let again = turn(axes.matrix());
-    wrench
-        .moved(at, &origin)
-        .map(|v| again * v)
-        .moved(&origin, at)
+    wrench.moved(at, &origin).map(|v| again * v).moved(&origin, at)
 }

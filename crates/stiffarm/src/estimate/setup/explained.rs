@@ -5,12 +5,8 @@ use crate::measure::Measured;
 use crate::measure::screening::{Cause, Screening};
 
 /// What the checks of the raw readings say where the displacements are not those that the set-up lets expect.
-const BY_SCREENING: [Cause; 4] = [
-    Cause::ReversedForce,
-    Cause::ExchangedStates,
-    Cause::DisplacementSize,
-    Cause::OtherLoad,
-];
+const BY_SCREENING: [Cause; 4] =
+    [Cause::ReversedForce, Cause::ExchangedStates, Cause::DisplacementSize, Cause::OtherLoad];
 /// What the residuals say.
 const BY_RESIDUALS: [&str; 7] = [
     codes::RESIDUALS_ABOVE_NOISE,
@@ -42,11 +38,7 @@ pub(crate) fn follows(finding: &Finding) -> bool {
 
 /// The screening without what only follows from the set-up.
 pub(crate) fn leave_out_explained(screening: &mut Screening) {
-    let kept: Vec<bool> = screening
-        .findings
-        .iter()
-        .map(|f| !is_explained(f))
-        .collect();
+    let kept: Vec<bool> = screening.findings.iter().map(|f| !is_explained(f)).collect();
     let mut both = kept.iter();
     screening.suspicions.retain(|_| both.next() != Some(&false));
     screening.findings.retain(|finding| !is_explained(finding));

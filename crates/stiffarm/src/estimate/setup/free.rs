@@ -57,20 +57,14 @@ pub fn free(fit: &Fit, elastic: ElasticChoice) -> Result<Option<(Fit, Vec<Freed>
         };
         let is_told = |error: &Option<f64>| error.is_some_and(|error| error < most);
         if !own.standard_error.iter().all(is_told) {
-            let message = format!(
-                "These readings cannot tell the {} beside the stiffness.",
-                quantity.facts().what
-            );
-            return Err(Error::new(Code::TooFewData, message)
-                .key("free")
-                .hint("leave it out; or measure more postures, a second anchor or several load states, which tell it apart"));
+            let message = format!("These readings cannot tell the {} beside the stiffness.", quantity.facts().what);
+            return Err(Error::new(Code::TooFewData, message).key("free").hint(
+                "leave it out; or measure more postures, a second anchor or several load states, which tell it apart",
+            ));
         }
     }
     let (cell, measured) = stated.changed(&at.values)?;
-    let measured = Measured {
-        postures: measured.postures,
-        ..fit.measured().clone()
-    };
+    let measured = Measured { postures: measured.postures, ..fit.measured().clone() };
     Ok(Some((fit.at(&cell, measured)?, freed)))
 }
 
@@ -83,10 +77,7 @@ fn wanted(stated: &Stated<'_>, names: &[String]) -> Result<Vec<Valued>> {
     for (i, name) in names.iter().enumerate() {
         let refused = |code, message: String| Error::new(code, message).key("free");
         if names[..i].contains(name) {
-            return Err(
-                refused(Code::Duplicate, format!("\"{name}\" is to be free twice."))
-                    .hint("name it once"),
-            );
+            return Err(refused(Code::Duplicate, format!("\"{name}\" is to be free twice.")).hint("name it once"));
         }
         if !Quantity::can_be_free().any(|own| own == name) {
             let known: Vec<&str> = Quantity::can_be_free().collect();
@@ -112,12 +103,10 @@ fn wanted(stated: &Stated<'_>, names: &[String]) -> Result<Vec<Valued>> {
             (*own, Place::new(Matrix3::identity(), vec![0.0; count]))
         }));
         if out.len() == from {
-            let known: Vec<&str> = Quantity::can_be_free()
-                .filter(|name| here.iter().any(|own| own.name() == *name))
-                .collect();
+            let known: Vec<&str> =
+                Quantity::can_be_free().filter(|name| here.iter().any(|own| own.name() == *name)).collect();
             let message = format!("These readings do not depend on \"{name}\" in this cell.");
-            return Err(refused(Code::Unsupported, message)
-                .hint(format!("they do on {}", known.join(", "))));
+            return Err(refused(Code::Unsupported, message).hint(format!("they do on {}", known.join(", "))));
         }
     }
     Ok(out)

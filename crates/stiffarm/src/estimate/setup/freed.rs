@@ -72,30 +72,17 @@ impl Step {
 impl At {
     /// How many numbers are free.
     pub(super) fn numbers(&self) -> usize {
-        self.values
-            .iter()
-            .map(|(_, place)| place.values.len())
-            .sum()
+        self.values.iter().map(|(_, place)| place.values.len()).sum()
     }
 
     /// The fit as it is, with springs beyond the axes where the readings carry these and `is_mixed` grants them, looked for
     /// near those of `near`.
-    pub(super) fn new(
-        values: Vec<Valued>,
-        fit: Fit,
-        is_mixed: bool,
-        near: Option<&MixedFit>,
-    ) -> Result<Self> {
+    pub(super) fn new(values: Vec<Valued>, fit: Fit, is_mixed: bool, near: Option<&MixedFit>) -> Result<Self> {
         let mixed = match is_mixed {
             true => carried_near(&fit, near)?.ok(),
             false => None,
         };
-        Ok(At {
-            values,
-            value: value(&fit, mixed.as_ref()),
-            mixed: mixed.map(Arc::new),
-            fit,
-        })
+        Ok(At { values, value: value(&fit, mixed.as_ref()), mixed: mixed.map(Arc::new), fit })
     }
 }
 
@@ -112,11 +99,7 @@ pub(super) struct Linear<'a> {
 
 impl<'a> Linear<'a> {
     /// Of the axes alone, or with springs beyond them.
-    pub(super) fn new(
-        stated: &'a Stated<'a>,
-        fit: &'a Fit,
-        mixed: Option<&'a MixedFit>,
-    ) -> Option<Self> {
+    pub(super) fn new(stated: &'a Stated<'a>, fit: &'a Fit, mixed: Option<&'a MixedFit>) -> Option<Self> {
         let (response, values) = match mixed {
             Some(mixed) => (mixed.response().ok()?, &mixed.compliance().values),
             None => (Arc::new(Response::new(fit).ok()?), &fit.solution().values),
@@ -137,12 +120,7 @@ impl<'a> Linear<'a> {
 
 impl Stated<'_> {
     /// The fit with quantities at these values; `None` where it cannot be had.
-    pub(super) fn at(
-        &self,
-        values: Vec<Valued>,
-        is_mixed: bool,
-        near: Option<&MixedFit>,
-    ) -> Option<At> {
+    pub(super) fn at(&self, values: Vec<Valued>, is_mixed: bool, near: Option<&MixedFit>) -> Option<At> {
         let (cell, measured) = self.changed(&values).ok()?;
         let fit = Fit::new(&cell, measured, self.fit.options()).ok()?;
         let found = At::new(values, fit, is_mixed, near).ok()?;
@@ -175,11 +153,7 @@ impl Stated<'_> {
         let sigma = sigma.unwrap_or((after / free as f64).sqrt());
         let errors = factor.standard_errors().into_iter();
         let errors = errors.map(|e| e.map_or(f64::INFINITY, |e| e * sigma));
-        Some(Step {
-            errors: DVector::from_iterator(count, errors),
-            change,
-            squares: [before, before - after],
-        })
+        Some(Step { errors: DVector::from_iterator(count, errors), change, squares: [before, before - after] })
     }
 
     fn step_of(&self, at: &At) -> Option<Step> {

@@ -115,8 +115,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
         return Ok(None);
     };
     let has_approach = fit.cell().route.approach.is_some();
-    let is_asked =
-        |own: &Quantity| own.is_told() && !(*own == Quantity::LostMotion && has_approach);
+    let is_asked = |own: &Quantity| own.is_told() && !(*own == Quantity::LostMotion && has_approach);
     let mut quantities = stated.quantities();
     quantities.retain(is_asked);
     let alone = in_order(&quantities, |(_, quantity)| {
@@ -169,11 +168,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
     };
     let values = &best.values[0].1.values;
     let size = values.norm() / (values.len().max(1) as f64).sqrt();
-    Ok(Some(SetUp {
-        off: finding.as_ref().map(|_| (quantity, size)),
-        freed,
-        finding,
-    }))
+    Ok(Some(SetUp { off: finding.as_ref().map(|_| (quantity, size)), freed, finding }))
 }
 
 /// What the readings say of a quantity with which they are clearly likelier elsewhere.
@@ -194,9 +189,7 @@ fn judged(fit: &Fit, best: &At, first: &Freed, grants: bool) -> Result<Option<Wo
     let each = EACH * best.numbers() as f64;
     let is_strong = first.likelihood_ratio > REJECTED + each;
     let least = each + if is_strong { REJECTED } else { DOUBTED };
-    if first.likelihood_ratio <= least
-        || is_within_stated(fit, &best.values[0], &first.standard_error)
-    {
+    if first.likelihood_ratio <= least || is_within_stated(fit, &best.values[0], &first.standard_error) {
         return Ok(None);
     }
     let [all, left] = first.residual_rms_m;
@@ -233,12 +226,7 @@ fn described(stated: &Stated<'_>, at: &At, before: f64) -> Vec<Freed> {
 
 /// A quantity freed beside the axes alone, whose fit with all as stated is `linear`; `None` where that is not worth a
 /// second look.
-fn freed_alone(
-    stated: &Stated<'_>,
-    linear: &Linear<'_>,
-    quantity: Quantity,
-    is_more: bool,
-) -> Option<At> {
+fn freed_alone(stated: &Stated<'_>, linear: &Linear<'_>, quantity: Quantity, is_more: bool) -> Option<At> {
     let mut places = stated.starts(quantity).into_iter();
     let as_stated = vec![(quantity, places.next()?)];
     let score = stated.score(&as_stated[0], linear);

@@ -22,16 +22,12 @@ impl Stated<'_> {
                 let cases = cell.setup.load.cases().iter();
                 others.extend(cases.filter_map(|case| case.loading_point));
                 let moves = others.into_iter().map(|other| other - stated);
-                out.extend(
-                    moves.map(|v| Place::new(Matrix3::identity(), v.iter().copied().collect())),
-                );
+                out.extend(moves.map(|v| Place::new(Matrix3::identity(), v.iter().copied().collect())));
             }
             Quantity::Anchor(i) => {
                 let stated = anchor(cell, i);
                 let turned = exchanges().map(|turn| turn * stated - stated);
-                out.extend(
-                    turned.map(|v| Place::new(Matrix3::identity(), v.iter().copied().collect())),
-                );
+                out.extend(turned.map(|v| Place::new(Matrix3::identity(), v.iter().copied().collect())));
             }
             Quantity::Gravity => out.extend(signed_axes().map(|turn| Place::new(turn, zeros(2)))),
             // The positions behind readings show which axis is which.

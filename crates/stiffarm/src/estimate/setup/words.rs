@@ -19,9 +19,7 @@ const COVERAGE: f64 = 2.0;
 pub(super) fn key(cell: &Cell, quantity: Quantity) -> String {
     let key = quantity.facts().key;
     let of_case = match quantity {
-        Quantity::Anchor(i) | Quantity::LoadingPoint(Some(i)) => {
-            cell.setup.load.has_cases().then_some(i)
-        }
+        Quantity::Anchor(i) | Quantity::LoadingPoint(Some(i)) => cell.setup.load.has_cases().then_some(i),
         _ => None,
     };
     match (of_case, key.strip_prefix("load.")) {
@@ -74,11 +72,7 @@ pub(super) fn asked(cell: &Cell, quantity: Quantity, place: &Place) -> Vec<f64> 
         Quantity::SensorAxes => vector(turn_vector(&place.rotated())),
         Quantity::Registration => vector(turn_vector(&place.rotated().transpose())),
         _ if quantity.facts().numbers == Numbers::None => vec![place.turn[(0, 0)]],
-        Quantity::Points => [
-            vector(place.vector()),
-            vector(turn_vector(&place.rotated())),
-        ]
-        .concat(),
+        Quantity::Points => [vector(place.vector()), vector(turn_vector(&place.rotated()))].concat(),
         _ => place.values.iter().copied().collect(),
     }
 }
@@ -93,8 +87,7 @@ fn turn_vector(turn: &Matrix3<f64>) -> Vector3<f64> {
 fn axes(turn: &Matrix3<f64>) -> String {
     const NAMES: [&str; 3] = ["x", "y", "z"];
     let nearest = turn.map(f64::round);
-    let is_exchange =
-        (turn - nearest).norm() < 0.05 && (nearest.determinant().abs() - 1.0).abs() < 1e-9;
+    let is_exchange = (turn - nearest).norm() < 0.05 && (nearest.determinant().abs() - 1.0).abs() < 1e-9;
     if !is_exchange || nearest == Matrix3::identity() {
         let axis = turn_vector(turn);
         let unit = axis.try_normalize(1e-12).unwrap_or_default();
@@ -104,11 +97,7 @@ fn axes(turn: &Matrix3<f64>) -> String {
             unit.x,
             unit.y,
             unit.z,
-            if turn.determinant() < 0.0 {
-                " and mirrored"
-            } else {
-                ""
-            }
+            if turn.determinant() < 0.0 { " and mirrored" } else { "" }
         );
     }
     let mut out = Vec::new();
@@ -125,11 +114,7 @@ fn axes(turn: &Matrix3<f64>) -> String {
 /// Millimetres in brackets, with the digits that the errors allow.
 fn place_mm(values: &[f64], errors: &[f64]) -> String {
     let largest = errors.iter().copied().fold(0.0, f64::max) * COVERAGE;
-    let digits = if largest < 1e-4 {
-        2
-    } else {
-        usize::from(largest < 2e-3)
-    };
+    let digits = if largest < 1e-4 { 2 } else { usize::from(largest < 2e-3) };
     let one = |v: &f64| format!("{:.digits$}", m_to_mm(*v) + 0.0);
     let all: Vec<String> = values.iter().map(one).collect();
     match largest {
@@ -141,10 +126,7 @@ fn place_mm(values: &[f64], errors: &[f64]) -> String {
 }
 
 fn bare_mm(values: &[f64]) -> String {
-    let all: Vec<String> = values
-        .iter()
-        .map(|v| format!("{:.0}", m_to_mm(*v) + 0.0))
-        .collect();
+    let all: Vec<String> = values.iter().map(|v| format!("{:.0}", m_to_mm(*v) + 0.0)).collect();
     format!("({})", all.join(", "))
 }
 
@@ -154,11 +136,7 @@ pub(super) fn wanted(cell: &Cell, (quantity, place): &Valued, own: &Freed) -> St
     let errors = own.standard_error.iter().map(|e| e.unwrap_or(0.0));
     let (asked, errors): (_, &Vec<f64>) = (&own.asked, &errors.collect());
     match quantity {
-        Quantity::Anchor(_) => format!(
-            "the anchor at {}; {key} has {}",
-            place_mm(asked, errors),
-            bare_mm(&own.stated)
-        ),
+        Quantity::Anchor(_) => format!("the anchor at {}; {key} has {}", place_mm(asked, errors), bare_mm(&own.stated)),
         Quantity::LoadingPoint(_) => format!(
             "the loading point at {} in flange axes; {key} has {}{}",
             place_mm(asked, errors),
@@ -190,33 +168,22 @@ pub(super) fn wanted(cell: &Cell, (quantity, place): &Valued, own: &Freed) -> St
                 force.z + 0.0
             )
         }
-        Quantity::Shift => format!(
-            "a shift common to all loaded readings, {}",
-            place_mm(asked, errors)
-        ),
-        Quantity::Offset => format!(
-            "{:+.0} ± {:.0} N along the load in every loaded state",
-            asked[0],
-            COVERAGE * errors[0]
-        ),
-        Quantity::Sign => "the opposite sign of the load".to_string(),
-        Quantity::SensorInBase => {
-            "forces that are given in base axes, not in those of the sensor".to_string()
+        Quantity::Shift => format!("a shift common to all loaded readings, {}", place_mm(asked, errors)),
+        Quantity::Offset => {
+            format!("{:+.0} ± {:.0} N along the load in every loaded state", asked[0], COVERAGE * errors[0])
         }
+        Quantity::Sign => "the opposite sign of the load".to_string(),
+        Quantity::SensorInBase => "forces that are given in base axes, not in those of the sensor".to_string(),
         Quantity::Points => format!(
             "measuring points moved by {} in flange axes and {}",
             place_mm(&asked[..3], &errors[..3]),
             axes(&place.rotated())
         ),
         Quantity::SensorAxes => format!("the sensor's axes {}", axes(&place.rotated())),
-        Quantity::SensorOrigin => format!(
-            "the sensor's origin {} from where {key} has it, in flange axes",
-            place_mm(asked, errors)
-        ),
-        Quantity::Registration => format!(
-            "other axes of the displacements: {}",
-            axes(&place.rotated().transpose())
-        ),
+        Quantity::SensorOrigin => {
+            format!("the sensor's origin {} from where {key} has it, in flange axes", place_mm(asked, errors))
+        }
+        Quantity::Registration => format!("other axes of the displacements: {}", axes(&place.rotated().transpose())),
         Quantity::Angle(j) => {
             let joint = &cell.setup.robot.joints()[*j].name;
             let offset = rad_to_deg(place.values[0]);
@@ -232,36 +199,21 @@ pub(super) fn wanted(cell: &Cell, (quantity, place): &Valued, own: &Freed) -> St
             format!("{joint} {said}")
         }
         Quantity::Coupling => format!("axis 3 that counts {:+.0} times axis 2", place.turn[(0, 0)]),
-        Quantity::Rows => format!(
-            "{} rows; the cell has them as {key}",
-            cell.setup.robot.convention().other().name()
-        ),
+        Quantity::Rows => format!("{} rows; the cell has them as {key}", cell.setup.robot.convention().other().name()),
         Quantity::LostMotion => format!(
             "lost motion in the joints, up to {:.2} arc-minutes",
             60.0 * rad_to_deg(asked.iter().copied().fold(0.0, f64::max))
         ),
-        Quantity::BaseTilt => format!(
-            "a base that tilts, {:.1e} N·m/rad about each horizontal axis",
-            1.0 / asked[0]
-        ),
+        Quantity::BaseTilt => format!("a base that tilts, {:.1e} N·m/rad about each horizontal axis", 1.0 / asked[0]),
         // No residual tells these.
         Quantity::ForceScale | Quantity::Sensor => String::new(),
     }
 }
 
 /// The finding about the quantity that explains most.
-pub(super) fn finding(
-    cell: &Cell,
-    quantity: Quantity,
-    own: &Freed,
-    alike: &[Quantity],
-    word: &Word,
-) -> Finding {
+pub(super) fn finding(cell: &Cell, quantity: Quantity, own: &Freed, alike: &[Quantity], word: &Word) -> Finding {
     let wanted = match quantity {
-        Quantity::Sign => {
-            "The points move against the stated load: the readings ask for its opposite sign"
-                .to_string()
-        }
+        Quantity::Sign => "The points move against the stated load: the readings ask for its opposite sign".to_string(),
         _ => format!("The readings ask for {}", own.words),
     };
     let remedy = match (quantity, &cell.sensor) {
@@ -272,19 +224,14 @@ pub(super) fn finding(
     };
     let names: Vec<String> = alike
         .iter()
-        .map(
-            |quantity| match (other(cell, *quantity), quantity.facts().apart) {
-                (name, "") => name,
-                (name, apart) => format!("{name} (told apart by {apart})"),
-            },
-        )
+        .map(|quantity| match (other(cell, *quantity), quantity.facts().apart) {
+            (name, "") => name,
+            (name, apart) => format!("{name} (told apart by {apart})"),
+        })
         .collect();
     let others = match names.as_slice() {
         [] => String::new(),
-        names => format!(
-            " As well explained by {}.",
-            list(names).replace(" and ", " or ")
-        ),
+        names => format!(" As well explained by {}.", list(names).replace(" and ", " or ")),
     };
     let [before, after] = own.residual_rms_m.map(length);
     let fits = match quantity {
@@ -295,28 +242,18 @@ pub(super) fn finding(
         Word::Rejected => None,
         Word::Likely => Some(". That is likely, not sure".to_string()),
         Word::BySprings => Some(", as far as springs beyond the axes do not excuse it".to_string()),
-        Word::ByPosture(name) => Some(format!(
-            ". Posture {} alone says most of that: measure it again",
-            visible(name)
-        )),
+        Word::ByPosture(name) => Some(format!(". Posture {} alone says most of that: measure it again", visible(name))),
     };
     if let Some(how) = how {
-        let sentence =
-            format!("{wanted}{how}.{others} {remedy}. Until that is settled the total ± holds it.");
+        let sentence = format!("{wanted}{how}.{others} {remedy}. Until that is settled the total ± holds it.");
         return Finding::caution(codes::SET_UP_DOUBTFUL, own.key.as_str(), sentence);
     }
     let sentence = format!("{wanted}. {fits}{others} {remedy}");
     match quantity {
         // No error of the set-up: it is measured around.
-        Quantity::LostMotion => {
-            Finding::caution("lost-motion-seen", own.key.as_str(), sentence + ".")
-        }
+        Quantity::LostMotion => Finding::caution("lost-motion-seen", own.key.as_str(), sentence + "."),
         Quantity::BaseTilt => Finding::caution("base-tilt-seen", own.key.as_str(), sentence + "."),
-        _ => Finding::serious(
-            codes::SET_UP,
-            own.key.as_str(),
-            sentence + "; until then no stiffness is known.",
-        ),
+        _ => Finding::serious(codes::SET_UP, own.key.as_str(), sentence + "; until then no stiffness is known."),
     }
 }
 
@@ -326,12 +263,6 @@ fn known_point(cell: &Cell, asked: &[f64], errors: &[f64]) -> String {
     let within = 3.0 * Vector3::from_column_slice(errors).norm();
     let points = cell.setup.tool.measuring_points.iter();
     let near = points.filter(|point| (point.position - at).norm() < within.max(2e-3));
-    let nearest = near.min_by(|a, b| {
-        (a.position - at)
-            .norm()
-            .total_cmp(&(b.position - at).norm())
-    });
-    nearest.map_or_else(String::new, |point| {
-        format!(" (measuring point {} lies there)", point.name)
-    })
+    let nearest = near.min_by(|a, b| (a.position - at).norm().total_cmp(&(b.position - at).norm()));
+    nearest.map_or_else(String::new, |point| format!(" (measuring point {} lies there)", point.name))
 }

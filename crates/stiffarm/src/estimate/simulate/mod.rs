@@ -4,8 +4,8 @@ mod elastic;
 mod model_errors;
 
 pub use elastic::{
-    ElasticGroup, ElasticLevel, ElasticModelOutcome, ElasticSimulation, ElasticSimulationOptions,
-    simulate_elastic, simulate_elastic_measurements,
+    ElasticGroup, ElasticLevel, ElasticModelOutcome, ElasticSimulation, ElasticSimulationOptions, simulate_elastic,
+    simulate_elastic_measurements,
 };
 pub use model_errors::ModelErrors;
 
@@ -142,23 +142,14 @@ pub fn simulate(
         check_determined(cell, group)?;
         let psi = observation_matrix(&cell.setup, &group.postures, Rows::Translations)?;
         for (l, factor) in options.variance_factors.iter().enumerate() {
-            jobs.push(Job {
-                group: g,
-                level: l,
-                factor: *factor,
-                psi: psi.clone(),
-            });
+            jobs.push(Job { group: g, level: l, factor: *factor, psi: psi.clone() });
         }
     }
     let total = jobs.len();
     let done = AtomicUsize::new(0);
     let run = |(_, job): (usize, &Job)| {
         let level = simulate_level(cell, &groups[job.group], prior, options, job, control);
-        control.report(
-            "simulating",
-            done.fetch_add(1, Ordering::Relaxed) + 1,
-            total,
-        );
+        control.report("simulating", done.fetch_add(1, Ordering::Relaxed) + 1, total);
         level
     };
     let levels: Vec<LevelResult> = in_order(&jobs, run)?;
@@ -204,11 +195,7 @@ fn check_determined(cell: &Cell, group: &PostureGroup) -> Result<()> {
     }
     Err(Error::new(
         Code::NotIdentifiable,
-        format!(
-            "\"{}\" cannot determine {}.",
-            group.name,
-            list(&evaluation.undetermined_joints)
-        ),
+        format!("\"{}\" cannot determine {}.", group.name, list(&evaluation.undetermined_joints)),
     )
     .hint("evaluate shows which joints each group determines"))
 }
@@ -272,9 +259,7 @@ fn simulate_level(
         let mut rng = run_rng(options.seed, job.group, job.level, run);
         let mut error = draw_noise(&mut rng, &noise, postures, points);
         if !options.model_errors.is_exact() {
-            error += options
-                .model_errors
-                .draw(cell, &group.postures, &compliance, &mut rng)?;
+            error += options.model_errors.draw(cell, &group.postures, &compliance, &mut rng)?;
         }
         let mut error = DMatrix::from_columns(&[error]);
         whiten(&mut error);
@@ -293,15 +278,9 @@ fn simulate_level(
         runs: made,
         standard_error: deviations.iter().map(|d| standard_error(d)).collect(),
         median_deviation: deviations.iter().map(|d| median(d)).collect(),
-        expected_deviation: relative
-            .iter()
-            .map(|e| crate::plan::index::expected_deviation(*e))
-            .collect(),
+        expected_deviation: relative.iter().map(|e| crate::plan::index::expected_deviation(*e)).collect(),
         compliance_mean_deviation: compliance_deviations.iter().map(|d| mean(d)).collect(),
-        compliance_standard_error: compliance_deviations
-            .iter()
-            .map(|d| standard_error(d))
-            .collect(),
+        compliance_standard_error: compliance_deviations.iter().map(|d| standard_error(d)).collect(),
         beyond_first_order: relative.iter().map(|e| *e > FIRST_ORDER_LIMIT).collect(),
         first_run_deviation: deviations.iter().map(|d| d[0]).collect(),
         mean_deviation,

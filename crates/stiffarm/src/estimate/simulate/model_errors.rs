@@ -73,11 +73,7 @@ impl ModelErrors {
         let mut out = DVector::zeros(rows * postures.len() * stated.len());
         let mut at = 0;
         for posture in postures {
-            let q: Vec<f64> = posture
-                .q
-                .iter()
-                .map(|a| a + normal(self.joint_angle_rad))
-                .collect();
+            let q: Vec<f64> = posture.q.iter().map(|a| a + normal(self.joint_angle_rad)).collect();
             for (stated, truth) in stated.iter().zip(&truths) {
                 let factor = force_scale * (1.0 + normal(self.force_per_posture));
                 let nominal = PostureTerms::new(stated, &posture.q, None)?;
@@ -85,11 +81,8 @@ impl ModelErrors {
                 // The true force is the read one times `factor`.
                 let wrench = pull.wrench().map(|v| v * factor);
                 let actual = PostureTerms::new(truth, &q, Some(&wrench))?;
-                let known = actual.known_displacement(&truth.tool)
-                    - nominal.known_displacement(&stated.tool);
-                let difference = (actual.block(&truth.robot) - nominal.block(&stated.robot))
-                    * compliance
-                    + known;
+                let known = actual.known_displacement(&truth.tool) - nominal.known_displacement(&stated.tool);
+                let difference = (actual.block(&truth.robot) - nominal.block(&stated.robot)) * compliance + known;
                 out.rows_mut(at, rows).copy_from(&difference);
                 at += rows;
             }

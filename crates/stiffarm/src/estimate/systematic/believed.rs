@@ -80,11 +80,7 @@ impl<'a> Believed<'a> {
     ///
     /// # Errors
     /// As [`of_fit`](Self::of_fit).
-    pub(super) fn expected(
-        fit: &'a Fit,
-        values: &'a DVector<f64>,
-        left: &'a DVector<f64>,
-    ) -> Result<Self> {
+    pub(super) fn expected(fit: &'a Fit, values: &'a DVector<f64>, left: &'a DVector<f64>) -> Result<Self> {
         let prepared = fit.prepared();
         let degrees = prepared.interval_degrees_of_freedom(fit.options().estimator);
         let t = match degrees {
@@ -131,9 +127,7 @@ impl<'a> Believed<'a> {
             degrees_of_freedom: found.spread.as_ref().and_then(|s| s.degrees_of_freedom),
             errors,
             half_widths,
-            base_turns: [ElasticClass::Turn, ElasticClass::Bearing]
-                .iter()
-                .any(|class| mixed.size(*class) > 0.0),
+            base_turns: [ElasticClass::Turn, ElasticClass::Bearing].iter().any(|class| mixed.size(*class) > 0.0),
             springs_alone: is_seen.then_some(alone),
             off: None,
             expected: None,

@@ -32,20 +32,14 @@ pub(super) struct Seen {
 impl Seen {
     /// Of these readings.
     pub fn of(measured: &Measured) -> Self {
-        Seen {
-            base: BaseSeen::of(measured),
-            against_preload: measured.is_against_preload(),
-        }
+        Seen { base: BaseSeen::of(measured), against_preload: measured.is_against_preload() }
     }
 }
 
 impl BaseSeen {
     /// What they have shown of these readings.
     fn of(measured: &Measured) -> Self {
-        let motion = measured
-            .reduction
-            .as_ref()
-            .map(|r| r.base_motion.as_slice());
+        let motion = measured.reduction.as_ref().map(|r| r.base_motion.as_slice());
         match motion.unwrap_or_default() {
             [] => BaseSeen::No,
             all if all.iter().all(|m| m.turn_removed) => BaseSeen::Turn,
@@ -69,10 +63,7 @@ impl SystematicSource {
             ("1", _) => percent(self.size),
             ("m", _) => format!("{} an axis", length(self.size)),
             ("N", _) => format!("{:.1} N an axis", self.size),
-            ("rad", "lost-motion") => format!(
-                "{:.2} arc-minutes each joint",
-                60.0 * self.size.to_degrees()
-            ),
+            ("rad", "lost-motion") => format!("{:.2} arc-minutes each joint", 60.0 * self.size.to_degrees()),
             ("rad", _) => format!("{:.2} mrad an axis", 1e3 * self.size),
             _ if self.size > 0.0 => format!("{:.1e} N·m/rad", 1.0 / self.size),
             _ => "rigid".to_string(),
@@ -113,12 +104,7 @@ pub(super) fn findings(systematic: &SystematicErrors, seen: Seen) -> Vec<Finding
         let code = "force-scale";
         out.push(Finding::note(code, "uncertainty", message));
     }
-    out.extend(
-        systematic
-            .sources
-            .iter()
-            .filter_map(|source| seen_of(source, seen)),
-    );
+    out.extend(systematic.sources.iter().filter_map(|source| seen_of(source, seen)));
     for source in &systematic.sources {
         let own = largest_for(systematic, source);
         if !own.is_empty() {
@@ -135,11 +121,8 @@ pub(super) fn findings(systematic: &SystematicErrors, seen: Seen) -> Vec<Finding
     for (j, name) in systematic.joints.iter().enumerate() {
         let all = |source: &&SystematicSource| source.bounded[j].is_some_and(|b| b >= 1.0);
         if let Some(source) = systematic.sources.iter().find(all) {
-            let message = format!(
-                "The {} can explain all of the give of {name}: {}.",
-                source.words(),
-                source.remedy(seen)
-            );
+            let message =
+                format!("The {} can explain all of the give of {name}: {}.", source.words(), source.remedy(seen));
             let code = "common-error-explains-all";
             out.push(Finding::caution(code, name, message));
         }
@@ -148,10 +131,7 @@ pub(super) fn findings(systematic: &SystematicErrors, seen: Seen) -> Vec<Finding
     let assumed = systematic.sources.iter().filter(|s| !s.declared);
     let assumed: Vec<String> = assumed.map(SystematicSource::words).collect();
     if !assumed.is_empty() {
-        let message = format!(
-            "Assumed, not declared in [uncertainty]: {}.",
-            list(&assumed)
-        );
+        let message = format!("Assumed, not declared in [uncertainty]: {}.", list(&assumed));
         let code = "assumed-uncertainty";
         out.push(Finding::note(code, "uncertainty", message));
     }
@@ -181,11 +161,7 @@ fn seen_of(source: &SystematicSource, seen: Seen) -> Option<Finding> {
         left if left < BOUNDED => (
             "size-bounded",
             Severity::Note,
-            format!(
-                "The readings bound {}: they leave {} of that.",
-                source.words(),
-                percent(left)
-            ),
+            format!("The readings bound {}: they leave {} of that.", source.words(), percent(left)),
         ),
         more if more > CONTRADICTED => (
             "size-contradicted",
@@ -194,11 +170,7 @@ fn seen_of(source: &SystematicSource, seen: Seen) -> Option<Finding> {
                 "The residuals look like {:.1} times the {} that is {}: {}.",
                 more,
                 source.words(),
-                if source.declared {
-                    "declared"
-                } else {
-                    "assumed"
-                },
+                if source.declared { "declared" } else { "assumed" },
                 source.remedy(seen)
             ),
         ),
@@ -209,11 +181,7 @@ fn seen_of(source: &SystematicSource, seen: Seen) -> Option<Finding> {
 
 /// Joints for which a source is the largest, with what it leaves.
 fn largest_for(systematic: &SystematicErrors, source: &SystematicSource) -> Vec<String> {
-    let names = systematic
-        .joints
-        .iter()
-        .zip(&systematic.uncertainty)
-        .enumerate();
+    let names = systematic.joints.iter().zip(&systematic.uncertainty).enumerate();
     names
         .filter(|(_, (_, own))| own.largest_source.as_ref() == Some(&source.name))
         .filter_map(|(j, (name, _))| Some(format!("{name} ({})", percent(source.bounded[j]?))))
@@ -224,8 +192,7 @@ fn largest_for(systematic: &SystematicErrors, source: &SystematicSource) -> Vec<
 fn dominating(systematic: &SystematicErrors, seen: Seen) -> Option<Finding> {
     let (mut names, mut sources) = (Vec::new(), Vec::new());
     for (j, name) in systematic.joints.iter().enumerate() {
-        let (Some(common), Some(statistical)) = (systematic.combined[j], systematic.statistical[j])
-        else {
+        let (Some(common), Some(statistical)) = (systematic.combined[j], systematic.statistical[j]) else {
             continue;
         };
         if common > statistical {
@@ -243,11 +210,7 @@ fn dominating(systematic: &SystematicErrors, seen: Seen) -> Option<Finding> {
     let all = names.len() == systematic.joints.len();
     let message = format!(
         "Systematic errors are larger than the scatter of the readings for {}. Largest for most: {}; {}.",
-        if all {
-            "every joint".to_string()
-        } else {
-            list(&names)
-        },
+        if all { "every joint".to_string() } else { list(&names) },
         first.words(),
         first.remedy(seen)
     );

@@ -106,9 +106,7 @@ pub struct SystematicErrors {
 
 /// The moments of all parts as they are saved.
 fn posterior_of(sources: &[Source], parts: &posterior::Parts) -> SystematicPosterior {
-    let all = sources
-        .iter()
-        .flat_map(|s| s.parts.iter().map(move |p| (s, p)));
+    let all = sources.iter().flat_map(|s| s.parts.iter().map(move |p| (s, p)));
     let covariance = &parts.covariance;
     SystematicPosterior {
         parts: all
@@ -122,9 +120,7 @@ fn posterior_of(sources: &[Source], parts: &posterior::Parts) -> SystematicPoste
             })
             .collect(),
         mean: parts.mean.iter().copied().collect(),
-        covariance: (0..covariance.nrows())
-            .map(|i| (0..=i).map(|k| covariance[(i, k)]).collect())
-            .collect(),
+        covariance: (0..covariance.nrows()).map(|i| (0..=i).map(|k| covariance[(i, k)]).collect()).collect(),
     }
 }
 
@@ -190,11 +186,7 @@ pub(crate) fn systematic_errors_with(
 ///
 /// # Errors
 /// As [`systematic_errors`].
-pub(crate) fn expected_errors(
-    fit: &Fit,
-    values: &DVector<f64>,
-    left: &DVector<f64>,
-) -> Result<SystematicErrors> {
+pub(crate) fn expected_errors(fit: &Fit, values: &DVector<f64>, left: &DVector<f64>) -> Result<SystematicErrors> {
     errors_of(&Believed::expected(fit, values, left)?)
 }
 
@@ -212,9 +204,7 @@ fn errors_of(believed: &Believed<'_>) -> Result<SystematicErrors> {
     }
     let count = parts.mean.len();
     let statistical: Vec<Option<f64>> = (0..springs).map(|j| relative_error(believed, j)).collect();
-    let combined: Vec<Option<f64>> = (0..springs)
-        .map(|j| bounded(believed, &parts, 0..count, j))
-        .collect();
+    let combined: Vec<Option<f64>> = (0..springs).map(|j| bounded(believed, &parts, 0..count, j)).collect();
     let both = statistical.iter().zip(&combined);
     let mut systematic = SystematicErrors {
         joints: fit.system().unknowns[..springs].to_vec(),
@@ -238,12 +228,7 @@ fn errors_of(believed: &Believed<'_>) -> Result<SystematicErrors> {
 }
 
 /// One source, whose parts begin at `from` among all.
-fn describe(
-    believed: &Believed<'_>,
-    source: &Source,
-    all: &posterior::Parts,
-    from: usize,
-) -> SystematicSource {
+fn describe(believed: &Believed<'_>, source: &Source, all: &posterior::Parts, from: usize) -> SystematicSource {
     let count = believed.fit.system().springs;
     let part = |(i, part): (usize, &Part)| SystematicPart {
         name: part.name.clone(),
@@ -260,10 +245,7 @@ fn describe(
     let (change, worst) = if one {
         (parts[0].change.clone(), None)
     } else {
-        (
-            (0..count).map(|j| root_sum(of(j))).collect(),
-            Some((0..count).map(sum).collect()),
-        )
+        ((0..count).map(|j| root_sum(of(j))).collect(), Some((0..count).map(sum).collect()))
     };
     SystematicSource {
         name: source.facts.name.to_string(),
@@ -275,9 +257,7 @@ fn describe(
         change,
         worst,
         remaining: Some(remaining),
-        bounded: (0..count)
-            .map(|j| bounded(believed, all, own.clone(), j))
-            .collect(),
+        bounded: (0..count).map(|j| bounded(believed, all, own.clone(), j)).collect(),
         parts: if one { Vec::new() } else { parts },
     }
 }
@@ -295,12 +275,7 @@ fn changes(believed: &Believed<'_>, change: &DVector<f64>) -> Vec<Option<f64>> {
 }
 
 /// √(R M Rᵀ) of joint `j` over its compliance, for the parts `which`.
-fn bounded(
-    believed: &Believed<'_>,
-    all: &posterior::Parts,
-    which: std::ops::Range<usize>,
-    j: usize,
-) -> Option<f64> {
+fn bounded(believed: &Believed<'_>, all: &posterior::Parts, which: std::ops::Range<usize>, j: usize) -> Option<f64> {
     let (from, count) = (which.start, which.len());
     let own = all.joints.view((j, from), (1, count));
     let covariance = all.covariance.view((from, from), (count, count));

@@ -111,13 +111,8 @@ pub(super) fn parts(believed: &Believed<'_>, sources: &[Source]) -> Result<Parts
         seen += shifts.tr_mul(&shifts) / variance;
         said += shifts.tr_mul(&misfit) / variance;
     }
-    let alike: Vec<bool> = sources
-        .iter()
-        .flat_map(|source| source.parts.iter().map(|_| source.alike))
-        .collect();
-    if let Some((mean, covariance)) =
-        moments(&seen, &said, &alike, &noise(believed.degrees_of_freedom))
-    {
+    let alike: Vec<bool> = sources.iter().flat_map(|source| source.parts.iter().map(|_| source.alike)).collect();
+    if let Some((mean, covariance)) = moments(&seen, &said, &alike, &noise(believed.degrees_of_freedom)) {
         out.mean = mean;
         out.covariance = covariance;
     }
@@ -146,17 +141,12 @@ pub fn moments(
         let likelihood = 0.5 * towards.dot(&solved) - ln_determinant;
         let mean = solved.component_mul(&scale);
         let inverse = factor.inverse();
-        let covariance =
-            DMatrix::from_fn(count, count, |i, k| scale[i] * inverse[(i, k)] * scale[k]);
+        let covariance = DMatrix::from_fn(count, count, |i, k| scale[i] * inverse[(i, k)] * scale[k]);
         let numbers = mean.iter().chain(&covariance);
         let finite = likelihood.is_finite() && numbers.into_iter().all(|v| v.is_finite());
         finite.then_some((likelihood, mean, covariance))
     };
-    let sizes = if alike.contains(&true) {
-        sizes()
-    } else {
-        vec![(1.0, 1.0)]
-    };
+    let sizes = if alike.contains(&true) { sizes() } else { vec![(1.0, 1.0)] };
     let mut looked = Vec::with_capacity(sizes.len() * noise.len());
     for (size, weight) in &sizes {
         for (ratio, part) in noise {

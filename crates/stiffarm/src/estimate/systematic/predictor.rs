@@ -23,8 +23,6 @@ impl Fit {
     /// As [`IdentifiedCompliance::from_estimates`] and [`systematic_errors`].
     pub fn compliance(&self) -> Result<IdentifiedCompliance> {
         let found = IdentifiedCompliance::from_identification(self.cell(), self.identification()?)?;
-        Ok(found
-            .with_systematic_errors(&systematic_errors(self)?)
-            .with_doubts(self.measured().findings()))
+        Ok(found.with_systematic_errors(&systematic_errors(self)?).with_doubts(self.measured().findings()))
     }
 }

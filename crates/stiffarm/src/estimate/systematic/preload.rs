@@ -47,10 +47,8 @@ pub(super) fn rows(
         };
         of.iter().flat_map(own).collect()
     };
-    let shifted: Vec<&DVector<f64>> = shifts
-        .iter()
-        .flat_map(|source| source.parts.iter().map(|part| &part.shift))
-        .collect();
+    let shifted: Vec<&DVector<f64>> =
+        shifts.iter().flat_map(|source| source.parts.iter().map(|part| &part.shift)).collect();
     let theirs = parts(&shifts);
     let mut own = DMatrix::zeros(system.delta.len(), changes.len() + 1);
     for (i, (name, change)) in parts(named).iter().zip(changes).enumerate() {
@@ -64,16 +62,13 @@ pub(super) fn rows(
     own.set_column(changes.len(), &left);
     for block in &system.blocks {
         let shared = &block.shared * believed.response.gamma();
-        let covariance =
-            block.covariance.to_matrix(block.rows.len()) + shared * block.shared.transpose();
+        let covariance = block.covariance.to_matrix(block.rows.len()) + shared * block.shared.transpose();
         let factor = covariance.cholesky();
-        let factor = factor.ok_or_else(|| {
-            Error::invalid("The covariance of a preload's readings is not positive definite.")
-        })?;
+        let factor =
+            factor.ok_or_else(|| Error::invalid("The covariance of a preload's readings is not positive definite."))?;
         let mut part = own.rows(block.rows.start, block.rows.len()).into_owned();
         factor.l_dirty().solve_lower_triangular_mut(&mut part);
-        own.rows_mut(block.rows.start, block.rows.len())
-            .copy_from(&part);
+        own.rows_mut(block.rows.start, block.rows.len()).copy_from(&part);
     }
     let misfit = own.column(changes.len()).into_owned();
     Ok(Some((own.remove_column(changes.len()), misfit)))

@@ -50,16 +50,9 @@ pub(super) fn sources(
     let mut out: Vec<Source> = Vec::new();
     for quantity in stated.quantities() {
         let facts = quantity.facts();
-        let is_free = believed
-            .fit
-            .options()
-            .free
-            .iter()
-            .any(|own| own == facts.name);
+        let is_free = believed.fit.options().free.iter().any(|own| own == facts.name);
         let stated = quantity.size(&cell.uncertainty, is_free);
-        let off = believed
-            .off
-            .filter(|(own, size)| *own == quantity && *size > stated.0);
+        let off = believed.off.filter(|(own, size)| *own == quantity && *size > stated.0);
         let (size, declared) = off.map_or(stated, |(_, size)| (size, true));
         let is_none = match quantity {
             Quantity::Sensor => !declared && !unmodelled,

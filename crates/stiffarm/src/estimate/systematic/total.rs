@@ -47,9 +47,7 @@ pub(super) fn uncertainty(
         }
         let own = parts.joints.row(j);
         let mean = (own * &parts.mean)[(0, 0)];
-        let std = (own * &parts.covariance * own.transpose())[(0, 0)]
-            .max(0.0)
-            .sqrt();
+        let std = (own * &parts.covariance * own.transpose())[(0, 0)].max(0.0).sqrt();
         let scatter = believed.half_widths[j];
         let total = scatter.map(|s| level.half_width(mean, std.hypot(s / level.quantile())));
         let interval = |w: f64| [Some(1.0 / (h + w)), (h > w).then(|| 1.0 / (h - w))];
@@ -57,10 +55,7 @@ pub(super) fn uncertainty(
         let explained = scatter.is_some_and(|s| h + s > 0.0);
         let interval = total.filter(|_| explained).map_or([None, None], interval);
         if !believed.has_stiffness(j) {
-            return JointUncertainty {
-                interval_nm_per_rad: interval,
-                ..JointUncertainty::default()
-            };
+            return JointUncertainty { interval_nm_per_rad: interval, ..JointUncertainty::default() };
         }
         let largest = sources
             .iter()

@@ -54,10 +54,7 @@ pub(super) struct PointBands<'a> {
 impl<'a> PointBands<'a> {
     /// # Errors
     /// No degree of freedom.
-    pub(super) fn new(
-        predictor: &'a IdentifiedCompliance,
-        system: &'a MeasuredSystem,
-    ) -> Result<Self> {
+    pub(super) fn new(predictor: &'a IdentifiedCompliance, system: &'a MeasuredSystem) -> Result<Self> {
         let spread = match &predictor.spread {
             Some(spread) => Some((spread, spread.quantiles()?)),
             None => None,
@@ -75,15 +72,7 @@ impl<'a> PointBands<'a> {
     ) -> Option<PointBand> {
         let (spread, quantiles) = self.spread.as_ref()?;
         let error = measured - calculated;
-        Some(band(
-            spread,
-            quantiles,
-            self.system,
-            block,
-            label,
-            &error,
-            calculated,
-        ))
+        Some(band(spread, quantiles, self.system, block, label, &error, calculated))
     }
 }
 
@@ -134,11 +123,7 @@ fn cut(matrix: &DMatrix<f64>, at: usize) -> Matrix3<f64> {
 pub(super) fn share(points: &[PointDeviation], confidence: f64) -> Option<BandShare> {
     let bands: Vec<&PointBand> = points.iter().filter_map(|p| p.band.as_ref()).collect();
     let inside = bands.iter().flat_map(|b| b.inside).filter(|i| *i).count();
-    (!bands.is_empty()).then_some(BandShare {
-        confidence,
-        inside,
-        components: 3 * bands.len(),
-    })
+    (!bands.is_empty()).then_some(BandShare { confidence, inside, components: 3 * bands.len() })
 }
 
 /// Says when the share inside is far from the confidence.
@@ -153,12 +138,7 @@ pub(super) fn findings(result: &Validation) -> Vec<Finding> {
     let independent = (3 * postures.len()).min(band.components) as f64;
     let (p, inside) = (band.confidence, band.inside as f64 / band.components as f64);
     let scatter = (p * (1.0 - p) / independent).sqrt();
-    let said = format!(
-        "{} of {} components lie inside their {:.0} % bands",
-        band.inside,
-        band.components,
-        100.0 * p
-    );
+    let said = format!("{} of {} components lie inside their {:.0} % bands", band.inside, band.components, 100.0 * p);
     if inside < p - FAR * scatter {
         return vec![Finding::caution(
             codes::OUTSIDE_BANDS,

@@ -32,11 +32,7 @@ pub fn cross_validate(fit: &Fit, count: usize, tolerance_m: Option<f64>) -> Resu
     let rounding = rounding(system);
     let folds = folds.iter().map(|fold| Left {
         out: &fold.left_out,
-        predictor: Some(IdentifiedCompliance::from_solution(
-            system,
-            &fold.solution,
-            confidence,
-        )),
+        predictor: Some(IdentifiedCompliance::from_solution(system, &fold.solution, confidence)),
         sees: Box::new(move |b| prediction_error(system, b, &fold.solution, rounding).is_some()),
     });
     gathered(fit, system, count, folds, tolerance_m)
@@ -46,11 +42,7 @@ pub fn cross_validate(fit: &Fit, count: usize, tolerance_m: Option<f64>) -> Resu
 ///
 /// # Errors
 /// As [`cross_validate`].
-pub fn cross_validate_mixed(
-    mixed: &MixedFit,
-    count: usize,
-    tolerance_m: Option<f64>,
-) -> Result<Validation> {
+pub fn cross_validate_mixed(mixed: &MixedFit, count: usize, tolerance_m: Option<f64>) -> Result<Validation> {
     let system = mixed.system();
     let together = together(mixed.fit(), count)?;
     let folds = match &together {
@@ -86,9 +78,7 @@ fn together(fit: &Fit, count: usize) -> Result<Option<Vec<Vec<usize>>>> {
     };
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for b in 0..system.blocks.len() {
-        let group = groups
-            .iter_mut()
-            .find(|group| group.iter().any(|a| is_near(*a, b)));
+        let group = groups.iter_mut().find(|group| group.iter().any(|a| is_near(*a, b)));
         match group {
             Some(group) => group.push(b),
             None => groups.push(vec![b]),
@@ -150,26 +140,15 @@ fn gathered<'a>(
                 let at = label.rows.start - block.rows.start;
                 let calculated: Vector3<f64> = displacement.value - errors.fixed_rows::<3>(at);
                 let value = &displacement.value;
-                let band = bands
-                    .as_ref()
-                    .and_then(|bands| bands.of(block, label, value, &calculated));
-                let place = system
-                    .labels
-                    .partition_point(|l| l.rows.start < label.rows.start);
-                found[place] = Some(Point {
-                    measured: label.measured,
-                    displacement: label.displacement,
-                    calculated,
-                    band,
-                });
+                let band = bands.as_ref().and_then(|bands| bands.of(block, label, value, &calculated));
+                let place = system.labels.partition_point(|l| l.rows.start < label.rows.start);
+                found[place] =
+                    Some(Point { measured: label.measured, displacement: label.displacement, calculated, band });
             }
         }
     }
     unpredicted.sort_unstable();
-    let unpredicted: Vec<String> = unpredicted
-        .iter()
-        .map(|b| system.blocks[*b].posture.clone())
-        .collect();
+    let unpredicted: Vec<String> = unpredicted.iter().map(|b| system.blocks[*b].posture.clone()).collect();
     let mut points: Vec<Point> = found.into_iter().flatten().collect();
     if points.is_empty() {
         return Err(Error::new(

@@ -11,9 +11,7 @@ pub use folds::{cross_validate, cross_validate_mixed};
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
-use crate::estimate::identify::{
-    Experiment, Weights, known_displacement, rms, rounding, sees_only_known,
-};
+use crate::estimate::identify::{Experiment, Weights, known_displacement, rms, rounding, sees_only_known};
 use crate::estimate::noise::draw_noise;
 use crate::findings::Finding;
 use crate::measure::Measured;
@@ -22,9 +20,7 @@ use crate::model::load::Wrench;
 use crate::model::measurement::{Displacement, MeasuredPosture, ReferencePart};
 use crate::model::observation::PostureTerms;
 use crate::model::posture::Posture;
-use crate::model::stiffness::{
-    compliance_of_springs, displacement_between, equilibrium_from, joint_compliance,
-};
+use crate::model::stiffness::{compliance_of_springs, displacement_between, equilibrium_from, joint_compliance};
 use crate::numerics::streams::run_rng;
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
@@ -221,16 +217,10 @@ pub fn validate_with(
     let measured = &given.postures;
     let finite = |d: &Displacement| d.value.iter().all(|v| v.is_finite());
     if !measured.iter().all(|m| m.displacements.iter().all(finite)) {
-        return Err(Error::new(
-            Code::NotFinite,
-            "A displacement is not a finite number.",
-        ));
+        return Err(Error::new(Code::NotFinite, "A displacement is not a finite number."));
     }
     if measured.iter().all(|m| m.displacements.is_empty()) {
-        return Err(Error::new(
-            Code::TooFewData,
-            "There are no displacements to validate with.",
-        ));
+        return Err(Error::new(Code::TooFewData, "There are no displacements to validate with."));
     }
     let experiment = Experiment::new(cell, given)?;
     let (cell, measured) = (&experiment.cell, experiment.postures());
@@ -348,10 +338,7 @@ fn summarise(
         });
     }
     let deviations: Vec<f64> = points.iter().map(|p| p.deviation_m).collect();
-    let norms: Vec<f64> = points
-        .iter()
-        .map(|p| Vector3::from(p.measured_m).norm())
-        .collect();
+    let norms: Vec<f64> = points.iter().map(|p| Vector3::from(p.measured_m).norm()).collect();
     let largest = deviations.iter().copied().fold(0.0, f64::max);
     let (deviation, displacement) = (rms(&deviations), rms(&norms));
     // Mean of the norm of three independent normal components.
@@ -386,11 +373,7 @@ const BEYOND_NOISE: f64 = 2.0;
 fn without_noise(square: f64, noise: f64, count: usize) -> Option<(f64, bool)> {
     let least = BEYOND_NOISE * square.max(noise) * (2.0 / count as f64).sqrt();
     let left = square - noise;
-    let (error, is_bound) = if left > least {
-        (left, false)
-    } else {
-        ((left.max(0.0) + least).min(square), true)
-    };
+    let (error, is_bound) = if left > least { (left, false) } else { ((left.max(0.0) + least).min(square), true) };
     (square > 0.0).then(|| (error.sqrt(), is_bound))
 }
 
@@ -412,9 +395,7 @@ pub fn simulate_measurements(
     let cases = cell.setup.load.cases();
     let loads = cases.len().max(1);
     let noise = draw_noise(&mut rng, &cell.noise, postures.len() * loads, points);
-    let states = postures
-        .iter()
-        .flat_map(|posture| (0..loads).map(move |load| (posture, load)));
+    let states = postures.iter().flat_map(|posture| (0..loads).map(move |load| (posture, load)));
     states
         .enumerate()
         .map(|(p, (posture, load))| {

@@ -94,32 +94,18 @@ impl Arm {
             }
             None => Isometry3::identity(),
         };
-        Ok(Arm {
-            angles,
-            points,
-            frames,
-            wrench,
-            loading_point,
-            base_motion,
-        })
+        Ok(Arm { angles, points, frames, wrench, loading_point, base_motion })
     }
 
     /// What the table says of the force.
-    pub fn recorded(
-        &self,
-        cell: &Cell,
-        options: &Experiment,
-        rng: &mut ChaCha8Rng,
-    ) -> Option<Wrench> {
+    pub fn recorded(&self, cell: &Cell, options: &Experiment, rng: &mut ChaCha8Rng) -> Option<Wrench> {
         if matches!(options.force, ForceRecord::Nothing | ForceRecord::Load) {
             return None;
         }
         let mut reading = match &cell.sensor {
             None => self.wrench,
             Some(sensor) => {
-                let weight = options
-                    .tool_weight
-                    .filter(|_| sensor.mount == Mount::Flange);
+                let weight = options.tool_weight.filter(|_| sensor.mount == Mount::Flange);
                 let down = cell.setup.robot.gravity_direction();
                 let carried = weight.map(|w| {
                     Wrench::force(down * (GRAVITY * w.mass_kg))

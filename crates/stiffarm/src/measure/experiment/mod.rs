@@ -7,9 +7,7 @@ mod tracker;
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
-use crate::model::measurement::{
-    PostureReadings, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
-};
+use crate::model::measurement::{PostureReadings, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns};
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::posture::{Posture, PostureGroup};
 use crate::model::stiffness::joint_compliance;
@@ -34,11 +32,7 @@ pub struct ExperimentState {
 impl ExperimentState {
     /// A state with one round of readings.
     pub fn new(name: impl Into<String>, load_factor: f64) -> Self {
-        ExperimentState {
-            name: name.into(),
-            load_factor,
-            repeats: 1,
-        }
+        ExperimentState { name: name.into(), load_factor, repeats: 1 }
     }
 }
 
@@ -145,10 +139,7 @@ impl Default for Experiment {
         Experiment {
             base_from_tracker: Isometry3::identity(),
             stations: Vec::new(),
-            states: vec![
-                ExperimentState::new("unloaded", 0.0),
-                ExperimentState::new("loaded", 1.0),
-            ],
+            states: vec![ExperimentState::new("unloaded", 0.0), ExperimentState::new("loaded", 1.0)],
             model: DisplacementModel::Linear,
             force: ForceRecord::Nothing,
             base_reflectors: Vec::new(),
@@ -180,10 +171,8 @@ impl Experiment {
             Some(size) => format!("{prefix}-{}", (size * factor).round()),
             None => otherwise.to_string(),
         };
-        let state = |name: String, load_factor: f64| ExperimentState {
-            repeats: 2,
-            ..ExperimentState::new(name, load_factor)
-        };
+        let state =
+            |name: String, load_factor: f64| ExperimentState { repeats: 2, ..ExperimentState::new(name, load_factor) };
         let by_sensor = cell.sensor.is_some();
         Experiment {
             base_from_tracker: cell.tracker.base_from_tracker.unwrap_or_else(|| {
@@ -220,16 +209,10 @@ impl Experiment {
                 (false, None) if cell.setup.load.has_moment() => ForceRecord::ForceAndMoment,
                 (false, None) => ForceRecord::Force,
             },
-            base_reflectors: vec![NamedPoint {
-                name: "base".to_string(),
-                position: Vector3::new(0.4, 0.3, 0.1),
-            }],
+            base_reflectors: vec![NamedPoint { name: "base".to_string(), position: Vector3::new(0.4, 0.3, 0.1) }],
             seconds_per_reading: 10.0,
             drift: Vector3::new(4e-9, -3e-9, 2e-9),
-            tool_weight: by_sensor.then_some(ToolWeight {
-                mass_kg: 12.0,
-                centre: Vector3::new(0.02, -0.01, 0.12),
-            }),
+            tool_weight: by_sensor.then_some(ToolWeight { mass_kg: 12.0, centre: Vector3::new(0.02, -0.01, 0.12) }),
             sensor_noise: [0.3, 0.05],
             tracker_noise: TrackerNoise::Isotropic,
             posture_common_std: cell.noise.posture_common_std,
@@ -262,11 +245,7 @@ impl Experiment {
 ///
 /// # Errors
 /// A cell without prior, or as [`experiment`].
-pub fn simulated_readings<Q: AsRef<[f64]>>(
-    cell: &Cell,
-    postures: &[Q],
-    seed: u64,
-) -> Result<ReadingTable> {
+pub fn simulated_readings<Q: AsRef<[f64]>>(cell: &Cell, postures: &[Q], seed: u64) -> Result<ReadingTable> {
     let angles = postures.iter().map(|q| q.as_ref().to_vec());
     let postures = PostureGroup::from_angles("simulated", angles).postures;
     let done = Experiment::as_measured(cell);
@@ -293,11 +272,7 @@ pub fn experiment(
     check(cell, options)?;
     let accuracy = match options.tracker_noise {
         TrackerNoise::RangeAndAngle => Some(cell.tracker.accuracy.as_ref().ok_or_else(|| {
-            Error::new(
-                Code::MissingKey,
-                "The cell does not say how exactly the tracker reads.",
-            )
-            .key("tracker")
+            Error::new(Code::MissingKey, "The cell does not say how exactly the tracker reads.").key("tracker")
         })?),
         TrackerNoise::None | TrackerNoise::Isotropic => None,
     };
@@ -346,10 +321,7 @@ pub fn experiment(
             }
             states.push(StateReadings {
                 state: state.name.clone(),
-                angles: options
-                    .servo_deflection
-                    .is_some()
-                    .then_some(arm.angles.clone()),
+                angles: options.servo_deflection.is_some().then_some(arm.angles.clone()),
                 wrench: arm.recorded(cell, options, &mut rng),
                 load: match options.force {
                     ForceRecord::Load => setup.load.size().map(|size| factor * size),
@@ -399,9 +371,7 @@ fn check(cell: &Cell, options: &Experiment) -> Result<()> {
     ] {
         let Some(values) = values else { continue };
         if values.len() != n || values.iter().any(|v| !v.is_finite()) {
-            return invalid(format!(
-                "The {what} needs one finite number for each of the {n} joints."
-            ));
+            return invalid(format!("The {what} needs one finite number for each of the {n} joints."));
         }
     }
     let mut numbers: Vec<f64> = options.drift.iter().copied().collect();
@@ -410,12 +380,7 @@ fn check(cell: &Cell, options: &Experiment) -> Result<()> {
         numbers.extend(frame.translation.vector.iter());
         numbers.extend(frame.rotation.coords.iter());
     }
-    numbers.extend(
-        options
-            .base_reflectors
-            .iter()
-            .flat_map(|p| p.position.iter()),
-    );
+    numbers.extend(options.base_reflectors.iter().flat_map(|p| p.position.iter()));
     let offset = &options.sensor_offset;
     numbers.extend(offset.force.iter().chain(offset.moment.iter()));
     if let Some(base) = options.base_compliance {
@@ -428,16 +393,10 @@ fn check(cell: &Cell, options: &Experiment) -> Result<()> {
     if numbers.iter().any(|v| !v.is_finite()) {
         return invalid("A number of the experiment is not finite.".to_string());
     }
-    let spreads = [
-        options.seconds_per_reading,
-        options.sensor_noise[0],
-        options.sensor_noise[1],
-        options.posture_common_std,
-    ];
+    let spreads =
+        [options.seconds_per_reading, options.sensor_noise[0], options.sensor_noise[1], options.posture_common_std];
     if spreads.iter().any(|v| !(v.is_finite() && *v >= 0.0)) {
-        return invalid(
-            "Times and standard deviations must be finite numbers, 0 or above.".to_string(),
-        );
+        return invalid("Times and standard deviations must be finite numbers, 0 or above.".to_string());
     }
     Ok(())
 }

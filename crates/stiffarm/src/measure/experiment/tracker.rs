@@ -33,12 +33,7 @@ pub(super) struct SimulatedTracker<'a> {
 }
 
 impl SimulatedTracker<'_> {
-    pub fn read(
-        &mut self,
-        target: ReadingTarget,
-        in_base: &Vector3<f64>,
-        rng: &mut ChaCha8Rng,
-    ) -> Result<Reading> {
+    pub fn read(&mut self, target: ReadingTarget, in_base: &Vector3<f64>, rng: &mut ChaCha8Rng) -> Result<Reading> {
         let mut position = self.tracker_from_base.rotation * in_base
             + self.tracker_from_base.translation.vector
             + self.options.drift * self.time;
@@ -51,10 +46,7 @@ impl SimulatedTracker<'_> {
         }
         let time = (self.options.seconds_per_reading > 0.0).then_some(self.time);
         self.time += self.options.seconds_per_reading;
-        Ok(Reading {
-            time,
-            ..Reading::new(target, position)
-        })
+        Ok(Reading { time, ..Reading::new(target, position) })
     }
 }
 

@@ -61,11 +61,8 @@ pub struct BaseMotion {
 /// its motion also holds the tracker's drift, so a correction of some states
 /// and not of the others would put into the displacements what it should take out.
 pub(super) fn usable(posture: &PostureSeries<'_>) -> Vec<usize> {
-    let states: BTreeSet<usize> = posture
-        .points
-        .iter()
-        .flat_map(|(_, series)| series.states.iter().map(|s| s.state))
-        .collect();
+    let states: BTreeSet<usize> =
+        posture.points.iter().flat_map(|(_, series)| series.states.iter().map(|s| s.state)).collect();
     (0..posture.base.len())
         .filter(|r| {
             let series = &posture.base[*r].1;
@@ -98,15 +95,9 @@ impl Motion {
     ///
     /// # Errors
     /// The decomposition of the rigid motion fails.
-    pub(super) fn new(
-        posture: &PostureSeries<'_>,
-        usable: &[usize],
-        number: usize,
-    ) -> Result<Option<Self>> {
-        let pairs: Vec<Pair> = usable
-            .iter()
-            .filter_map(|r| posture.base[*r].1.pair(number, posture.reference))
-            .collect();
+    pub(super) fn new(posture: &PostureSeries<'_>, usable: &[usize], number: usize) -> Result<Option<Self>> {
+        let pairs: Vec<Pair> =
+            usable.iter().filter_map(|r| posture.base[*r].1.pair(number, posture.reference)).collect();
         Motion::of(&pairs)
     }
 
@@ -135,8 +126,7 @@ impl Motion {
             return Ok(None);
         }
         let count = pairs.len() as f64;
-        let mean =
-            |of: fn(&Pair) -> Vector3<f64>| pairs.iter().map(of).sum::<Vector3<f64>>() / count;
+        let mean = |of: fn(&Pair) -> Vector3<f64>| pairs.iter().map(of).sum::<Vector3<f64>>() / count;
         let (from, to) = (mean(|p| p.reference), mean(|p| p.loaded));
         let loaded = pairs.iter().map(|p| 1.0 / f64::from(p.readings));
         let reference = pairs.iter().map(Pair::variance_of_reference);
@@ -155,22 +145,14 @@ impl Motion {
         if !on_a_line(&arms) {
             // About the reflectors' centre, so that a turn costs no digits.
             let centred = pairs.iter().map(|p| (p.loaded - to, p.reference - from));
-            let fit = rigid_transform(centred).ok_or_else(|| {
-                Error::new(
-                    Code::Numerical,
-                    "The motion of the base reflectors cannot be computed.",
-                )
-            })?;
+            let fit = rigid_transform(centred)
+                .ok_or_else(|| Error::new(Code::Numerical, "The motion of the base reflectors cannot be computed."))?;
             let about = |p: Vector3<f64>| Isometry3::translation(p.x, p.y, p.z);
             motion.back = about(from) * fit * about(-to);
             motion.turn = -fit.rotation.scaled_axis();
-            let information: Matrix3<f64> = arms
-                .iter()
-                .map(|c| Matrix3::identity() * c.norm_squared() - c * c.transpose())
-                .sum();
-            motion.turn_information = information
-                .try_inverse()
-                .map(|inverse| [information, inverse]);
+            let information: Matrix3<f64> =
+                arms.iter().map(|c| Matrix3::identity() * c.norm_squared() - c * c.transpose()).sum();
+            motion.turn_information = information.try_inverse().map(|inverse| [information, inverse]);
         }
         Ok(Some(motion))
     }
@@ -186,9 +168,7 @@ impl Motion {
     /// Variance that the correction adds along an axis at `p`, over a reading's.
     pub(in crate::measure) fn added_variance(&self, p: &Vector3<f64>) -> f64 {
         let arm = (p - self.centre).cross_matrix();
-        let turn = self.turn_information.map_or(0.0, |[_, inverse]| {
-            (arm * inverse * arm.transpose()).trace() / 3.0
-        });
+        let turn = self.turn_information.map_or(0.0, |[_, inverse]| (arm * inverse * arm.transpose()).trace() / 3.0);
         self.variance * (1.0 / self.reflectors as f64 + turn)
     }
 
@@ -245,11 +225,7 @@ pub(super) fn on_a_line(from_mean: &[Vector3<f64>]) -> bool {
 }
 
 /// Reflectors that could not be used, and what the base does.
-pub(super) fn findings(
-    postures: &[PostureSeries<'_>],
-    motions: &[BaseMotion],
-    reading_std: f64,
-) -> Vec<Finding> {
+pub(super) fn findings(postures: &[PostureSeries<'_>], motions: &[BaseMotion], reading_std: f64) -> Vec<Finding> {
     let mut out = Vec::new();
     if postures.iter().all(|p| p.base.is_empty()) {
         return out;
@@ -258,10 +234,8 @@ pub(super) fn findings(
     let mut without: Vec<&str> = Vec::new();
     for posture in postures.iter().filter(measured) {
         let used = usable(posture);
-        let missing: Vec<&str> = (0..posture.base.len())
-            .filter(|r| !used.contains(r))
-            .map(|r| posture.base[r].0.as_str())
-            .collect();
+        let missing: Vec<&str> =
+            (0..posture.base.len()).filter(|r| !used.contains(r)).map(|r| posture.base[r].0.as_str()).collect();
         if !missing.is_empty() {
             out.push(Finding::caution(
                 "base-reflector-incomplete",
@@ -289,21 +263,19 @@ pub(super) fn findings(
             ),
         ));
     }
-    let largest =
-        |of: fn(&BaseMotion) -> f64| motions.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
+    let largest = |of: fn(&BaseMotion) -> f64| motions.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
     let clear = largest(|m| m.times_noise).filter(|m| m.times_noise > CLEAR);
     if let Some(most) = clear {
         let turn = if most.turn_removed {
-            format!(
-                " and turns by {:.3} mrad",
-                Vector3::from(most.turn_rad).norm() * 1e3
-            )
+            format!(" and turns by {:.3} mrad", Vector3::from(most.turn_rad).norm() * 1e3)
         } else {
             String::new()
         };
         let how = match (most.turn_removed, most.reflectors) {
             (true, n) => format!("Taken back as a rigid motion of its {n} reflectors."),
-            (false, 1) => "Taken back as a shift: one reflector does not show a turn of the base; three would.".to_string(),
+            (false, 1) => {
+                "Taken back as a shift: one reflector does not show a turn of the base; three would.".to_string()
+            }
             (false, n) => format!(
                 "Taken back as a shift: these {n} reflectors do not show a turn of the base; three that are not on a \
                  line would."

@@ -68,10 +68,8 @@ pub(super) fn drift(
     let mut common = [(Vector3::zeros(), 0.0); 2];
     for posture in postures {
         let with_line = posture.points.iter().filter_map(|(_, s)| s.line);
-        let changes: Vec<Vector3<f64>> = with_line
-            .clone()
-            .map(|line| line.rate * (line.span[1] - line.span[0]))
-            .collect();
+        let changes: Vec<Vector3<f64>> =
+            with_line.clone().map(|line| line.rate * (line.span[1] - line.span[0])).collect();
         if changes.is_empty() {
             continue;
         }
@@ -99,9 +97,7 @@ pub(super) fn drift(
         // A drift that differs from point to point, or one common to all.
         let rates = common.iter().filter(|(_, weight)| *weight > 0.0);
         let rate: f64 = rates.clone().map(|(v, w)| v.norm_squared() / w).sum();
-        let tail = |sum: f64, freedom: usize| {
-            Ok(chi_squared_tails(sum / reading_std.powi(2), freedom)?[1])
-        };
+        let tail = |sum: f64, freedom: usize| Ok(chi_squared_tails(sum / reading_std.powi(2), freedom)?[1]);
         let common: f64 = tail(rate, 3 * rates.count())?;
         Some((2.0 * common.min(tail(statistic, 3 * lines)?)).min(1.0))
     } else {
@@ -112,8 +108,7 @@ pub(super) fn drift(
         postures: out,
         rms_m: (sum / (3 * lines) as f64).sqrt(),
         expected_rms_m: reading_std * (expected / lines as f64).sqrt(),
-        rate_m_per_hour: (weight > 0.0)
-            .then(|| (base_from_tracker.rotation * weighted * (HOUR / weight)).into()),
+        rate_m_per_hour: (weight > 0.0).then(|| (base_from_tracker.rotation * weighted * (HOUR / weight)).into()),
         rate_standard_error_m_per_hour: (weight > 0.0).then(|| reading_std / weight.sqrt() * HOUR),
         significance,
     }))
@@ -125,13 +120,7 @@ pub(super) fn findings(postures: &[PostureSeries<'_>], drift: Option<&Drift>) ->
     let mixed: Vec<&str> = postures
         .iter()
         .filter(|p| p.clock == Clock::Order)
-        .filter(|p| {
-            p.readings
-                .states
-                .iter()
-                .flat_map(|s| &s.readings)
-                .any(|r| r.time.is_some())
-        })
+        .filter(|p| p.readings.states.iter().flat_map(|s| &s.readings).any(|r| r.time.is_some()))
         .map(PostureSeries::name)
         .collect();
     if !mixed.is_empty() {
@@ -173,11 +162,7 @@ pub(super) fn findings(postures: &[PostureSeries<'_>], drift: Option<&Drift>) ->
     let rate = rate.unwrap_or_default();
     let (severity, verdict) = match drift.significance {
         Some(p) if p < SIGNIFICANCE => (
-            if drift.rms_m > LARGE * drift.expected_rms_m {
-                Severity::Caution
-            } else {
-                Severity::Note
-            },
+            if drift.rms_m > LARGE * drift.expected_rms_m { Severity::Caution } else { Severity::Note },
             ": the tracker, the robot or a stand drifts, or the arm does not come back (lost motion)",
         ),
         Some(_) => (Severity::Note, ": no more than noise"),

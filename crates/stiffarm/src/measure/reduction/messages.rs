@@ -14,19 +14,12 @@ pub(super) fn length(m: f64) -> String {
 /// `0.012 mm per hour (standard error 3.00 µm along an axis)`: a common rate, where there is one.
 pub(super) fn rate(rate: Option<[f64; 3]>, error: Option<f64>, per: &str) -> Option<String> {
     let (size, error) = (Vector3::from(rate?).norm(), length(error?));
-    Some(format!(
-        "{} per {per} (standard error {error} along an axis)",
-        length(size)
-    ))
+    Some(format!("{} per {per} (standard error {error} along an axis)", length(size)))
 }
 
 /// `posture 3`, or `postures 1, 2 and 3`.
 pub(super) fn postures<S: AsRef<str>>(names: &[S]) -> String {
-    let word = if names.len() == 1 {
-        "posture"
-    } else {
-        "postures"
-    };
+    let word = if names.len() == 1 { "posture" } else { "postures" };
     format!("{word} {}", crate::findings::list(names))
 }
 

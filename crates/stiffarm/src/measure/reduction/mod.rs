@@ -43,9 +43,7 @@ use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
 use crate::model::load::LoadCase;
-use crate::model::measurement::{
-    Displacement, MeasuredPosture, ReadingTable, ReadingTarget, Role, StateReadings,
-};
+use crate::model::measurement::{Displacement, MeasuredPosture, ReadingTable, ReadingTarget, Role, StateReadings};
 use crate::model::posture::Posture;
 pub(in crate::measure) use base_motion::Motion;
 use messages::postures_first;
@@ -144,25 +142,14 @@ pub(super) fn reduce_series(
     let drift = drift::drift(series, &base_from_tracker, reading_std)?;
     findings.extend(drift::findings(series, drift.as_ref()));
     let temperatures = temperature::temperatures(series, drift.as_ref(), reading_std);
-    findings.extend(
-        temperatures
-            .as_ref()
-            .map(|found| temperature::finding(cell, found)),
-    );
+    findings.extend(temperatures.as_ref().map(|found| temperature::finding(cell, found)));
 
     let mut measured = Vec::new();
     let mut base_motion = Vec::new();
     let mut expected_forces = Vec::new();
     for posture in series {
         let first = measured.len();
-        let motion = displacements(
-            cell,
-            table,
-            posture,
-            &base_from_tracker,
-            reading_std,
-            &mut measured,
-        )?;
+        let motion = displacements(cell, table, posture, &base_from_tracker, reading_std, &mut measured)?;
         base_motion.extend(motion);
         expected_forces.extend(expected_force(cell, posture, &measured[first..]));
     }
@@ -182,8 +169,7 @@ pub(super) fn reduce_series(
     // What there is to say of them was said.
     servo::servo_deflection(cell, &mut against_unloaded, &mut Vec::new());
     findings.extend(wrench::findings(cell, table.wrench_columns, series));
-    let wrench_check =
-        wrench_check::wrench_check(cell, table.wrench_columns, &measured, &expected_forces);
+    let wrench_check = wrench_check::wrench_check(cell, table.wrench_columns, &measured, &expected_forces);
     if let Some(check) = &wrench_check {
         findings.extend(wrench_check::findings(cell, check));
     }
@@ -252,13 +238,7 @@ fn displacements(
         }
         let common_readings = motion.as_ref().map_or([0.0; 2], |m| m.common(&loaded));
         if let Some(motion) = motion {
-            let now = motion.describe(
-                posture.name(),
-                &state.state,
-                &loaded,
-                base_from_tracker,
-                reading_std,
-            );
+            let now = motion.describe(posture.name(), &state.state, &loaded, base_from_tracker, reading_std);
             let more = |l: &BaseMotion| now.largest_correction_m > l.largest_correction_m;
             if largest.as_ref().is_none_or(more) {
                 largest = Some(now);
@@ -266,10 +246,7 @@ fn displacements(
         }
         let wrench = wrench::wrench(cell, table.wrench_columns, posture, number)?;
         measured.push(MeasuredPosture {
-            posture: Posture {
-                name: posture.name().to_string(),
-                q: posture.q.clone(),
-            },
+            posture: Posture { name: posture.name().to_string(), q: posture.q.clone() },
             state: state.state.clone(),
             wrench,
             preload: preload::preload(cell, table.wrench_columns, posture, number, wrench)?,
@@ -314,28 +291,19 @@ fn covariance(
 
 /// Size of the force that the cell's rope, cylinder or weight has in each loaded state of a posture,
 /// loaded minus reference, where known \[N\].
-fn expected_force(
-    cell: &Cell,
-    posture: &PostureSeries<'_>,
-    measured: &[MeasuredPosture],
-) -> Vec<Option<f64>> {
+fn expected_force(cell: &Cell, posture: &PostureSeries<'_>, measured: &[MeasuredPosture]) -> Vec<Option<f64>> {
     let load = &cell.setup.load;
     let several = load.has_cases();
     let full_of = |m: &MeasuredPosture| load.each().nth(load.case_of(&m.state).ok()?)?.size();
     let states = &posture.readings.states;
     let unloaded = posture.reference == Role::Unloaded;
-    let reference = posture
-        .states(posture.reference)
-        .find_map(|i| states[i].load);
+    let reference = posture.states(posture.reference).find_map(|i| states[i].load);
     let reference = reference.or(unloaded.then_some(0.0));
     let force = |m: &MeasuredPosture| m.wrench.map_or(0.0, |w| w.force.norm());
     let strongest = measured.iter().map(force).fold(0.0, f64::max);
     let expected = |m: &MeasuredPosture| {
         let full = full_of(m)?;
-        let load = states
-            .iter()
-            .find(|s| s.state == m.state)
-            .and_then(|s| s.load);
+        let load = states.iter().find(|s| s.state == m.state).and_then(|s| s.load);
         let is_full = several || force(m) == strongest;
         match load.zip(reference) {
             Some((load, reference)) => Some(load - reference),
@@ -410,10 +378,5 @@ fn incomplete(cell: &Cell, series: &[PostureSeries<'_>], findings: &mut Vec<Find
         &no_reference,
         "no unloaded and no preload reading, so no displacement. Left out.",
     );
-    add(
-        "posture-without-load",
-        Severity::Note,
-        &no_load,
-        "no loaded reading; used for the registration only.",
-    );
+    add("posture-without-load", Severity::Note, &no_load, "no loaded reading; used for the registration only.");
 }

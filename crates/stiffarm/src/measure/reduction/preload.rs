@@ -34,10 +34,7 @@ pub(super) fn preload(
     let on_flange = cell.sensor.as_ref().map(|s| s.mount) == Some(Mount::Flange);
     let states = &posture.readings.states;
     let is_weighed = |state: usize| states[state].wrench.is_some();
-    if columns != WrenchColumns::None
-        && on_flange
-        && !posture.states(Role::Unloaded).any(is_weighed)
-    {
+    if columns != WrenchColumns::None && on_flange && !posture.states(Role::Unloaded).any(is_weighed) {
         return Ok(difference);
     }
     wrench(cell, columns, &posture.against_unloaded(), nearest)

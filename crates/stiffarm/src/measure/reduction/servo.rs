@@ -13,17 +13,11 @@ use nalgebra::DVector;
 /// are recorded. The reference is what the positions were taken against: the
 /// states of `parts`, each with its share, or, where one of them has no
 /// angles, the mean of those that have.
-pub(super) fn give(
-    posture: &PostureSeries<'_>,
-    number: usize,
-    parts: &[ReferencePart],
-) -> Option<Vec<f64>> {
+pub(super) fn give(posture: &PostureSeries<'_>, number: usize, parts: &[ReferencePart]) -> Option<Vec<f64>> {
     let states = &posture.readings.states;
     let loaded = states[number].angles.as_ref()?;
-    let recorded: Option<Vec<(&Vec<f64>, f64)>> = parts
-        .iter()
-        .map(|part| Some((states[part.state as usize].angles.as_ref()?, part.weight)))
-        .collect();
+    let recorded: Option<Vec<(&Vec<f64>, f64)>> =
+        parts.iter().map(|part| Some((states[part.state as usize].angles.as_ref()?, part.weight))).collect();
     let reference = match recorded {
         // Equal angles stay what they are, to the bit.
         Some(all) => all.first().map(|(first, _)| {
@@ -61,9 +55,7 @@ pub(super) fn one_give(
     let robot = &cell.setup.robot;
     crate::model::observation::check_angles(robot, first)?;
     let count = all.len() as f64;
-    let mean: Vec<f64> = (0..first.len())
-        .map(|j| all.iter().map(|give| give[j]).sum::<f64>() / count)
-        .collect();
+    let mean: Vec<f64> = (0..first.len()).map(|j| all.iter().map(|give| give[j]).sum::<f64>() / count).collect();
     let frames = Frames::new(robot, q);
     for (displacement, give) in displacements.iter_mut().zip(all) {
         let more = DVector::from_fn(mean.len(), |j, _| give[j] - mean[j]);
@@ -78,11 +70,7 @@ pub(super) fn one_give(
 
 /// Drops angles that are the same in all states: the table repeats the planned
 /// ones. Says how far the controller gave way otherwise.
-pub(super) fn servo_deflection(
-    cell: &Cell,
-    measured: &mut [MeasuredPosture],
-    findings: &mut Vec<Finding>,
-) {
+pub(super) fn servo_deflection(cell: &Cell, measured: &mut [MeasuredPosture], findings: &mut Vec<Finding>) {
     let mut largest = (0.0_f64, 0, 0);
     for (i, m) in measured.iter().enumerate() {
         for (j, give) in m.servo_deflection.iter().flatten().enumerate() {
@@ -96,15 +84,10 @@ pub(super) fn servo_deflection(
         measured.iter_mut().for_each(|m| m.servo_deflection = None);
         return;
     }
-    let without = measured
-        .iter()
-        .filter(|m| m.servo_deflection.is_none())
-        .count();
+    let without = measured.iter().filter(|m| m.servo_deflection.is_none()).count();
     let some = match without {
         0 => String::new(),
-        n => format!(
-            " {n} loaded states have no angles: there the servo give stays in the displacements."
-        ),
+        n => format!(" {n} loaded states have no angles: there the servo give stays in the displacements."),
     };
     findings.push(Finding::new(
         "servo-give",

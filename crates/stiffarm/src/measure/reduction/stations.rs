@@ -106,11 +106,8 @@ pub(in crate::measure) fn in_one_frame(
         let is_own = |p: &PostureReadings| p.station.as_ref() == Some(&name);
         let own = table.postures.iter().filter(|p| is_own(p));
         let own: Vec<&str> = own.map(|p| p.posture.name.as_str()).collect();
-        let sentence = format!(
-            "Station {name}: {} Left out until more is read from there: {}.",
-            error.message(),
-            list(&own)
-        );
+        let sentence =
+            format!("Station {name}: {} Left out until more is read from there: {}.", error.message(), list(&own));
         let remark = Finding::caution("station-left-out", own.join(", "), sentence);
         table.postures.retain(|p| !is_own(p));
         table.remarks.push(remark);
@@ -142,21 +139,13 @@ fn alone(cell: &Cell, series: &[PostureSeries<'_>]) -> Result<Alone> {
         rms: rms(&base_from_tracker, &pairs),
         base_from_tracker,
         pairs,
-        base: seen
-            .into_iter()
-            .map(|(name, all)| (name, mean(all)))
-            .collect(),
+        base: seen.into_iter().map(|(name, all)| (name, mean(all))).collect(),
     })
 }
 
 /// What turns a station's axes into those of `reference`, by the base reflectors that both read; `None` where these are
 /// too few, or were moved in between.
-fn tied(
-    cell: &Cell,
-    own: &Alone,
-    reference: &Alone,
-    base_from_reference: &Isometry3<f64>,
-) -> Option<Isometry3<f64>> {
+fn tied(cell: &Cell, own: &Alone, reference: &Alone, base_from_reference: &Isometry3<f64>) -> Option<Isometry3<f64>> {
     let both = own.base.iter();
     let both = both.filter_map(|(name, at)| Some((*at, *reference.base.get(name)?)));
     let both: Vec<Pair> = both.collect();
@@ -166,8 +155,7 @@ fn tied(
     }
     let tied = rigid_transform(both.iter().copied())?;
     let to_base = base_from_reference * tied;
-    let agrees = fits(cell, &tied, &both, 0.0)
-        && fits(cell, &to_base, &own.pairs, own.rms.max(reference.rms));
+    let agrees = fits(cell, &tied, &both, 0.0) && fits(cell, &to_base, &own.pairs, own.rms.max(reference.rms));
     agrees.then_some(tied)
 }
 
@@ -231,14 +219,8 @@ pub(super) fn finding(stations: &[StationRegistration]) -> Option<Finding> {
     let unchecked: Vec<String> = unchecked.flat_map(|own| own.postures.clone()).collect();
     let unchecked = match unchecked.len() {
         0 => String::new(),
-        1 => format!(
-            " Nothing checks the angles of posture {}, the only one of its station.",
-            unchecked[0]
-        ),
-        _ => format!(
-            " Nothing checks the angles of postures {}, each the only one of its station.",
-            list(&unchecked)
-        ),
+        1 => format!(" Nothing checks the angles of posture {}, the only one of its station.", unchecked[0]),
+        _ => format!(" Nothing checks the angles of postures {}, each the only one of its station.", list(&unchecked)),
     };
     let sentence = format!(
         "The tracker read from {} stations, each registered by itself: {}. The RMS is the distance of the unloaded points \

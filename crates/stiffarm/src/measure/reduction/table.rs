@@ -2,9 +2,7 @@
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
-use crate::model::measurement::{
-    PostureReadings, Reading, ReadingTable, ReadingTarget, StateReadings,
-};
+use crate::model::measurement::{PostureReadings, Reading, ReadingTable, ReadingTarget, StateReadings};
 use crate::model::observation::check_angles;
 use nalgebra::{Isometry3, Vector3};
 use std::collections::BTreeSet;
@@ -14,26 +12,15 @@ use std::collections::BTreeSet;
 /// # Errors
 /// An empty table, a posture or state twice, a point the tool does not have, a
 /// wrong number of angles, or a number that is not finite.
-pub(super) fn check(
-    cell: &Cell,
-    table: &ReadingTable,
-    given: Option<&Isometry3<f64>>,
-) -> Result<()> {
-    if table
-        .postures
-        .iter()
-        .all(|p| p.states.iter().all(|s| s.readings.is_empty()))
-    {
+pub(super) fn check(cell: &Cell, table: &ReadingTable, given: Option<&Isometry3<f64>>) -> Result<()> {
+    if table.postures.iter().all(|p| p.states.iter().all(|s| s.readings.is_empty())) {
         return Err(Error::new(Code::TooFewData, "There are no readings."));
     }
     let finite = |v: &Vector3<f64>| v.iter().all(|x| x.is_finite());
     if let Some(pose) = given
         && !(finite(&pose.translation.vector) && pose.rotation.coords.iter().all(|x| x.is_finite()))
     {
-        return Err(Error::new(
-            Code::NotFinite,
-            "The transform from tracker to base has a number that is not finite.",
-        ));
+        return Err(Error::new(Code::NotFinite, "The transform from tracker to base has a number that is not finite."));
     }
     let mut names = BTreeSet::new();
     for posture in &table.postures {
@@ -45,10 +32,7 @@ pub(super) fn check(
         let mut states = BTreeSet::new();
         for state in &posture.states {
             if !states.insert(state.state.as_str()) {
-                let message = format!(
-                    "Posture {} has the state {} twice.",
-                    posture.posture.name, state.state
-                );
+                let message = format!("Posture {} has the state {} twice.", posture.posture.name, state.state);
                 return Err(Error::new(Code::Duplicate, message));
             }
             check_state(cell, posture, state)?;
@@ -62,34 +46,19 @@ fn check_state(cell: &Cell, posture: &PostureReadings, state: &StateReadings) ->
     if let Some(q) = &state.angles {
         check_angles(&cell.setup.robot, q)?;
     }
-    let wrench = state
-        .wrench
-        .is_none_or(|w| finite(&w.force) && finite(&w.moment));
+    let wrench = state.wrench.is_none_or(|w| finite(&w.force) && finite(&w.moment));
     if !(wrench && state.load.is_none_or(f64::is_finite)) {
-        let message = format!(
-            "The force of {} is not a finite number.",
-            place(posture, state)
-        );
-        return Err(at_line(
-            Error::new(Code::NotFinite, message),
-            state.readings.first(),
-        ));
+        let message = format!("The force of {} is not a finite number.", place(posture, state));
+        return Err(at_line(Error::new(Code::NotFinite, message), state.readings.first()));
     }
     for reading in &state.readings {
         if !reading.numbers().all(f64::is_finite) {
-            let message = format!(
-                "A reading of {} is not a finite number.",
-                place(posture, state)
-            );
+            let message = format!("A reading of {} is not a finite number.", place(posture, state));
             return Err(at_line(Error::new(Code::NotFinite, message), Some(reading)));
         }
-        if matches!(reading.target, ReadingTarget::Point(index) if index >= cell.setup.tool.point_count())
-        {
+        if matches!(reading.target, ReadingTarget::Point(index) if index >= cell.setup.tool.point_count()) {
             let message = "A reading names a point the tool does not have.";
-            return Err(at_line(
-                Error::new(Code::UnknownName, message),
-                Some(reading),
-            ));
+            return Err(at_line(Error::new(Code::UnknownName, message), Some(reading)));
         }
     }
     Ok(())

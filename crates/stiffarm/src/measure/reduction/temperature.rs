@@ -43,9 +43,7 @@ pub(super) fn temperatures(
     for posture in postures {
         let readings = || posture.readings.states.iter().flat_map(|s| &s.readings);
         let own = readings().filter_map(|reading| reading.temperature);
-        let [low, high] = own.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| {
-            [t.min(low), t.max(high)]
-        });
+        let [low, high] = own.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| [t.min(low), t.max(high)]);
         if low > high {
             continue;
         }
@@ -84,14 +82,10 @@ pub(super) fn finding(cell: &Cell, found: &Temperatures) -> Finding {
     let growth = cell.setup.robot.length() * STEEL;
     let (common, error) = (found.drift_m_per_k, found.drift_standard_error_m_per_k);
     let drift = rate(common, error, "kelvin");
-    let drift =
-        drift.map(|rate| format!(" The drift between reference readings goes with it by {rate}."));
+    let drift = drift.map(|rate| format!(" The drift between reference readings goes with it by {rate}."));
     let drift = drift.unwrap_or_default();
     let (severity, advice) = if found.largest_change_k > LARGE {
-        (
-            Severity::Caution,
-            " Read the unloaded state right before and after the load.",
-        )
+        (Severity::Caution, " Read the unloaded state right before and after the load.")
     } else {
         (Severity::Note, "")
     };

@@ -51,16 +51,9 @@ pub(super) fn wrench(
         return by_load(setup, several, posture, state, number);
     }
     let Some(loaded) = &state.wrench else {
-        return Err(missing(
-            posture,
-            state,
-            "no force",
-            "give its fx_n, fy_n, fz_n",
-        ));
+        return Err(missing(posture, state, "no force", "give its fx_n, fy_n, fz_n"));
     };
-    let reference = reference(posture, number, "no force", |s| {
-        s.wrench.as_ref().map(to_vector)
-    })?;
+    let reference = reference(posture, number, "no force", |s| s.wrench.as_ref().map(to_vector))?;
     let difference = to_wrench(to_vector(loaded) - reference);
     let frames = Frames::new(&setup.robot, &posture.q);
     let at = frames.point(&setup.tool.loading_point);
@@ -83,11 +76,7 @@ fn by_load(
     number: usize,
 ) -> Result<Option<Wrench>> {
     // Of several load cases some may have a force in the table and others none.
-    let given = if several {
-        state.load.is_some()
-    } else {
-        posture.readings.states.iter().any(|s| s.load.is_some())
-    };
+    let given = if several { state.load.is_some() } else { posture.readings.states.iter().any(|s| s.load.is_some()) };
     let mut unit = setup.load.clone();
     let full = match &mut unit {
         Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. } => {
@@ -129,10 +118,9 @@ fn by_load(
     let reference = reference(posture, number, "no load_n", of_state)?[0];
     let frames = Frames::new(&setup.robot, &posture.q);
     let at = frames.point(&setup.tool.loading_point);
-    Ok(unit.wrench(&frames, &at).map(|one| Wrench {
-        force: one.force * (loaded - reference),
-        moment: one.moment * (loaded - reference),
-    }))
+    Ok(unit
+        .wrench(&frames, &at)
+        .map(|one| Wrench { force: one.force * (loaded - reference), moment: one.moment * (loaded - reference) }))
 }
 
 /// Value of the reference states at the clock of the loaded state `number`.
@@ -165,9 +153,7 @@ fn reference<const N: usize>(
 /// Value at `at` of the straight line through `samples` (clock, value) where
 /// they lie on both sides, else the nearest one; zero without samples.
 fn line_at<const N: usize>(samples: &[(f64, SVector<f64, N>)], at: f64) -> SVector<f64, N> {
-    let nearest = samples
-        .iter()
-        .min_by(|a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
+    let nearest = samples.iter().min_by(|a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
     let Some(nearest) = nearest else {
         return SVector::zeros();
     };
@@ -188,18 +174,11 @@ fn to_vector(wrench: &Wrench) -> SVector<f64, 6> {
 }
 
 fn to_wrench(v: SVector<f64, 6>) -> Wrench {
-    Wrench {
-        force: v.fixed_rows::<3>(0).into_owned(),
-        moment: v.fixed_rows::<3>(3).into_owned(),
-    }
+    Wrench { force: v.fixed_rows::<3>(0).into_owned(), moment: v.fixed_rows::<3>(3).into_owned() }
 }
 
 fn missing(posture: &PostureSeries<'_>, state: &StateReadings, lacks: &str, hint: &str) -> Error {
-    let message = format!(
-        "Posture {}, state {} has {lacks}.",
-        posture.name(),
-        state.state
-    );
+    let message = format!("Posture {}, state {} has {lacks}.", posture.name(), state.state);
     let error = Error::new(Code::MissingKey, message).hint(hint);
     match state.readings.first().map(|r| r.line) {
         Some(line) if line > 0 => error.line(line, None),
@@ -208,31 +187,17 @@ fn missing(posture: &PostureSeries<'_>, state: &StateReadings, lacks: &str, hint
 }
 
 /// What the forces leave open.
-pub(super) fn findings(
-    cell: &Cell,
-    columns: WrenchColumns,
-    series: &[PostureSeries<'_>],
-) -> Vec<Finding> {
+pub(super) fn findings(cell: &Cell, columns: WrenchColumns, series: &[PostureSeries<'_>]) -> Vec<Finding> {
     let mut out = Vec::new();
     if columns == WrenchColumns::None {
         return out;
     }
-    let on_flange = cell
-        .sensor
-        .as_ref()
-        .is_some_and(|s| s.mount == Mount::Flange);
+    let on_flange = cell.sensor.as_ref().is_some_and(|s| s.mount == Mount::Flange);
     let without: Vec<&str> = series
         .iter()
         .filter(|p| p.reference == Role::Unloaded)
-        .filter(|p| {
-            [Role::Unloaded, Role::Loaded]
-                .iter()
-                .all(|r| p.states(*r).next().is_some())
-        })
-        .filter(|p| {
-            p.states(Role::Unloaded)
-                .all(|i| p.readings.states[i].wrench.is_none())
-        })
+        .filter(|p| [Role::Unloaded, Role::Loaded].iter().all(|r| p.states(*r).next().is_some()))
+        .filter(|p| p.states(Role::Unloaded).all(|i| p.readings.states[i].wrench.is_none()))
         .map(PostureSeries::name)
         .collect();
     if on_flange && !without.is_empty() {

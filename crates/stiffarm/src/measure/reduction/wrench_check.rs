@@ -95,15 +95,12 @@ pub(super) fn wrench_check(
         return None;
     }
     let robot = &cell.setup.robot;
-    let loads: Vec<(Frames, Wrench)> = measured
-        .iter()
-        .filter_map(|m| Some((Frames::new(robot, &m.posture.q), m.wrench?)))
-        .collect();
+    let loads: Vec<(Frames, Wrench)> =
+        measured.iter().filter_map(|m| Some((Frames::new(robot, &m.posture.q), m.wrench?))).collect();
     // Loads at points of their own have moments about the tool's loading point.
     let pure = |load: &Load| !matches!(load, Load::Constant { .. });
     let cases = cell.setup.load.cases();
-    let pure_force =
-        cell.setup.load.each().all(pure) && cases.iter().all(|case| case.loading_point.is_none());
+    let pure_force = cell.setup.load.each().all(pure) && cases.iter().all(|case| case.loading_point.is_none());
     let directions = directions(cell, measured, expected, None);
     let mirrored_axis = mirrored(cell, measured, expected, &directions);
     Some(WrenchCheck {
@@ -132,10 +129,7 @@ fn mirrored(
     let sensor = cell.sensor.as_ref().filter(|s| s.mirrored.is_none())?;
     typical(as_they_are).filter(|angle| *angle > TURNED)?;
     let with = |axis: usize| {
-        let with = Sensor {
-            mirrored: Some(axis),
-            ..sensor.clone()
-        };
+        let with = Sensor { mirrored: Some(axis), ..sensor.clone() };
         typical(&directions(cell, measured, expected, Some(&with)))
     };
     (0..3).find(|axis| with(*axis).is_some_and(|angle| angle < TURNED))
@@ -151,8 +145,7 @@ fn application_point(loads: &[(Frames, Wrench)]) -> Option<ApplicationPoint> {
         let force = rotation.inverse_transform_vector(&wrench.force);
         squares += force.norm_squared();
         // M = r × F = −F × r.
-        arms.fixed_view_mut::<3, 3>(3 * i, 0)
-            .copy_from(&-force.cross_matrix());
+        arms.fixed_view_mut::<3, 3>(3 * i, 0).copy_from(&-force.cross_matrix());
         let moment = rotation.inverse_transform_vector(&wrench.moment);
         moments.fixed_rows_mut::<3>(3 * i).copy_from(&moment);
     }
@@ -171,18 +164,13 @@ fn application_point(loads: &[(Frames, Wrench)]) -> Option<ApplicationPoint> {
     let remaining = &moments - arms * &offset;
     let freedom = rows - rank;
     let distance = offset.norm();
-    let along = if distance > 0.0 {
-        &offset / distance
-    } else {
-        DVector::zeros(3)
-    };
+    let along = if distance > 0.0 { &offset / distance } else { DVector::zeros(3) };
     let variance = remaining.norm_squared() / freedom.max(1) as f64;
     let count = loads.len() as f64;
     Some(ApplicationPoint {
         offset_m: [offset[0], offset[1], offset[2]],
         distance_m: distance,
-        distance_standard_error_m: (freedom > 0)
-            .then(|| (variance * along.dot(&(inverse * &along))).sqrt()),
+        distance_standard_error_m: (freedom > 0).then(|| (variance * along.dot(&(inverse * &along))).sqrt()),
         determined: rank == 3,
         moment_rms_nm: (moments.norm_squared() / count).sqrt(),
         residual_moment_rms_nm: (remaining.norm_squared() / count).sqrt(),
@@ -222,11 +210,7 @@ fn directions(
             magnitude_ratio: expected.filter(|f| *f > 0.0).map(|f| force.norm() / f),
         })
     };
-    measured
-        .iter()
-        .zip(expected)
-        .filter_map(direction)
-        .collect()
+    measured.iter().zip(expected).filter_map(direction).collect()
 }
 
 /// What the check says in sentences.
@@ -259,10 +243,9 @@ fn direction_findings(cell: &Cell, check: &WrenchCheck, out: &mut Vec<Finding>) 
             "sensor.reports",
             "The force is reported by the robot, not on it, or the sensor's sign is wrong: set sensor.reports.",
         ),
-        None => (
-            "measurements",
-            "The table has the force by the robot, not on it: change the signs of forces and moments.",
-        ),
+        None => {
+            ("measurements", "The table has the force by the robot, not on it: change the signs of forces and moments.")
+        }
     };
     if typical > 0.8 * PI {
         out.push(Finding::serious(
@@ -276,11 +259,7 @@ fn direction_findings(cell: &Cell, check: &WrenchCheck, out: &mut Vec<Finding>) 
         return;
     }
     if typical > TURNED {
-        let severity = if typical > 0.3 {
-            Severity::Serious
-        } else {
-            Severity::Caution
-        };
+        let severity = if typical > 0.3 { Severity::Serious } else { Severity::Caution };
         out.push(Finding::new(
             "force-direction",
             severity,
@@ -293,9 +272,10 @@ fn direction_findings(cell: &Cell, check: &WrenchCheck, out: &mut Vec<Finding>) 
                         "With {axis} of the sensor counted the other way they point along it: its axes are left-handed \
                          (set sensor.mirrored_axis = \"{axis}\"), or it is turned by half a turn."
                     ),
-                    None if cell.sensor.is_none() => "Check how the sensor is turned, and the anchor or the direction of \
+                    None if cell.sensor.is_none() =>
+                        "Check how the sensor is turned, and the anchor or the direction of \
                                                       gravity."
-                        .to_string(),
+                            .to_string(),
                     None => "Check how the sensor is turned, whether its axes are left-handed (sensor.mirrored_axis), \
                              and the anchor or the direction of gravity."
                         .to_string(),
@@ -303,16 +283,9 @@ fn direction_findings(cell: &Cell, check: &WrenchCheck, out: &mut Vec<Finding>) 
             ),
         ));
     } else {
-        let odd: Vec<&ForceDirection> = directions
-            .iter()
-            .filter(|d| d.angle_rad > ODD_STATE)
-            .collect();
+        let odd: Vec<&ForceDirection> = directions.iter().filter(|d| d.angle_rad > ODD_STATE).collect();
         for state in odd {
-            let severity = if state.angle_rad > FRAC_PI_2 {
-                Severity::Serious
-            } else {
-                Severity::Caution
-            };
+            let severity = if state.angle_rad > FRAC_PI_2 { Severity::Serious } else { Severity::Caution };
             out.push(Finding::new(
                 "force-direction",
                 severity,
@@ -332,10 +305,7 @@ fn direction_findings(cell: &Cell, check: &WrenchCheck, out: &mut Vec<Finding>) 
 }
 
 fn magnitude_findings(directions: &[ForceDirection], out: &mut Vec<Finding>) {
-    let known: Vec<&ForceDirection> = directions
-        .iter()
-        .filter(|d| d.magnitude_ratio.is_some())
-        .collect();
+    let known: Vec<&ForceDirection> = directions.iter().filter(|d| d.magnitude_ratio.is_some()).collect();
     let ratios: Vec<f64> = known.iter().filter_map(|d| d.magnitude_ratio).collect();
     if ratios.is_empty() {
         return;
@@ -350,11 +320,7 @@ fn magnitude_findings(directions: &[ForceDirection], out: &mut Vec<Finding>) {
             (1e3, "in millinewtons"),
         ];
         let unit = units.iter().find(|(factor, _)| !off(typical / factor));
-        let severity = if typical > 0.5 && typical < 2.0 {
-            Severity::Caution
-        } else {
-            Severity::Serious
-        };
+        let severity = if typical > 0.5 && typical < 2.0 { Severity::Caution } else { Severity::Serious };
         out.push(Finding::new(
             codes::FORCE_MAGNITUDE,
             severity,
@@ -394,11 +360,7 @@ fn point_findings(cell: &Cell, point: &ApplicationPoint, out: &mut Vec<Finding>)
         } else {
             " (along the forces, which are parallel in flange axes, nothing can be said)"
         };
-        let also = if cell.sensor.is_some() {
-            ", or the sensor's origin"
-        } else {
-            ""
-        };
+        let also = if cell.sensor.is_some() { ", or the sensor's origin" } else { "" };
         out.push(Finding::caution(
             codes::LOADING_POINT,
             "tool.loading_point_mm",

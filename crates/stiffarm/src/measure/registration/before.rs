@@ -29,23 +29,15 @@ const COMPARED: usize = 200;
 pub(super) fn check_options(pairs: &[PointPair], options: &RegisterOptions) -> Result<()> {
     let positive = |v: f64| v.is_finite() && v > 0.0;
     if options.std.is_some_and(|std| !positive(std)) {
-        return Err(Error::invalid(
-            "The standard deviation of the pairs must be above zero.",
-        ));
+        return Err(Error::invalid("The standard deviation of the pairs must be above zero."));
     }
     if !options.weights.is_empty() && options.weights.len() != pairs.len() {
-        let message = format!(
-            "{} weights for {} point pairs.",
-            options.weights.len(),
-            pairs.len()
-        );
+        let message = format!("{} weights for {} point pairs.", options.weights.len(), pairs.len());
         return Err(Error::new(Code::Dimension, message));
     }
     if options.weights.iter().any(|w| !positive(*w)) {
-        return Err(
-            Error::invalid("The weight of a point pair must be above zero.")
-                .hint("leave out a pair that is not to count"),
-        );
+        return Err(Error::invalid("The weight of a point pair must be above zero.")
+            .hint("leave out a pair that is not to count"));
     }
     Ok(())
 }
@@ -60,10 +52,7 @@ pub(super) fn check_pairs(pairs: &[PointPair]) -> Result<()> {
         }
         let mut coordinates = pair.tracker.iter().chain(pair.base.iter());
         if coordinates.any(|v| !v.is_finite()) {
-            let message = format!(
-                "A coordinate of the point \"{}\" is not a finite number.",
-                pair.name
-            );
+            let message = format!("A coordinate of the point \"{}\" is not a finite number.", pair.name);
             return Err(Error::new(Code::NotFinite, message));
         }
     }
@@ -73,11 +62,14 @@ pub(super) fn check_pairs(pairs: &[PointPair]) -> Result<()> {
             1 => "one point pair".to_string(),
             count => format!("{count} point pairs"),
         };
-        let message =
-            format!("There is {number}; a registration needs at least 3 that are not on a line.")
-                .replacen("There is 2", "There are 2", 1);
-        return Err(Error::new(Code::TooFewData, message)
-            .hint("5 or more well spread pairs also tell which one is wrong"));
+        let message = format!("There is {number}; a registration needs at least 3 that are not on a line.").replacen(
+            "There is 2",
+            "There are 2",
+            1,
+        );
+        return Err(
+            Error::new(Code::TooFewData, message).hint("5 or more well spread pairs also tell which one is wrong")
+        );
     }
     check_line(pairs, "tracker", |pair| pair.tracker)?;
     check_line(pairs, "base", |pair| pair.base)?;
@@ -86,19 +78,10 @@ pub(super) fn check_pairs(pairs: &[PointPair]) -> Result<()> {
 
 /// Refuses points on a line: the turn about it would be anything.
 fn check_line(pairs: &[PointPair], axes: &str, of: fn(&PointPair) -> Vector3<f64>) -> Result<()> {
-    let samples: Vec<Sample> = pairs
-        .iter()
-        .map(|pair| Sample {
-            tracker: of(pair),
-            base: of(pair),
-            weight: 1.0,
-        })
-        .collect();
+    let samples: Vec<Sample> =
+        pairs.iter().map(|pair| Sample { tracker: of(pair), base: of(pair), weight: 1.0 }).collect();
     let fit = rigid(&samples).ok_or_else(|| {
-        Error::new(
-            Code::Numerical,
-            "The singular value decomposition of the points did not converge.",
-        )
+        Error::new(Code::Numerical, "The singular value decomposition of the points did not converge.")
     })?;
     let is_one_point = fit.spread[0] <= fit.rounding.sqrt();
     if fit.rank() == 6 && !is_one_point {
@@ -128,21 +111,15 @@ fn check_units(pairs: &[PointPair]) -> Result<()> {
         // Ratios that differ from pair to pair tell wrong points, not a unit.
         return Ok(());
     }
-    let (longer, shorter, factor) = if ratio > 1.0 {
-        ("base", "tracker", ratio)
-    } else {
-        ("tracker", "base", 1.0 / ratio)
-    };
-    let known = UNITS
-        .iter()
-        .find(|(unit, ..)| (factor / unit - 1.0).abs() < UNIT_TOLERANCE);
+    let (longer, shorter, factor) =
+        if ratio > 1.0 { ("base", "tracker", ratio) } else { ("tracker", "base", 1.0 / ratio) };
+    let known = UNITS.iter().find(|(unit, ..)| (factor / unit - 1.0).abs() < UNIT_TOLERANCE);
     let shown = match known {
         Some((unit, ..)) => unit.to_string(),
         None => format!("{factor:.3}"),
     };
-    let message = format!(
-        "Distances between the points are {shown} times longer in {longer} axes than in {shorter} axes."
-    );
+    let message =
+        format!("Distances between the points are {shown} times longer in {longer} axes than in {shorter} axes.");
     let hint = match known {
         Some((_, small, large)) => format!(
             "the {shorter} coordinates look like {small}, the {longer} coordinates like {large}: \

@@ -1,9 +1,7 @@
 //! The rigid fit itself.
 
 use crate::numerics::information::{Svd, svd};
-use nalgebra::{
-    DMatrix, Isometry3, Matrix3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
-};
+use nalgebra::{DMatrix, Isometry3, Matrix3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 
 /// Points nearer to a line than this share of their spread along it count as
 /// on it.
@@ -49,18 +47,13 @@ impl RigidFit {
     /// Base position minus transformed tracker position \[m\], from centred
     /// coordinates: a frame far away costs no digits.
     pub(super) fn residual(&self, sample: &Sample) -> Vector3<f64> {
-        (sample.base - self.base_centroid)
-            - self.pose.rotation * (sample.tracker - self.tracker_centroid)
+        (sample.base - self.base_centroid) - self.pose.rotation * (sample.tracker - self.tracker_centroid)
     }
 
     /// Unknowns that the samples determine: five for points on a line, whose
     /// turn about it is free.
     pub(super) fn rank(&self) -> usize {
-        if self.spread[1] > LINE * self.spread[0] {
-            6
-        } else {
-            5
-        }
+        if self.spread[1] > LINE * self.spread[0] { 6 } else { 5 }
     }
 
     /// True where the residuals are rounding errors: nothing to draw conclusions from.
@@ -172,11 +165,7 @@ pub(in crate::measure) fn is_spread(points: &[Vector3<f64>]) -> bool {
 
 /// Singular values of a matrix of three columns, descending.
 fn singular_values(rows: DMatrix<f64>) -> Option<[f64; 3]> {
-    let small = if rows.nrows() > 12 {
-        rows.qr().r()
-    } else {
-        rows
-    };
+    let small = if rows.nrows() > 12 { rows.qr().r() } else { rows };
     let values = svd(small)?.values;
     Some([values[0], values[1], values[2]])
 }

@@ -98,8 +98,7 @@ impl Registration {
     pub fn covariance_at(&self, at: &Vector3<f64>) -> Matrix3<f64> {
         let mut map = SMatrix::<f64, 3, 6>::zeros();
         map.fixed_columns_mut::<3>(0).fill_diagonal(1.0);
-        map.fixed_columns_mut::<3>(3)
-            .copy_from(&-(at - self.centroid).cross_matrix());
+        map.fixed_columns_mut::<3>(3).copy_from(&-(at - self.centroid).cross_matrix());
         map * self.covariance * map.transpose()
     }
 
@@ -107,17 +106,12 @@ impl Registration {
     /// each along x, y and z of the base.
     pub fn standard_errors(&self) -> [Vector3<f64>; 2] {
         let diagonal = self.covariance.diagonal().map(|v| v.max(0.0).sqrt());
-        [
-            diagonal.fixed_rows::<3>(0).into_owned(),
-            diagonal.fixed_rows::<3>(3).into_owned(),
-        ]
+        [diagonal.fixed_rows::<3>(0).into_owned(), diagonal.fixed_rows::<3>(3).into_owned()]
     }
 
     /// True when a finding says that the registration cannot be used as it is.
     pub fn is_serious(&self) -> bool {
-        self.findings
-            .iter()
-            .any(|f| f.severity == Severity::Serious)
+        self.findings.iter().any(|f| f.severity == Severity::Serious)
     }
 }
 
@@ -125,16 +119,8 @@ impl Registration {
 /// least squares over pairs of positions \[m\]. Points on a line get one of the
 /// transforms that fit alike; `None` without pairs or for numbers that are not
 /// finite.
-pub(crate) fn rigid_transform(
-    pairs: impl Iterator<Item = (Vector3<f64>, Vector3<f64>)>,
-) -> Option<Isometry3<f64>> {
-    let samples: Vec<Sample> = pairs
-        .map(|(tracker, base)| Sample {
-            tracker,
-            base,
-            weight: 1.0,
-        })
-        .collect();
+pub(crate) fn rigid_transform(pairs: impl Iterator<Item = (Vector3<f64>, Vector3<f64>)>) -> Option<Isometry3<f64>> {
+    let samples: Vec<Sample> = pairs.map(|(tracker, base)| Sample { tracker, base, weight: 1.0 }).collect();
     fit::rigid(&samples).map(|fit| fit.pose)
 }
 
@@ -186,10 +172,7 @@ pub fn register_with(pairs: &[PointPair], options: &RegisterOptions) -> Result<R
         })
         .collect();
     let fit = fit::rigid(&samples).ok_or_else(|| {
-        Error::new(
-            Code::Numerical,
-            "The singular value decomposition of the registration did not converge.",
-        )
+        Error::new(Code::Numerical, "The singular value decomposition of the registration did not converge.")
     })?;
     let suspicion = Suspicion::of(&samples, &fit, options.std);
     let names: Vec<&str> = pairs.iter().map(|pair| pair.name.as_str()).collect();
@@ -220,12 +203,10 @@ pub fn register_with(pairs: &[PointPair], options: &RegisterOptions) -> Result<R
 
 /// (Σ AᵀA·weight/σ²)⁻¹ with A = \[I, −(x − c)×\] for every pair.
 fn covariance(fit: &RigidFit, std: f64) -> Result<Matrix6<f64>> {
-    let turn = fit.inertia.cholesky().ok_or_else(|| {
-        Error::new(
-            Code::Numerical,
-            "The covariance of the registration cannot be computed.",
-        )
-    })?;
+    let turn = fit
+        .inertia
+        .cholesky()
+        .ok_or_else(|| Error::new(Code::Numerical, "The covariance of the registration cannot be computed."))?;
     let mut covariance = Matrix6::zeros();
     let shift = Matrix3::identity() / fit.weight;
     covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&shift);

@@ -4,9 +4,7 @@ use super::Registration;
 use crate::error::{Code, Error, Result};
 use crate::findings::Finding;
 use crate::units::roll_pitch_yaw;
-use nalgebra::{
-    Isometry3, Matrix3, Matrix6, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
-};
+use nalgebra::{Isometry3, Matrix3, Matrix6, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// A rotation matrix may differ from an orthogonal one by this.
@@ -80,9 +78,7 @@ impl TryFrom<RegistrationRecord> for Registration {
     fn try_from(record: RegistrationRecord) -> Result<Self> {
         let fault = |message: &str, key: &str| Error::new(Code::ResultFile, message).key(key);
         let residuals = record.residuals_m.iter().flatten().copied();
-        let stds = [record.residual_std_m]
-            .into_iter()
-            .chain(record.known_std_m);
+        let stds = [record.residual_std_m].into_iter().chain(record.known_std_m);
         let lengths: [(&str, f64, Vec<f64>); 5] = [
             ("translation_m", -FARTHEST, record.translation_m.to_vec()),
             ("centroid_m", -FARTHEST, record.centroid_m.to_vec()),
@@ -92,9 +88,8 @@ impl TryFrom<RegistrationRecord> for Registration {
         ];
         for (key, least, values) in lengths {
             if let Some(value) = values.iter().find(|v| !(least..=FARTHEST).contains(*v)) {
-                let message = format!(
-                    "A length of {value:e} m cannot be meant: it must lie between {least} and {FARTHEST} m."
-                );
+                let message =
+                    format!("A length of {value:e} m cannot be meant: it must lie between {least} and {FARTHEST} m.");
                 return Err(fault(&message, key));
             }
         }
@@ -110,12 +105,8 @@ impl TryFrom<RegistrationRecord> for Registration {
         let covariance = Matrix6::from_fn(|i, j| record.covariance[i][j]);
         let symmetric = (covariance - covariance.transpose()).amax() <= 1e-9 * covariance.amax();
         let variances = covariance.diagonal();
-        let positive = variances
-            .iter()
-            .all(|v| (0.0..=FARTHEST * FARTHEST).contains(v));
-        let within = |(i, j): (usize, usize)| {
-            covariance[(i, j)].powi(2) <= variances[i] * variances[j] * (1.0 + 1e-9)
-        };
+        let positive = variances.iter().all(|v| (0.0..=FARTHEST * FARTHEST).contains(v));
+        let within = |(i, j): (usize, usize)| covariance[(i, j)].powi(2) <= variances[i] * variances[j] * (1.0 + 1e-9);
         let mut pairs = (0..6).flat_map(|i| (0..6).map(move |j| (i, j)));
         // NaN is none of it.
         if !(symmetric && positive && pairs.all(within)) {
@@ -125,13 +116,9 @@ impl TryFrom<RegistrationRecord> for Registration {
             ));
         }
         if record.pairs.len() != record.residuals_m.len() {
-            return Err(fault(
-                "The number of residuals must be that of the pairs.",
-                "residuals_m",
-            ));
+            return Err(fault("The number of residuals must be that of the pairs.", "residuals_m"));
         }
-        let rotation =
-            UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
+        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
         Ok(Registration {
             base_from_tracker: Isometry3::from_parts(
                 Translation3::from(Vector3::from(record.translation_m)),

@@ -135,8 +135,7 @@ fn turn(fit: &RigidFit, std: f64) -> Result<Option<Finding>> {
         let message = format!(
             "The points are too near to a line for their residuals: the turn about it is uncertain by {uncertain}."
         );
-        return Err(Error::new(Code::Registration, message)
-            .hint(format!("{extent}: add a point well off the line")));
+        return Err(Error::new(Code::Registration, message).hint(format!("{extent}: add a point well off the line")));
     }
     Ok(Some(Finding::caution(
         "uncertain-turn",

@@ -47,11 +47,7 @@ impl Agreement {
     /// RMS residual above which a group disagrees with `agreeing` others, whose
     /// own is `level` \[m\].
     pub(in crate::measure) fn limit(&self, level: f64, agreeing: usize) -> f64 {
-        let floor = if agreeing < self.many {
-            self.floor_few
-        } else {
-            self.floor
-        };
+        let floor = if agreeing < self.many { self.floor_few } else { self.floor };
         (self.factor * level).max(floor)
     }
 }
@@ -73,10 +69,7 @@ pub(in crate::measure) fn moved(transform: &Isometry3<f64>, point: &Vector3<f64>
 
 /// Sum of the squared distances that `transform` leaves \[m²\].
 pub(in crate::measure) fn misfit(transform: &Isometry3<f64>, pairs: &[Pair]) -> f64 {
-    pairs
-        .iter()
-        .map(|(a, b)| (moved(transform, a) - b).norm_squared())
-        .sum()
+    pairs.iter().map(|(a, b)| (moved(transform, a) - b).norm_squared()).sum()
 }
 
 /// RMS distance that `transform` leaves between pairs \[m\].
@@ -113,20 +106,13 @@ pub(in crate::measure) fn robust(groups: &[Vec<Pair>], agreement: Agreement) -> 
         let freedom = (3 * good.len()).saturating_sub(6).max(1) as f64;
         level = (3.0 * misfit(&transform, &good) / freedom).sqrt();
         let allowed = agreement.limit(level, bad.iter().filter(|b| !**b).count());
-        let next: Vec<bool> = groups
-            .iter()
-            .map(|g| rms(&transform, g) > allowed)
-            .collect();
+        let next: Vec<bool> = groups.iter().map(|g| rms(&transform, g) > allowed).collect();
         if next == bad || next.iter().all(|b| *b) {
             break;
         }
         bad = next;
     }
-    Some(Robust {
-        base_from_tracker: transform,
-        bad,
-        level,
-    })
+    Some(Robust { base_from_tracker: transform, bad, level })
 }
 
 fn misfit_mean(transform: &Isometry3<f64>, pairs: &[Pair]) -> f64 {
@@ -134,10 +120,7 @@ fn misfit_mean(transform: &Isometry3<f64>, pairs: &[Pair]) -> f64 {
 }
 
 /// The pairs of the groups that are not `bad`.
-pub(in crate::measure) fn agreeing<'a>(
-    groups: &'a [Vec<Pair>],
-    bad: &'a [bool],
-) -> impl Iterator<Item = Pair> + 'a {
+pub(in crate::measure) fn agreeing<'a>(groups: &'a [Vec<Pair>], bad: &'a [bool]) -> impl Iterator<Item = Pair> + 'a {
     let good = groups.iter().zip(bad).filter(|(_, bad)| !**bad);
     good.flat_map(|(group, _)| group.iter().copied())
 }
@@ -187,12 +170,8 @@ pub(in crate::measure) struct TurnSums {
 impl TurnSums {
     /// Of `pairs`, their positions taken from `origins`.
     pub(in crate::measure) fn of(pairs: impl Iterator<Item = Pair>, origins: &Pair) -> Self {
-        let mut out = TurnSums {
-            count: 0.0,
-            tracker: Vector3::zeros(),
-            base: Vector3::zeros(),
-            cross: Matrix3::zeros(),
-        };
+        let mut out =
+            TurnSums { count: 0.0, tracker: Vector3::zeros(), base: Vector3::zeros(), cross: Matrix3::zeros() };
         for (tracker, base) in pairs {
             let (tracker, base) = (tracker - origins.0, base - origins.1);
             out.count += 1.0;

@@ -9,14 +9,8 @@ use nalgebra::{Isometry3, Vector3};
 
 /// What is below 0.5 mm does not matter to Ψ; three or four postures may agree
 /// with each other by chance on a robot that is a few mm off.
-const AGREEMENT: Agreement = Agreement {
-    factor: 10.0,
-    floor: 5e-4,
-    floor_few: 5e-3,
-    many: 5,
-    most: |count| count / 2 + 1,
-    least: 1,
-};
+const AGREEMENT: Agreement =
+    Agreement { factor: 10.0, floor: 5e-4, floor_few: 5e-3, many: 5, most: |count| count / 2 + 1, least: 1 };
 /// Share of the worst postures that the trimmed misfit leaves out.
 const TRIMMED: f64 = 0.25;
 
@@ -53,11 +47,7 @@ pub(super) fn items(work: &Work) -> Vec<(usize, usize)> {
     for (p, posture) in work.sheet.postures.iter().enumerate() {
         let seen = |s: &usize| !posture.states[*s].seen().is_empty();
         let all: Vec<usize> = posture.references().into_iter().filter(seen).collect();
-        let sure: Vec<usize> = all
-            .iter()
-            .copied()
-            .filter(|s| posture.states[*s].doubtful.is_empty())
-            .collect();
+        let sure: Vec<usize> = all.iter().copied().filter(|s| posture.states[*s].doubtful.is_empty()).collect();
         let kept = if sure.is_empty() { all } else { sure };
         out.extend(kept.into_iter().map(|s| (p, s)));
     }
@@ -76,27 +66,15 @@ pub(super) fn item_pairs(work: &Work, setup: &Setup, items: &[(usize, usize)]) -
 }
 
 /// Pairs tracker–base of one state.
-pub(super) fn state_pairs(
-    points: &[Option<super::sheet::Mean>],
-    predicted: &[Vector3<f64>],
-) -> Vec<Pair> {
-    points
-        .iter()
-        .zip(predicted)
-        .filter_map(|(mean, at)| mean.map(|m| (m.position, *at)))
-        .collect()
+pub(super) fn state_pairs(points: &[Option<super::sheet::Mean>], predicted: &[Vector3<f64>]) -> Vec<Pair> {
+    points.iter().zip(predicted).filter_map(|(mean, at)| mean.map(|m| (m.position, *at))).collect()
 }
 
 /// Registers items: those that agree with each other. `None` where the points do
 /// not determine a transform.
 pub(super) fn register(items: &[Vec<Pair>]) -> Option<Frame> {
     let found = robust(items, AGREEMENT)?;
-    Some(with_transform(
-        items,
-        found.base_from_tracker,
-        found.bad,
-        found.level,
-    ))
+    Some(with_transform(items, found.base_from_tracker, found.bad, found.level))
 }
 
 /// Judges a transform that is given.
@@ -109,12 +87,7 @@ pub(super) fn judge(items: &[Vec<Pair>], transform: &Isometry3<f64>) -> Frame {
     with_transform(items, *transform, bad, level)
 }
 
-fn with_transform(
-    items: &[Vec<Pair>],
-    base_from_tracker: Isometry3<f64>,
-    bad: Vec<bool>,
-    level: f64,
-) -> Frame {
+fn with_transform(items: &[Vec<Pair>], base_from_tracker: Isometry3<f64>, bad: Vec<bool>, level: f64) -> Frame {
     let rms: Vec<f64> = items.iter().map(|i| rms(&base_from_tracker, i)).collect();
     let mut sorted = rms.clone();
     sorted.sort_by(f64::total_cmp);
@@ -124,13 +97,7 @@ fn with_transform(
     };
     sorted.truncate(sorted.len() - left_out);
     let squares: f64 = sorted.iter().map(|r| r * r).sum();
-    Frame {
-        trimmed: (squares / sorted.len().max(1) as f64).sqrt(),
-        base_from_tracker,
-        rms,
-        bad,
-        level,
-    }
+    Frame { trimmed: (squares / sorted.len().max(1) as f64).sqrt(), base_from_tracker, rms, bad, level }
 }
 
 /// Misfit above which a cause counts as undone \[m\]: an uncalibrated robot has a few mm.
@@ -143,8 +110,6 @@ pub(super) fn fitted(work: &Work, given: Option<&Isometry3<f64>>) -> Option<Fram
     let pairs = item_pairs(work, work.setup(), &at);
     match register(&pairs) {
         Some(frame) => Some(frame),
-        None => given
-            .filter(|_| !pairs.is_empty())
-            .map(|transform| judge(&pairs, transform)),
+        None => given.filter(|_| !pairs.is_empty()).map(|transform| judge(&pairs, transform)),
     }
 }

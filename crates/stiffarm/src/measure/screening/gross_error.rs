@@ -30,12 +30,8 @@ type Named = (usize, f64);
 
 /// Names the stray reading of each doubtful state, or all that it can be.
 pub(super) fn settle(work: &mut Work, frame: Option<&Frame>) {
-    let doubtful: Vec<(usize, usize)> = work
-        .sheet
-        .states()
-        .into_iter()
-        .filter(|at| !work.sheet.at(*at).doubtful.is_empty())
-        .collect();
+    let doubtful: Vec<(usize, usize)> =
+        work.sheet.states().into_iter().filter(|at| !work.sheet.at(*at).doubtful.is_empty()).collect();
     if doubtful.is_empty() {
         return;
     }
@@ -98,28 +94,18 @@ impl Motion {
             for one in sure {
                 let count = one.shift.len();
                 psi.rows_mut(row, count).copy_from(&one.block);
-                delta
-                    .rows_mut(row, count)
-                    .copy_from(&(&one.shift - &one.known));
+                delta.rows_mut(row, count).copy_from(&(&one.shift - &one.known));
                 row += count;
             }
             let factor = Factor::new(&psi).ok()?;
             if factor.undetermined().is_empty() {
                 let compliance = factor.solve(&delta);
                 let left = (delta - psi * &compliance).norm_squared() / (rows - n) as f64;
-                return Some(Motion {
-                    compliance,
-                    factor: Some(factor),
-                    std: left.sqrt().max(noise),
-                });
+                return Some(Motion { compliance, factor: Some(factor), std: left.sqrt().max(noise) });
             }
         }
         let prior = work.cell.prior.as_ref()?;
-        Some(Motion {
-            compliance: DVector::from_iterator(n, prior.iter().map(|k| 1.0 / k)),
-            factor: None,
-            std: noise,
-        })
+        Some(Motion { compliance: DVector::from_iterator(n, prior.iter().map(|k| 1.0 / k)), factor: None, std: noise })
     }
 
     /// The one candidate without which the others move as expected.
@@ -145,15 +131,9 @@ impl Motion {
                 rest.map(|i| off(i).powi(2)).sum::<f64>() / variance
             };
             let degrees = 3 * (one.points.len().saturating_sub(1));
-            let right: Vec<usize> = candidates
-                .iter()
-                .copied()
-                .filter(|a| others(*a) <= exceeded_by(REJECTED, degrees))
-                .collect();
-            let wrong = candidates
-                .iter()
-                .filter(|a| others(**a) > exceeded_by(PASSED, degrees))
-                .count();
+            let right: Vec<usize> =
+                candidates.iter().copied().filter(|a| others(*a) <= exceeded_by(REJECTED, degrees)).collect();
+            let wrong = candidates.iter().filter(|a| others(**a) > exceeded_by(PASSED, degrees)).count();
             if let [a] = right[..]
                 && wrong + 1 == candidates.len()
                 && let Some(i) = one.points.iter().position(|p| *p == a)
@@ -181,11 +161,7 @@ fn by_position(work: &Work, at: (usize, usize)) -> Option<Named> {
     };
     let seen = state.seen();
     let score = |a: usize| {
-        let rest: Vec<f64> = seen
-            .iter()
-            .filter(|b| **b != a)
-            .filter_map(|b| off(*b))
-            .collect();
+        let rest: Vec<f64> = seen.iter().filter(|b| **b != a).filter_map(|b| off(*b)).collect();
         let squares: f64 = rest.iter().map(|r| r * r).sum();
         (squares / rest.len().max(1) as f64).sqrt() / frame.level.max(work.sheet.typical_std())
     };

@@ -16,11 +16,7 @@ const STATES: usize = 3;
 const ALIKE_SHAPES: f64 = 5.0;
 
 /// Pairs of the points of `state` with those of `shape`, `without` left out.
-pub(super) fn pairs(
-    state: &State,
-    shape: &[Option<Vector3<f64>>],
-    without: Option<usize>,
-) -> Vec<Pair> {
+pub(super) fn pairs(state: &State, shape: &[Option<Vector3<f64>>], without: Option<usize>) -> Vec<Pair> {
     let mut out = Vec::new();
     for (a, (mean, point)) in state.points.iter().zip(shape).enumerate() {
         if let (Some(mean), Some(point)) = (mean, point)
@@ -60,27 +56,18 @@ pub(super) fn mean_shape(work: &Work) -> Shape {
 
 fn new_mean_shape(work: &Work) -> Shape {
     let count = work.setup().tool.point_count();
-    let whole: Vec<&State> = work
-        .sheet
-        .states()
-        .into_iter()
-        .map(|at| work.sheet.at(at))
-        .filter(|s| s.seen().len() == count)
-        .collect();
+    let whole: Vec<&State> =
+        work.sheet.states().into_iter().map(|at| work.sheet.at(at)).filter(|s| s.seen().len() == count).collect();
     if count < 3 || whole.len() < STATES {
         return None;
     }
-    let positions = |s: &State| -> Vec<Option<Vector3<f64>>> {
-        s.points.iter().map(|m| m.map(|m| m.position)).collect()
-    };
+    let positions =
+        |s: &State| -> Vec<Option<Vector3<f64>>> { s.points.iter().map(|m| m.map(|m| m.position)).collect() };
     // The state that at least half of the others resemble most.
     let half = whole.len() / 2;
     let step = whole.len().div_ceil(REFERENCES);
     let resemblance = |shape: &[Option<Vector3<f64>>]| {
-        let mut all: Vec<f64> = whole
-            .iter()
-            .map(|s| best_rms(&pairs(s, shape, None)))
-            .collect();
+        let mut all: Vec<f64> = whole.iter().map(|s| best_rms(&pairs(s, shape, None))).collect();
         all.sort_by(f64::total_cmp);
         all[half]
     };

@@ -1,8 +1,8 @@
 //! The suspicions in words: what, where, the likely cause, what to do.
 
 use super::words::{
-    alternatives, angle, below_or_above, cause, fall, is_last, lines, mistyped, mm, number,
-    opening, place, times, typed, where_loads_stand,
+    alternatives, angle, below_or_above, cause, fall, is_last, lines, mistyped, mm, number, opening, place, times,
+    typed, where_loads_stand,
 };
 use super::{Cause, Evidence, Suspicion};
 use crate::findings::{Finding, list};
@@ -34,17 +34,9 @@ macro_rules! sentences {
 fn sentence(cell: &Cell, s: &Suspicion) -> String {
     let (opening, place, cause) = (opening(s), place(s), cause(cell, s));
     let (fall, also, lines) = (fall(s), alternatives(s), lines(s));
-    let [joints, points, postures, states, same, confirmed] = [
-        &s.joints,
-        &s.points,
-        &s.postures,
-        &s.states,
-        &s.alternatives,
-        &s.confirmed_by,
-    ]
-    .map(|of| list(of));
-    let [off, before, after] =
-        [s.off_m, s.before_m, s.after_m].map(|l| l.map_or_else(String::new, mm));
+    let [joints, points, postures, states, same, confirmed] =
+        [&s.joints, &s.points, &s.postures, &s.states, &s.alternatives, &s.confirmed_by].map(|of| list(of));
+    let [off, before, after] = [s.off_m, s.before_m, s.after_m].map(|l| l.map_or_else(String::new, mm));
     let [written, likely] = [0, 1].map(|i| angle(s, i));
     let (typed, where_loads_stand) = (typed(s), where_loads_stand(cell));
     let (many, size) = times(s.factor);
@@ -57,34 +49,19 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
     // Where.
     let all = if is_whole { "all postures" } else { &place };
     let [entry, filed] = if is_whole {
-        [
-            format!("State {states}, in every posture"),
-            "In the whole table".to_string(),
-        ]
+        [format!("State {states}, in every posture"), "In the whole table".to_string()]
     } else {
         [opening.clone(), format!("In posture {postures}")]
     };
-    let in_state = if s.states.is_empty() {
-        String::new()
-    } else {
-        format!(" in state {states}")
-    };
-    let in_one = if s.states.len() > 1 {
-        " in one of the two states"
-    } else {
-        ""
-    };
+    let in_state = if s.states.is_empty() { String::new() } else { format!(" in state {states}") };
+    let in_one = if s.states.len() > 1 { " in one of the two states" } else { "" };
     let either_point = points.replace(" and ", " or ");
     let [first, second] = [0, 1].map(|i| s.postures.get(i).map_or("", String::as_str));
     let (nth, away) = (s.repeat.unwrap_or(0), m_to_mm(s.off_m.unwrap_or_default()));
     // What.
     let heading = match s.factor {
-        Some(f) if f < 0.002 => {
-            "metres under a heading in millimetres, or millimetres under one in micrometres"
-        }
-        Some(f) if f > 900.0 => {
-            "micrometres under a heading in millimetres, or millimetres under one in metres"
-        }
+        Some(f) if f < 0.002 => "metres under a heading in millimetres, or millimetres under one in micrometres",
+        Some(f) if f > 900.0 => "micrometres under a heading in millimetres, or millimetres under one in metres",
         Some(f) if (f - 25.4).abs() < 0.1 => "millimetres under a heading in inches",
         Some(f) if (f * 25.4 - 1.0).abs() < 0.01 => "inches under a heading in millimetres",
         Some(f) if f < 1.0 => "a larger unit than the heading's",
@@ -105,8 +82,7 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
     };
     let percent = |i: usize| s.misfits.map_or(0.0, |misfits| 100.0 * misfits[i]);
     let [as_typed, with_it] = [0, 1].map(|i| format!("{:.0} %", percent(i)));
-    let misfits =
-        format!("{with_it} of the displacement is left unexplained, as it stands {as_typed}");
+    let misfits = format!("{with_it} of the displacement is left unexplained, as it stands {as_typed}");
     // The stiffness beside what is known beforehand, for what is on everything.
     let known = match cell.prior {
         Some(_) => "the prior",
@@ -115,8 +91,7 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
     let stiffness = below_or_above(s.ratio.unwrap_or(1.0));
     let rests_on = match s.evidence {
         Some(Evidence::Prior) => {
-            " Only this comparison speaks for it: look at the numbers before relying on the result."
-                .to_string()
+            " Only this comparison speaks for it: look at the numbers before relying on the result.".to_string()
         }
         Some(Evidence::File) => format!(" The file itself says so too: {confirmed}."),
         _ => String::new(),

@@ -14,8 +14,7 @@ const GIVE_FACTOR: f64 = 5.0;
 
 /// How far a state of posture `p` may lie from its unloaded one \[m\].
 pub(super) fn give(work: &Work, p: usize) -> f64 {
-    let (Some(prior), Some(state)) = (&work.cell.prior, work.sheet.postures[p].states.first())
-    else {
+    let (Some(prior), Some(state)) = (&work.cell.prior, work.sheet.postures[p].states.first()) else {
         return GIVE;
     };
     let compliance = DVector::from_iterator(prior.len(), prior.iter().map(|k| 1.0 / k));
@@ -33,29 +32,18 @@ pub(super) fn give(work: &Work, p: usize) -> f64 {
 /// Largest distance between the points of two states \[m\].
 pub(super) fn gap(a: &[Option<Mean>], b: &[Option<Mean>]) -> f64 {
     let both = a.iter().zip(b).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
-    both.map(|(a, b)| (a.position - b.position).norm())
-        .fold(0.0, f64::max)
+    both.map(|(a, b)| (a.position - b.position).norm()).fold(0.0, f64::max)
 }
 
 /// Misfit of one state at the angles `q`; `None` without readings.
-pub(super) fn state_rms(
-    work: &Work,
-    transform: &Isometry3<f64>,
-    at: (usize, usize),
-    q: &[f64],
-) -> Option<f64> {
+pub(super) fn state_rms(work: &Work, transform: &Isometry3<f64>, at: (usize, usize), q: &[f64]) -> Option<f64> {
     let pairs = state_pairs(&work.sheet.at(at).points, &work.predicted(q));
     (!pairs.is_empty()).then(|| rms(transform, &pairs))
 }
 
 /// Where on a circle `left` is smallest, from half a `turn` before zero to half a turn behind it, and what it is there:
 /// in steps all around, then in halved ones.
-pub(super) fn best_around(
-    turn: f64,
-    steps: usize,
-    halvings: usize,
-    mut left: impl FnMut(f64) -> f64,
-) -> (f64, f64) {
+pub(super) fn best_around(turn: f64, steps: usize, halvings: usize, mut left: impl FnMut(f64) -> f64) -> (f64, f64) {
     let mut step = turn / steps as f64;
     let mut best = (0.0, f64::INFINITY);
     let all = (0..steps).map(|i| (i as f64 - steps as f64 / 2.0) * step);

@@ -127,15 +127,8 @@ impl Work {
         let mut suspicions = self.found;
         let findings = suspicions.iter().map(|s| messages::finding(cell, s));
         let findings = findings.collect();
-        suspicions
-            .iter_mut()
-            .for_each(|s| as_read.add_lines(cell, s));
-        Screening {
-            findings,
-            suspicions,
-            unloaded_rms_m: None,
-            states_checked: 0,
-        }
+        suspicions.iter_mut().for_each(|s| as_read.add_lines(cell, s));
+        Screening { findings, suspicions, unloaded_rms_m: None, states_checked: 0 }
     }
 
     fn setup(&self) -> &Setup {
@@ -164,11 +157,7 @@ fn predicted(setup: &Setup, q: &[f64]) -> Vec<Vector3<f64>> {
 /// # Errors
 /// A posture with a wrong number of angles, a coordinate or angle that is not
 /// finite, or a reading at the tracker's station.
-pub fn screen(
-    cell: &Cell,
-    table: &ReadingTable,
-    base_from_tracker: Option<&Isometry3<f64>>,
-) -> Result<Screening> {
+pub fn screen(cell: &Cell, table: &ReadingTable, base_from_tracker: Option<&Isometry3<f64>>) -> Result<Screening> {
     let mut table = table.clone();
     stations::in_one_frame(cell, &mut table, base_from_tracker)?;
     screen_series(cell, &table, &PostureSeries::all(&table), base_from_tracker)
@@ -204,11 +193,7 @@ pub(super) fn screen_series(
         scale::check(&mut work, &frame.base_from_tracker);
     }
     motion::check(&mut work, frame.as_ref());
-    Ok(Screening {
-        unloaded_rms_m: frame.map(|f| f.level),
-        states_checked,
-        ..work.screening(cell, &as_read)
-    })
+    Ok(Screening { unloaded_rms_m: frame.map(|f| f.level), states_checked, ..work.screening(cell, &as_read) })
 }
 
 /// What the scales of a table of displacements say: their unit and that of the

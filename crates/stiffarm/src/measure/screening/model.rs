@@ -46,8 +46,7 @@ pub(super) fn explain(work: &mut Work, given: Option<&Isometry3<f64>>) -> Option
     let majority = 2 * before.bad_count() < before.bad.len();
     if before.level > UNEXPLAINED || (throughout && !majority && before.trimmed > UNEXPLAINED) {
         let off = before.level.max(before.trimmed);
-        work.found
-            .push(Suspicion::new(Cause::UnexplainedModel).off(off));
+        work.found.push(Suspicion::new(Cause::UnexplainedModel).off(off));
         return None;
     }
     check_given(work, given, &before);
@@ -59,12 +58,8 @@ fn check_given(work: &mut Work, given: Option<&Isometry3<f64>>, frame: &Frame) {
     let Some(given) = given else { return };
     let at = items(work);
     let pairs = item_pairs(work, work.setup(), &at);
-    let good: Vec<_> = pairs
-        .into_iter()
-        .zip(&frame.bad)
-        .filter(|(_, bad)| !**bad)
-        .flat_map(|(pairs, _)| pairs)
-        .collect();
+    let good: Vec<_> =
+        pairs.into_iter().zip(&frame.bad).filter(|(_, bad)| !**bad).flat_map(|(pairs, _)| pairs).collect();
     let (stated, own) = (frame::rms(given, &good), frame.level);
     if stated > (BELIEVED * own).max(SUSPICIOUS) {
         let turn = given.rotation.angle_to(&frame.base_from_tracker.rotation);
@@ -76,11 +71,7 @@ fn check_given(work: &mut Work, given: Option<&Isometry3<f64>>, frame: &Frame) {
 
 /// The slips of hand that mirror the readings as `mirror` undoes it, registered as `frame`, and leave the tracker as it is
 /// `given`, or parallel to the base.
-fn axis_slips_of(
-    mirror: &Matrix3<f64>,
-    frame: &Frame,
-    given: Option<&Isometry3<f64>>,
-) -> Vec<(String, Matrix3<f64>)> {
+fn axis_slips_of(mirror: &Matrix3<f64>, frame: &Frame, given: Option<&Isometry3<f64>>) -> Vec<(String, Matrix3<f64>)> {
     let own = frame.base_from_tracker.rotation.to_rotation_matrix();
     let wanted = given.map_or_else(UnitQuaternion::identity, |given| given.rotation);
     axis_slips(|undo| {
@@ -115,8 +106,7 @@ fn undo(work: &mut Work, given: Option<&Isometry3<f64>>, before: &Frame) -> Opti
     let mut believed: Vec<_> = slips(work).into_iter().filter_map(left).collect();
     // An offset is looked for at length, and supposes more than one simple slip.
     if believed.iter().all(|(slip, _)| slip.cost > 1.0) {
-        let offsets = (0..work.setup().robot.joint_count())
-            .filter_map(|j| offset(few.as_ref().unwrap_or(work), j));
+        let offsets = (0..work.setup().robot.joint_count()).filter_map(|j| offset(few.as_ref().unwrap_or(work), j));
         believed.extend(offsets.filter_map(left));
     }
     // Six numbers explain much: they are asked where nothing simpler does.
@@ -179,9 +169,7 @@ fn slips(work: &Work) -> Vec<Slip> {
         if signs.len() > most {
             continue;
         }
-        let changed = couplings
-            .iter()
-            .filter(|f| !signs.is_empty() || f.is_some());
+        let changed = couplings.iter().filter(|f| !signs.is_empty() || f.is_some());
         out.extend(changed.map(|factor| Undo::Chain(signs.clone(), *factor)));
     }
     out.into_iter().map(Slip::new).collect()
@@ -190,9 +178,7 @@ fn slips(work: &Work) -> Vec<Slip> {
 /// The offset of joint `j` that suits the readings best.
 fn offset(work: &Work, j: usize) -> Option<Slip> {
     let with = |degrees: f64| Slip::new(Undo::Offset(j, deg_to_rad(degrees)));
-    let left = |degrees: f64| {
-        fitted(&work.without(&with(degrees)), None).map_or(f64::INFINITY, |f| f.trimmed)
-    };
+    let left = |degrees: f64| fitted(&work.without(&with(degrees)), None).map_or(f64::INFINITY, |f| f.trimmed);
     let (degrees, _) = best_around(360.0, STEPS, HALVINGS, left);
     (degrees.abs() > SMALLEST_OFFSET).then(|| with(degrees))
 }

@@ -55,11 +55,7 @@ impl Move {
 
     /// The state on the other side of the difference.
     pub fn other_than(&self, at: (usize, usize)) -> (usize, usize) {
-        if self.state == at.1 {
-            (self.posture, self.reference)
-        } else {
-            (self.posture, self.state)
-        }
+        if self.state == at.1 { (self.posture, self.reference) } else { (self.posture, self.state) }
     }
 
     pub fn is_doubtful(&self, work: &Work) -> bool {
@@ -81,21 +77,16 @@ impl Move {
             let mut rows = DMatrix::zeros(3 * count, 6);
             for (i, arm) in self.arms.iter().enumerate() {
                 rows.fixed_view_mut::<3, 3>(3 * i, 0).fill_with_identity();
-                rows.fixed_view_mut::<3, 3>(3 * i, 3)
-                    .copy_from(&-arm.cross_matrix());
+                rows.fixed_view_mut::<3, 3>(3 * i, 3).copy_from(&-arm.cross_matrix());
             }
             let motion = Factor::new(&rows).ok()?.solve(&self.shift);
-            (
-                motion.fixed_rows::<3>(0).into_owned(),
-                motion.fixed_rows::<3>(3).into_owned(),
-            )
+            (motion.fixed_rows::<3>(0).into_owned(), motion.fixed_rows::<3>(3).into_owned())
         } else {
             let mean = (0..count).map(|i| self.shift.fixed_rows::<3>(3 * i).into_owned());
             (mean.sum::<Vector3<f64>>() / count as f64, Vector3::zeros())
         };
         let work = self.wrench.force.dot(&shift) + self.wrench.moment.dot(&turn);
-        let sizes =
-            self.wrench.force.norm() * shift.norm() + self.wrench.moment.norm() * turn.norm();
+        let sizes = self.wrench.force.norm() * shift.norm() + self.wrench.moment.norm() * turn.norm();
         (sizes > 0.0).then(|| work / sizes)
     }
 }
@@ -132,31 +123,19 @@ pub(super) fn displacement(
     let wrench = wrench(work, state, before)?;
     let sign = if work.reversed { -1.0 } else { 1.0 };
     let terms = PostureTerms::new(setup, &before.q, wrench.as_ref()).ok()?;
-    let (block, known) = (
-        terms.block(&setup.robot),
-        terms.known_displacement(&setup.tool),
-    );
-    let points: Vec<usize> = (0..state.points.len())
-        .filter(|a| state.points[*a].is_some() && before.points[*a].is_some())
-        .collect();
+    let (block, known) = (terms.block(&setup.robot), terms.known_displacement(&setup.tool));
+    let points: Vec<usize> =
+        (0..state.points.len()).filter(|a| state.points[*a].is_some() && before.points[*a].is_some()).collect();
     let rows: Vec<usize> = points.iter().flat_map(|a| 3 * a..3 * a + 3).collect();
     // What the base itself does under the load is no yielding of the arm.
-    let base = Motion::between(
-        state
-            .base
-            .iter()
-            .filter_map(|(name, now)| Some((*before.base.get(name)?, *now))),
-    )
-    .ok()?;
+    let base =
+        Motion::between(state.base.iter().filter_map(|(name, now)| Some((*before.base.get(name)?, *now)))).ok()?;
     let (mut shift, mut variance, mut arms) = (Vec::new(), 0.0_f64, Vec::new());
     for a in &points {
         let (now, then) = (state.points[*a]?, before.points[*a]?);
         let own = now.std.powi(2) + then.std.powi(2);
         let (position, added) = match &base {
-            Some(base) => (
-                base.removed(&now.position),
-                0.5 * own * base.added_variance(&now.position),
-            ),
+            Some(base) => (base.removed(&now.position), 0.5 * own * base.added_variance(&now.position)),
             None => (now.position, 0.0),
         };
         let moved = base_from_tracker.rotation * (position - then.position);
@@ -180,21 +159,14 @@ pub(super) fn displacement(
 
 /// The wrench that state `now` has more than `before`, at the loading point in
 /// base axes; `Some(None)` for the cell's own load, `None` where nothing tells.
-fn wrench(
-    work: &Work,
-    now: &super::sheet::State,
-    before: &super::sheet::State,
-) -> Option<Option<Wrench>> {
+fn wrench(work: &Work, now: &super::sheet::State, before: &super::sheet::State) -> Option<Option<Wrench>> {
     let setup = &*work.setup().of_state(&now.name).ok()?;
     let frames = Frames::new(&setup.robot, &before.q);
     let at = frames.point(&setup.tool.loading_point);
     if let Some(loaded) = now.wrench {
         let zero = Wrench::force(Vector3::zeros());
         let unloaded = before.wrench.unwrap_or(zero);
-        let more = Wrench {
-            force: loaded.force - unloaded.force,
-            moment: loaded.moment - unloaded.moment,
-        };
+        let more = Wrench { force: loaded.force - unloaded.force, moment: loaded.moment - unloaded.moment };
         let mut out = match &work.cell.sensor {
             Some(sensor) => sensor.wrench_on_robot(&frames, &more, &at),
             None => more,
@@ -211,10 +183,7 @@ fn wrench(
         return Some(None);
     };
     let factor = (load - before.load.unwrap_or(0.0)) / full;
-    Some(Some(Wrench {
-        force: modelled.force * factor,
-        moment: modelled.moment * factor,
-    }))
+    Some(Some(Wrench { force: modelled.force * factor, moment: modelled.moment * factor }))
 }
 
 /// Size of the load of a state as the table or the cell has it \[N\].
@@ -254,10 +223,7 @@ pub(super) fn check(work: &mut Work, frame: Option<&super::frame::Frame>) {
     let Some(frame) = frame else { return };
     let motions = moves(work, &frame.base_from_tracker);
     let compliance = compliance(work);
-    let judged: Vec<Judged> = motions
-        .iter()
-        .map(|m| judge(work, m, &compliance))
-        .collect();
+    let judged: Vec<Judged> = motions.iter().map(|m| judge(work, m, &compliance)).collect();
     still(work, &judged);
     signs(work, &judged);
     sizes(work, &judged);
@@ -270,11 +236,7 @@ fn judge(work: &Work, one: &Move, compliance: &DVector<f64>) -> Judged {
     let expects = !has_prior || rms(&expected) > CLEAR * one.std;
     let along = one.shift.dot(&expected) / (one.shift.norm() * expected.norm());
     let yields = one.yields().filter(|_| clear).unwrap_or(0.0);
-    let along = if clear && expects && has_prior && along.is_finite() {
-        along
-    } else {
-        0.0
-    };
+    let along = if clear && expects && has_prior && along.is_finite() { along } else { 0.0 };
     let sign = match () {
         () if yields < -YIELDS || along < -ALONG => -1,
         () if yields > YIELDS || along > ALONG => 1,
@@ -303,13 +265,7 @@ fn still(work: &mut Work, judged: &[Judged]) {
 
 /// Displacements against the load: of all states, or of single ones.
 fn signs(work: &mut Work, judged: &[Judged]) {
-    let with = |sign: i32| -> Vec<(usize, usize)> {
-        judged
-            .iter()
-            .filter(|j| j.sign == sign)
-            .map(|j| j.at)
-            .collect()
-    };
+    let with = |sign: i32| -> Vec<(usize, usize)> { judged.iter().filter(|j| j.sign == sign).map(|j| j.at).collect() };
     let (against, along) = (with(-1), with(1));
     if against.is_empty() {
         return;
@@ -339,12 +295,7 @@ fn sizes(work: &mut Work, judged: &[Judged]) {
         let common = matches!(s.cause, Cause::LoadUnits | Cause::PriorUnits);
         common && s.postures.is_empty()
     });
-    if has_prior
-        && !named
-        && middle > 0.0
-        && is_off(middle, UNIT)
-        && !judged.iter().all(|j| j.still)
-    {
+    if has_prior && !named && middle > 0.0 && is_off(middle, UNIT) && !judged.iter().all(|j| j.still) {
         let mut suspicion = Suspicion::new(Cause::DisplacementSize);
         suspicion.factor = Some(middle);
         work.found.push(suspicion);

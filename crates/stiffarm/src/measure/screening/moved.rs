@@ -23,14 +23,8 @@ const SHORT: usize = 3;
 /// A posture belongs to the run that it fits better by this factor.
 const BETTER: f64 = 2.0;
 /// When a posture is none of its run.
-const AGREEMENT: Agreement = Agreement {
-    factor: 10.0,
-    floor: SMALL,
-    floor_few: SMALL,
-    many: 0,
-    most: |count| count / 2 + 1,
-    least: 1,
-};
+const AGREEMENT: Agreement =
+    Agreement { factor: 10.0, floor: SMALL, floor_few: SMALL, many: 0, most: |count| count / 2 + 1, least: 1 };
 
 /// A run of items that one frame fits.
 struct Run {
@@ -61,10 +55,7 @@ impl Order {
         };
         let mut at = items(work);
         at.sort_by_key(|(p, s)| (station(*p), *p, *s));
-        Order {
-            pairs: item_pairs(work, work.setup(), &at),
-            at,
-        }
+        Order { pairs: item_pairs(work, work.setup(), &at), at }
     }
 
     /// Numbers that tell of a frame in the items from `first` to `end`: six of a posture at most.
@@ -148,8 +139,7 @@ impl Order {
                 return;
             };
             let better = |i: usize| {
-                let [own, other] =
-                    [&*before, &*after].map(|run| rms(&run.base_from_tracker, &self.pairs[i]));
+                let [own, other] = [&*before, &*after].map(|run| rms(&run.base_from_tracker, &self.pairs[i]));
                 BETTER * other < own
             };
             let kept = (before.first..before.end).rev().find(|i| !better(*i));
@@ -203,11 +193,7 @@ impl Order {
 
 /// Names moves of the tracker, undoes them and registers again; `None` where there are none. They are looked for where
 /// the postures disagree throughout, and where two frames are at once much better than one.
-pub(super) fn explain(
-    work: &mut Work,
-    given: Option<&Isometry3<f64>>,
-    throughout: bool,
-) -> Option<Frame> {
+pub(super) fn explain(work: &mut Work, given: Option<&Isometry3<f64>>, throughout: bool) -> Option<Frame> {
     let order = Order::new(work);
     if !(throughout || order.is_suspected()) {
         return None;
@@ -220,8 +206,7 @@ pub(super) fn explain(
     let of_states = runs_of_states(work, &order, &runs);
     for next in 1..runs.len() {
         let (old, new) = (&runs[next - 1], &runs[next]);
-        let [before_it, first] =
-            [new.first - 1, new.first].map(|i| &work.sheet.postures[order.at[i].0]);
+        let [before_it, first] = [new.first - 1, new.first].map(|i| &work.sheet.postures[order.at[i].0]);
         if before_it.station != first.station {
             // A station that was moved is not tied well to the others: the table has both names already.
             continue;
@@ -229,9 +214,7 @@ pub(super) fn explain(
         let mut suspicion = Suspicion::new(Cause::MovedTracker).misfit(before, after);
         let [a, b] = [old, new].map(|run| &run.base_from_tracker);
         let points: Vec<&Pair> = order.agreeing(new).flatten().collect();
-        let away = points
-            .iter()
-            .map(|(p, _)| (moved(a, p) - moved(b, p)).norm());
+        let away = points.iter().map(|(p, _)| (moved(a, p) - moved(b, p)).norm());
         suspicion.off_m = Some(away.sum::<f64>() / points.len().max(1) as f64);
         suspicion.angles_deg = vec![rad_to_deg(a.rotation.angle_to(&b.rotation))];
         for (own, posture) in of_states.iter().zip(&work.sheet.postures) {
@@ -274,9 +257,7 @@ fn unused(work: &Work, station: &str) -> String {
 fn runs_of_states(work: &Work, order: &Order, runs: &[Run]) -> Vec<Vec<usize>> {
     let run_of = |i: usize| runs.iter().rposition(|run| run.first <= i).unwrap_or(0);
     let of_posture = |(p, posture): (usize, &super::sheet::Posture)| {
-        let own: Vec<usize> = (0..order.at.len())
-            .filter(|i| order.at[*i].0 == p)
-            .collect();
+        let own: Vec<usize> = (0..order.at.len()).filter(|i| order.at[*i].0 == p).collect();
         let of_state = |s: usize| {
             let before = own.iter().rev().find(|i| order.at[**i].1 <= s);
             let Some(i) = before.or(own.first()).copied() else {
@@ -284,23 +265,12 @@ fn runs_of_states(work: &Work, order: &Order, runs: &[Run]) -> Vec<Vec<usize>> {
             };
             let run = run_of(i);
             let next = run_of((i + 1).min(order.at.len() - 1));
-            let is_other = next != run
-                && is_of(
-                    work,
-                    (p, s),
-                    [run, next].map(|r| &runs[r]),
-                    own.contains(&(i + 1)),
-                );
+            let is_other = next != run && is_of(work, (p, s), [run, next].map(|r| &runs[r]), own.contains(&(i + 1)));
             if is_other { next } else { run }
         };
         (0..posture.states.len()).map(of_state).collect()
     };
-    work.sheet
-        .postures
-        .iter()
-        .enumerate()
-        .map(of_posture)
-        .collect()
+    work.sheet.postures.iter().enumerate().map(of_posture).collect()
 }
 
 /// True where a state under load lies where the arm has it by the second of two runs, and not by the first: nearer
@@ -317,10 +287,9 @@ fn is_of(work: &Work, at: (usize, usize), runs: [&Run; 2], is_known: bool) -> bo
 pub(super) fn sentence(s: &Suspicion, [before, after, off]: [&str; 3]) -> String {
     let from = match (s.divided.first(), s.postures.first()) {
         (Some(divided), _) => format!("In posture {divided} the tracker's frame changes"),
-        (None, first) => format!(
-            "From posture {} on the readings fit another tracker frame",
-            first.map_or("", String::as_str)
-        ),
+        (None, first) => {
+            format!("From posture {} on the readings fit another tracker frame", first.map_or("", String::as_str))
+        }
     };
     let rows = match s.postures.len() {
         0 => "the rows from there on".to_string(),
@@ -330,9 +299,7 @@ pub(super) fn sentence(s: &Suspicion, [before, after, off]: [&str; 3]) -> String
     let likely = s.likely_station.as_deref().unwrap_or_default();
     let name = match &s.station {
         Some(station) => format!("give {rows} station {likely} in place of {station}"),
-        None => format!(
-            "add a column station with {likely} in {rows}, and another name in those before"
-        ),
+        None => format!("add a column station with {likely} in {rows}, and another name in those before"),
     };
     let divided = match s.divided.len() {
         0 => String::new(),

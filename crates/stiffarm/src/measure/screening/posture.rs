@@ -57,10 +57,7 @@ fn suspects(work: &Work, frame: &Frame) -> Vec<usize> {
     let mut out: Vec<(usize, f64)> = Vec::new();
     for p in 0..work.sheet.postures.len() {
         let own = at.iter().zip(&frame.bad).zip(&frame.rms);
-        let worst = own
-            .filter(|((item, bad), _)| item.0 == p && **bad)
-            .map(|(_, rms)| *rms)
-            .reduce(f64::max);
+        let worst = own.filter(|((item, bad), _)| item.0 == p && **bad).map(|(_, rms)| *rms).reduce(f64::max);
         match worst {
             Some(rms) => out.push((p, rms)),
             None if !is_coherent(work, p) => out.push((p, 0.0)),
@@ -76,9 +73,9 @@ fn suspects(work: &Work, frame: &Frame) -> Vec<usize> {
 fn another_state_fits(work: &Work, frame: &Frame, at: (usize, usize)) -> bool {
     let q = &work.sheet.at(at).q;
     let others = (0..work.sheet.postures[at.0].states.len()).map(|s| (at.0, s));
-    others.filter(|other| *other != at).any(|other| {
-        state_rms(work, &frame.base_from_tracker, other, q).is_some_and(|r| r <= frame.limit())
-    })
+    others
+        .filter(|other| *other != at)
+        .any(|other| state_rms(work, &frame.base_from_tracker, other, q).is_some_and(|r| r <= frame.limit()))
 }
 
 /// Notes a posture that still disagrees.
@@ -95,13 +92,10 @@ fn report_unexplained(work: &mut Work, frame: &Frame, p: usize) {
     if another_state_fits(work, frame, reference) {
         return;
     }
-    let mut suspicion = Suspicion::new(Cause::UnexplainedPosture)
-        .posture(&posture.name)
-        .misfit(before, frame.level);
+    let mut suspicion = Suspicion::new(Cause::UnexplainedPosture).posture(&posture.name).misfit(before, frame.level);
     // A row copied from another posture keeps its angles.
-    let is_same = |other: &&super::sheet::Posture| {
-        other.name != posture.name && other.states.iter().any(|state| state.q == q)
-    };
+    let is_same =
+        |other: &&super::sheet::Posture| other.name != posture.name && other.states.iter().any(|state| state.q == q);
     let same = work.sheet.postures.iter().filter(is_same);
     suspicion.alternatives = same.map(|other| other.name.clone()).collect();
     work.found.push(suspicion);
@@ -146,13 +140,8 @@ fn whole_posture(work: &mut Work, frame: &Frame, p: usize, suspects: &[usize]) -
         let (change, after) = best_around(TAU, STEPS, HALVINGS, turned);
         let angle = q[j] + change;
         let is_sign = turn(angle + q[j]).abs() < SAME_ANGLE && turn(2.0 * q[j]).abs() > SAME_ANGLE;
-        let likely = if is_sign {
-            -q[j]
-        } else {
-            customary(work, j, angle)
-        };
-        let [sign, fitted] =
-            [-q[j], likely].map(|likely| Slip::new(Undo::Angle(j, [q[j], likely])).at(&own));
+        let likely = if is_sign { -q[j] } else { customary(work, j, angle) };
+        let [sign, fitted] = [-q[j], likely].map(|likely| Slip::new(Undo::Angle(j, [q[j], likely])).at(&own));
         [with(sign), (fitted, Some(after))]
     });
     let mixed = mix_ups(work, transform, &own, reference, most, suspects);

@@ -109,9 +109,7 @@ fn spread_agrees(work: &Work) -> bool {
 
 /// How far the postures spread over what the model has.
 fn spread_ratio(work: &Work) -> f64 {
-    let centre = |points: &[Vector3<f64>]| {
-        points.iter().sum::<Vector3<f64>>() / (points.len().max(1)) as f64
-    };
+    let centre = |points: &[Vector3<f64>]| points.iter().sum::<Vector3<f64>>() / (points.len().max(1)) as f64;
     let (mut read, mut modelled) = (Vec::new(), Vec::new());
     for at in work.sheet.states() {
         let state = work.sheet.at(at);
@@ -122,10 +120,7 @@ fn spread_ratio(work: &Work) -> f64 {
     }
     let spread = |of: &[Vector3<f64>]| {
         let middle = centre(of);
-        of.iter()
-            .map(|p| (p - middle).norm_squared())
-            .sum::<f64>()
-            .sqrt()
+        of.iter().map(|p| (p - middle).norm_squared()).sum::<f64>().sqrt()
     };
     spread(&read) / spread(&modelled)
 }
@@ -164,12 +159,7 @@ pub(super) fn strays(work: &mut Work, last: bool) -> usize {
     let Some(shape) = mean_shape(work) else {
         return 0;
     };
-    let states: Vec<_> = work
-        .sheet
-        .states()
-        .into_iter()
-        .filter(|at| work.sheet.at(*at).seen().len() >= 3)
-        .collect();
+    let states: Vec<_> = work.sheet.states().into_iter().filter(|at| work.sheet.at(*at).seen().len() >= 3).collect();
     // Sum of squares of each state in units of its noise.
     let misfit = |state: &State, without: Option<usize>, scale: f64| -> (f64, f64) {
         let pairs = pairs(state, &shape, without);
@@ -222,11 +212,7 @@ pub(super) fn strays(work: &mut Work, last: bool) -> usize {
         }
         let rest = exceeded_by(alarm, rigid_degrees(seen.len() - 1)) * own;
         let fits = |a: &usize| misfit(state, Some(*a), scale).0 <= rest;
-        odd.push(Odd {
-            at,
-            candidates: seen.into_iter().filter(fits).collect(),
-            off,
-        });
+        odd.push(Odd { at, candidates: seen.into_iter().filter(fits).collect(), off });
     }
     report(work, &shape, &odd, last, states.len());
     states.len()
@@ -248,9 +234,7 @@ fn report(work: &mut Work, shape: &[Option<Vector3<f64>>], odd: &[Odd], last: bo
         let named = odd.iter().filter(|o| o.candidates == [a]);
         let named: Vec<_> = named.map(|o| o.at).collect();
         if !named.is_empty() {
-            let off = named
-                .iter()
-                .map(|at| stray_distance(work.sheet.at(*at), shape, a));
+            let off = named.iter().map(|at| stray_distance(work.sheet.at(*at), shape, a));
             let off = off.fold(0.0, f64::max);
             let stray = Slip::new(Undo::Stray(a)).at(&named);
             work.undo(&stray, stray.suspicion(work).off(off));

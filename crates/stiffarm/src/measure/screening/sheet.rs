@@ -137,10 +137,8 @@ impl Sheet {
                         let sum: Vector3<f64> = kept.iter().map(|r| r.position).sum();
                         sum / kept.len() as f64
                     };
-                    out.points[a] = (!kept.is_empty()).then(|| Mean {
-                        position,
-                        std: std / (kept.len() as f64).sqrt(),
-                    });
+                    out.points[a] =
+                        (!kept.is_empty()).then(|| Mean { position, std: std / (kept.len() as f64).sqrt() });
                     out.lines[a] = kept.iter().map(|r| r.line).filter(|l| *l > 0).collect();
                 }
                 states.push(out);
@@ -151,21 +149,13 @@ impl Sheet {
                 states,
             });
         }
-        Ok(Sheet {
-            postures,
-            has_moments: wrench_columns == WrenchColumns::ForceAndMoment,
-        })
+        Ok(Sheet { postures, has_moments: wrench_columns == WrenchColumns::ForceAndMoment })
     }
 
     /// Lines of the readings that a suspicion names by posture and point. Angles stand in all lines of a posture,
     /// or in another table.
     pub fn add_lines(&self, cell: &Cell, suspicion: &mut Suspicion) {
-        let Suspicion {
-            postures,
-            states,
-            points,
-            ..
-        } = &*suspicion;
+        let Suspicion { postures, states, points, .. } = &*suspicion;
         if !suspicion.lines.is_empty() || postures.is_empty() || points.is_empty() {
             return;
         }
@@ -201,10 +191,7 @@ impl Sheet {
                 let own = one.displacements.iter().filter(|d| d.point == a);
                 let values: Vec<Vector3<f64>> = own.map(|d| d.value).collect();
                 if values.iter().any(|v| !is_finite(v)) {
-                    let message = format!(
-                        "A displacement of posture {} is not a finite number.",
-                        one.posture.name
-                    );
+                    let message = format!("A displacement of posture {} is not a finite number.", one.posture.name);
                     return Err(Error::new(Code::NotFinite, message));
                 }
                 let mean = values.iter().sum::<Vector3<f64>>() / values.len().max(1) as f64;
@@ -261,12 +248,7 @@ impl Sheet {
         for (at, from) in [(one, theirs), (other, mine)] {
             let state = self.at_mut(at);
             let (name, role, q) = (state.name.clone(), state.role, state.q.clone());
-            *state = State {
-                name,
-                role,
-                q,
-                ..from
-            };
+            *state = State { name, role, q, ..from };
         }
     }
 
@@ -279,16 +261,9 @@ impl Sheet {
 
     /// Typical standard deviation of a mean \[m\].
     pub fn typical_std(&self) -> f64 {
-        let all: Vec<f64> = self
-            .states()
-            .into_iter()
-            .flat_map(|at| self.at(at).points.iter().flatten().map(|m| m.std))
-            .collect();
-        if all.is_empty() {
-            SMALLEST_STD
-        } else {
-            median(&all)
-        }
+        let all: Vec<f64> =
+            self.states().into_iter().flat_map(|at| self.at(at).points.iter().flatten().map(|m| m.std)).collect();
+        if all.is_empty() { SMALLEST_STD } else { median(&all) }
     }
 }
 
@@ -333,9 +308,7 @@ impl State {
 
     /// Indices of the points that were read.
     pub fn seen(&self) -> Vec<usize> {
-        (0..self.points.len())
-            .filter(|a| self.points[*a].is_some())
-            .collect()
+        (0..self.points.len()).filter(|a| self.points[*a].is_some()).collect()
     }
 }
 
@@ -397,37 +370,19 @@ fn sift<'a>(readings: &[&'a Reading], std: f64) -> (Vec<&'a Reading>, Strays) {
     if let [first, second] = readings {
         let distance = (first.position - second.position).norm();
         if distance > limit * std::f64::consts::SQRT_2 {
-            let strays = Strays {
-                lines: lines(readings),
-                repeat: None,
-                distance: Some(distance),
-            };
+            let strays = Strays { lines: lines(readings), repeat: None, distance: Some(distance) };
             return (Vec::new(), strays);
         }
     }
     if readings.len() < 3 {
         return (readings.to_vec(), Strays::default());
     }
-    let middle = Vector3::from_fn(|i, _| {
-        median(&readings.iter().map(|r| r.position[i]).collect::<Vec<f64>>())
-    });
+    let middle = Vector3::from_fn(|i, _| median(&readings.iter().map(|r| r.position[i]).collect::<Vec<f64>>()));
     let off = |r: &Reading| (r.position - middle).norm();
-    let strays: Vec<&Reading> = readings
-        .iter()
-        .copied()
-        .filter(|r| off(r) > limit)
-        .collect();
+    let strays: Vec<&Reading> = readings.iter().copied().filter(|r| off(r) > limit).collect();
     let worst = strays.iter().map(|r| off(r)).reduce(f64::max);
-    let kept = readings
-        .iter()
-        .copied()
-        .filter(|r| off(r) <= limit)
-        .collect();
+    let kept = readings.iter().copied().filter(|r| off(r) <= limit).collect();
     let repeat = readings.iter().position(|r| off(r) > limit).map(|i| i + 1);
-    let strays = Strays {
-        lines: lines(&strays),
-        repeat: repeat.filter(|_| strays.len() == 1),
-        distance: worst,
-    };
+    let strays = Strays { lines: lines(&strays), repeat: repeat.filter(|_| strays.len() == 1), distance: worst };
     (kept, strays)
 }

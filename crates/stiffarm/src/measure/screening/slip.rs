@@ -67,9 +67,7 @@ impl Slip {
             Undo::Angle(_, [written, likely]) if *likely == -written => 1.0,
             Undo::Angle(..) | Undo::Offset(..) => 2.0,
             Undo::Tool(_) => 6.0,
-            Undo::Times(cause, unit) if !matches!(cause, Cause::Radians | Cause::Degrees) => {
-                unit.rare
-            }
+            Undo::Times(cause, unit) if !matches!(cause, Cause::Radians | Cause::Degrees) => unit.rare,
             _ => 1.0,
         };
         let at = None;
@@ -78,10 +76,7 @@ impl Slip {
 
     /// The slip in these rows alone.
     pub fn at(self, at: &[Place]) -> Self {
-        Slip {
-            at: Some(at.to_vec()),
-            ..self
-        }
+        Slip { at: Some(at.to_vec()), ..self }
     }
 
     /// True where a number was sought that suits the readings.
@@ -160,8 +155,7 @@ impl Slip {
     /// True where it is in all rows of its posture.
     fn is_whole(&self, sheet: &Sheet) -> bool {
         let at = self.at.as_deref().unwrap_or_default();
-        at.first()
-            .is_some_and(|(p, _)| at.len() == sheet.postures[*p].states.len())
+        at.first().is_some_and(|(p, _)| at.len() == sheet.postures[*p].states.len())
     }
 
     /// Undoes the slip in one row.
@@ -223,8 +217,9 @@ impl Slip {
             Undo::Mirror(_) => Suspicion::new(Cause::MirroredFrame),
             Undo::Convention => Suspicion::new(Cause::DhConvention),
             Undo::Tool(motion) => tool::suspicion(motion),
-            Undo::Order(order) => Suspicion::new(Cause::ExchangedPoints)
-                .points(moved(order).map(|a| work.point_name(a))),
+            Undo::Order(order) => {
+                Suspicion::new(Cause::ExchangedPoints).points(moved(order).map(|a| work.point_name(a)))
+            }
             Undo::Stray(a) => {
                 let at = self.at.as_deref().unwrap_or_default();
                 let mut out = Suspicion::new(match at.len() {
@@ -236,10 +231,7 @@ impl Slip {
                 out.points([work.point_name(*a)])
             }
             Undo::Chain(signs, None) => with(Cause::JointSign, signs, &[]),
-            Undo::Chain(signs, factor) => Suspicion {
-                factor: *factor,
-                ..with(Cause::Coupling, signs, &[])
-            },
+            Undo::Chain(signs, factor) => Suspicion { factor: *factor, ..with(Cause::Coupling, signs, &[]) },
             Undo::Offset(j, offset) => with(Cause::JointOffset, &[*j], &[*offset]),
             Undo::Angle(j, angles) if self.is_fitted() => with(Cause::MistypedAngle, &[*j], angles),
             Undo::Angle(j, angles) => with(Cause::AngleSign, &[*j], angles),
@@ -251,18 +243,11 @@ impl Slip {
                 out.states = moved(order).map(|c| cases[c].name.clone()).collect();
                 out
             }
-            Undo::Forces(factor) => Suspicion {
-                factor: Some(*factor),
-                ..Suspicion::new(Cause::LoadUnits)
-            },
+            Undo::Forces(factor) => Suspicion { factor: Some(*factor), ..Suspicion::new(Cause::LoadUnits) },
             Undo::Times(cause, unit) => {
                 // The place of the arm says angles without a factor.
-                let has_factor =
-                    work.is_displacements || !matches!(cause, Cause::Radians | Cause::Degrees);
-                Suspicion {
-                    factor: has_factor.then_some(unit.factor),
-                    ..Suspicion::new(*cause)
-                }
+                let has_factor = work.is_displacements || !matches!(cause, Cause::Radians | Cause::Degrees);
+                Suspicion { factor: has_factor.then_some(unit.factor), ..Suspicion::new(*cause) }
             }
         };
         if let Some(at) = &self.at {
@@ -325,11 +310,7 @@ pub(super) struct Rule {
 impl Rule {
     /// Where points are held against the kinematic model: believed by a fifth of `before`, and `most` at most.
     pub fn of_places(work: &Work, before: f64, most: f64) -> Self {
-        Rule {
-            most: most.min(before / BELIEVED),
-            alike: [ALIKE, FITTED * work.sheet.typical_std()],
-            beside: 0.0,
-        }
+        Rule { most: most.min(before / BELIEVED), alike: [ALIKE, FITTED * work.sheet.typical_std()], beside: 0.0 }
     }
 }
 
@@ -344,10 +325,7 @@ pub(super) struct Settled {
 }
 
 /// The likeliest of the slips that explain alike; beside each stands what undoing it leaves. `None` where no slip is believed.
-pub(super) fn settle(
-    tried: impl IntoIterator<Item = (Slip, Option<f64>)>,
-    rule: &Rule,
-) -> Option<Settled> {
+pub(super) fn settle(tried: impl IntoIterator<Item = (Slip, Option<f64>)>, rule: &Rule) -> Option<Settled> {
     let believed = tried.into_iter().filter_map(|(slip, after)| {
         let after = after.filter(|after| *after <= rule.most)?;
         Some((slip, after))
@@ -365,11 +343,7 @@ pub(super) fn settle(
     let (slip, after) = all.next()?;
     let others = all.map(|(other, _)| other);
     let others = others.filter(|other| other.cost <= slip.cost + rule.beside);
-    Some(Settled {
-        others: others.collect(),
-        slip,
-        after,
-    })
+    Some(Settled { others: others.collect(), slip, after })
 }
 
 impl Settled {

@@ -85,10 +85,7 @@ fn stray_point(
         let mean = state.points[a]?;
         Some((a, (moved(transform, &mean.position) - predicted[a]).norm()))
     };
-    let far: Vec<(usize, f64)> = (0..predicted.len())
-        .filter_map(off)
-        .filter(|(_, d)| *d > allowed)
-        .collect();
+    let far: Vec<(usize, f64)> = (0..predicted.len()).filter_map(off).filter(|(_, d)| *d > allowed).collect();
     match far[..] {
         [one] if state.seen().len() > 1 => Some(one),
         _ => None,
@@ -128,9 +125,7 @@ pub(super) fn between(work: &mut Work) {
                 }
             };
             suspicion.certain = suspicion.cause == Cause::UnexplainedPosture;
-            suspicion
-                .states
-                .insert(0, work.sheet.at((p, reference)).name.clone());
+            suspicion.states.insert(0, work.sheet.at((p, reference)).name.clone());
             work.found.push(suspicion);
         }
     }

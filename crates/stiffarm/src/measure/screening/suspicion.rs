@@ -91,11 +91,7 @@ pub struct Suspicion {
 
 impl Suspicion {
     pub(super) fn new(cause: Cause) -> Self {
-        Suspicion {
-            cause,
-            certain: true,
-            ..Suspicion::default()
-        }
+        Suspicion { cause, certain: true, ..Suspicion::default() }
     }
 
     pub(super) fn posture(mut self, name: &str) -> Self {
@@ -115,8 +111,7 @@ impl Suspicion {
 
     pub(super) fn joints(mut self, cell: &Cell, joints: &[usize]) -> Self {
         let all = cell.setup.robot.joints();
-        self.joints
-            .extend(joints.iter().map(|j| all[*j].name.clone()));
+        self.joints.extend(joints.iter().map(|j| all[*j].name.clone()));
         self
     }
 
@@ -136,23 +131,16 @@ impl Suspicion {
         match self.cause {
             Cause::Drawing if self.certain => Note,
             // Where the prior alone speaks, the prior may be what is wrong.
-            Cause::LoadUnits | Cause::DisplacementUnits | Cause::PriorUnits if !self.certain => {
-                match self.evidence {
-                    Some(Evidence::Prior) => Caution,
-                    _ => Serious,
-                }
-            }
+            Cause::LoadUnits | Cause::DisplacementUnits | Cause::PriorUnits if !self.certain => match self.evidence {
+                Some(Evidence::Prior) => Caution,
+                _ => Serious,
+            },
             // The number alone speaks: the readings fit either.
             Cause::LoadingPointUnits if !self.certain => Caution,
             // A few mm are within what robots miss their positions by.
-            Cause::UnexplainedPosture if self.before_m.is_some_and(|b| b < ROBOT_ACCURACY) => {
-                Caution
-            }
+            Cause::UnexplainedPosture if self.before_m.is_some_and(|b| b < ROBOT_ACCURACY) => Caution,
             // Displacements turn with the frame: by less than 0.3 % they stay what they are.
-            Cause::MovedTracker
-                if self.divided.is_empty()
-                    && self.angles_deg.iter().all(|a| *a < SMALL_TURN_DEG) =>
-            {
+            Cause::MovedTracker if self.divided.is_empty() && self.angles_deg.iter().all(|a| *a < SMALL_TURN_DEG) => {
                 Caution
             }
             Cause::StrayReading if self.off_m.is_some_and(|off| off < SMALL_STRAY) => Caution,

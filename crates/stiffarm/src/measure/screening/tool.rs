@@ -89,17 +89,7 @@ fn by_small(motion: &Isometry3<f64>, step: &Vector6<f64>) -> Isometry3<f64> {
 /// The suspicion with the motion: shift in millimetres, axis and angle.
 pub(super) fn suspicion(motion: &Isometry3<f64>) -> Suspicion {
     let mut out = Suspicion::new(Cause::ToolPlace).off(motion.translation.vector.norm());
-    out.tool_shift_mm = motion
-        .translation
-        .vector
-        .iter()
-        .map(|v| m_to_mm(*v))
-        .collect();
-    out.angles_deg = motion
-        .rotation
-        .scaled_axis()
-        .iter()
-        .map(|v| rad_to_deg(*v))
-        .collect();
+    out.tool_shift_mm = motion.translation.vector.iter().map(|v| m_to_mm(*v)).collect();
+    out.angles_deg = motion.rotation.scaled_axis().iter().map(|v| rad_to_deg(*v)).collect();
     out
 }

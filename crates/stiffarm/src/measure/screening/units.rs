@@ -30,11 +30,7 @@ impl Unit {
 }
 
 pub(super) const fn unit(factor: f64, typed: &'static str, rare: f64) -> Unit {
-    Unit {
-        factor,
-        typed,
-        rare,
-    }
+    Unit { factor, typed, rare }
 }
 
 /// Forces of a whole table, or of a cell.
@@ -60,20 +56,12 @@ pub(super) const ENTRIES: [Unit; 10] = [
 ];
 
 /// Lengths of the cell.
-pub(super) const LENGTHS: [Unit; 4] = [
-    unit(1e3, "", 0.0),
-    unit(1e-3, "", 0.0),
-    unit(INCH, "", 0.0),
-    unit(1.0 / INCH, "", 0.0),
-];
+pub(super) const LENGTHS: [Unit; 4] =
+    [unit(1e3, "", 0.0), unit(1e-3, "", 0.0), unit(INCH, "", 0.0), unit(1.0 / INCH, "", 0.0)];
 
 /// Lengths that a drawing may be off by besides: centimetres, and tenths of them.
-pub(super) const CENTIMETRES: [Unit; 4] = [
-    unit(10.0, "", 0.0),
-    unit(0.1, "", 0.0),
-    unit(100.0, "", 0.0),
-    unit(0.01, "", 0.0),
-];
+pub(super) const CENTIMETRES: [Unit; 4] =
+    [unit(10.0, "", 0.0), unit(0.1, "", 0.0), unit(100.0, "", 0.0), unit(0.01, "", 0.0)];
 
 /// Angles all below this may be radians taken for degrees, one above the other may be degrees taken for radians \[rad\].
 pub(super) const LIKE_RADIANS: f64 = 0.122;

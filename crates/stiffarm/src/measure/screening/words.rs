@@ -30,11 +30,7 @@ pub(super) fn degrees(angle: f64) -> String {
 /// A ratio in words: how many times too large or small.
 pub(super) fn times(factor: Option<f64>) -> (String, &'static str) {
     let factor = factor.unwrap_or(1.0);
-    let (value, size) = if factor < 1.0 {
-        (1.0 / factor, "small")
-    } else {
-        (factor, "large")
-    };
+    let (value, size) = if factor < 1.0 { (1.0 / factor, "small") } else { (factor, "large") };
     let digits = usize::from((value - value.round()).abs() > 0.05 && value < 100.0);
     (format!("{value:.digits$}"), size)
 }
@@ -47,9 +43,7 @@ pub(super) fn mistyped(written: f64, likely: f64) -> &'static str {
         return " (decimal point misplaced?)";
     }
     let text: Vec<char> = format!("{written}").chars().collect();
-    let digits: Vec<usize> = (0..text.len())
-        .filter(|i| text[*i].is_ascii_digit())
-        .collect();
+    let digits: Vec<usize> = (0..text.len()).filter(|i| text[*i].is_ascii_digit()).collect();
     // Angles in radians and back leave endless digits; only typed ones count.
     if digits.len() > 6 {
         return "";
@@ -127,9 +121,7 @@ pub(super) fn cause(cell: &Cell, s: &Suspicion) -> String {
     match s.cause {
         Cause::ExchangedPoints if s.points.len() == 2 => format!("points {points} are exchanged"),
         Cause::ExchangedPoints => format!("points {points} are mixed up"),
-        Cause::MirroredFrame => {
-            "an axis has the wrong sign, or two columns are exchanged".to_string()
-        }
+        Cause::MirroredFrame => "an axis has the wrong sign, or two columns are exchanged".to_string(),
         Cause::JointSign => format!("{joints} {turn} the other way"),
         Cause::Coupling => {
             let names = cell.setup.robot.joints().iter().map(|j| j.name.as_str());
@@ -194,9 +186,7 @@ pub(super) fn is_last(cell: &Cell, s: &Suspicion) -> bool {
 }
 
 pub(super) fn angle(s: &Suspicion, i: usize) -> String {
-    s.angles_deg
-        .get(i)
-        .map_or_else(String::new, |a| degrees(*a))
+    s.angles_deg.get(i).map_or_else(String::new, |a| degrees(*a))
 }
 
 /// A factor as people know it: `9.81`, `4.448`, `1000`, `25.4`, `1/9.81`.
@@ -207,20 +197,12 @@ pub(super) fn number(factor: f64) -> String {
         f if f >= 10.0 => format!("{f:.1}"),
         f => format!("{f:.3}"),
     };
-    if factor < 1.0 {
-        format!("1/{}", digits(1.0 / factor))
-    } else {
-        digits(factor)
-    }
+    if factor < 1.0 { format!("1/{}", digits(1.0 / factor)) } else { digits(factor) }
 }
 
 /// How many times too small or large a stiffness is, with two digits.
 pub(super) fn below_or_above(ratio: f64) -> String {
-    let (size, word) = if ratio < 1.0 {
-        (1.0 / ratio, "below")
-    } else {
-        (ratio, "above")
-    };
+    let (size, word) = if ratio < 1.0 { (1.0 / ratio, "below") } else { (ratio, "above") };
     let digits = if size < 9.95 { 1 } else { 0 };
     format!("{size:.digits$} times {word}")
 }

@@ -138,11 +138,7 @@ impl NamePattern {
         if parts.iter().all(|(part, _)| *part == NamePart::Any) {
             return Err("The pattern names no part of a name.".to_string());
         }
-        Ok(NamePattern {
-            text: text.to_string(),
-            before,
-            parts,
-        })
+        Ok(NamePattern { text: text.to_string(), before, parts })
     }
 
     /// The pattern as it was written.
@@ -164,10 +160,7 @@ impl NamePattern {
     /// Every way to [`split`](Self::split) `name`, that one first: there are several where what
     /// stands between the parts is in them, too (`P1-up-250-left`).
     pub fn splits<'n>(&self, name: &'n str) -> Vec<Vec<&'n str>> {
-        let mut ways = Ways {
-            left: MOST_STEPS,
-            found: Vec::new(),
-        };
+        let mut ways = Ways { left: MOST_STEPS, found: Vec::new() };
         if let Some(rest) = name.strip_prefix(self.before.as_str()) {
             ways.follow(rest, &self.parts, &mut Vec::new());
         }
@@ -192,14 +185,9 @@ impl<'n> Ways<'n> {
             return self.found.push(before.clone());
         };
         let places: Vec<usize> = if later.is_empty() {
-            rest.strip_suffix(behind.as_str())
-                .map(str::len)
-                .into_iter()
-                .collect()
+            rest.strip_suffix(behind.as_str()).map(str::len).into_iter().collect()
         } else {
-            rest.match_indices(behind.as_str())
-                .map(|(at, _)| at)
-                .collect()
+            rest.match_indices(behind.as_str()).map(|(at, _)| at).collect()
         };
         for at in places {
             let own = rest[..at].trim();

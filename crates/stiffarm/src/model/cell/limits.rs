@@ -49,30 +49,16 @@ impl Limits {
         use Side::{AtLeast, AtMost};
         let of_box = |axis: usize, side, at| Some((LimitKind::ToolBox, Tool, Axis(axis), side, at));
         let sides = self.tool_box.into_iter().flat_map(move |[low, high]| {
-            let pair = move |axis| {
-                [
-                    of_box(axis, AtLeast, low[axis]),
-                    of_box(axis, AtMost, high[axis]),
-                ]
-            };
+            let pair = move |axis| [of_box(axis, AtLeast, low[axis]), of_box(axis, AtMost, high[axis])];
             (0..3).flat_map(pair)
         });
         let others = [
-            self.floor
-                .map(|z| (LimitKind::Floor, Tool, Axis(2), AtLeast, z)),
-            self.keep_out_radius
-                .map(|r| (LimitKind::KeepOut, All, FromAxis1, AtLeast, r)),
-            self.wrist_height
-                .map(|z| (LimitKind::WristHeight, Wrist, Axis(2), AtLeast, z)),
+            self.floor.map(|z| (LimitKind::Floor, Tool, Axis(2), AtLeast, z)),
+            self.keep_out_radius.map(|r| (LimitKind::KeepOut, All, FromAxis1, AtLeast, r)),
+            self.wrist_height.map(|z| (LimitKind::WristHeight, Wrist, Axis(2), AtLeast, z)),
         ];
         let all = sides.chain(others).flatten();
-        all.map(|(kind, of, measure, side, at)| PointLimit {
-            kind,
-            of,
-            measure,
-            side,
-            at,
-        })
+        all.map(|(kind, of, measure, side, at)| PointLimit { kind, of, measure, side, at })
     }
 
     /// Whether a limit of this kind is there and holds under `load`.
@@ -123,24 +109,13 @@ impl Limits {
         let mut out = Vec::with_capacity(self.count(setup));
         let names = subject_names(setup);
         self.visit(setup, terms, &mut |kind, subject, margin, _| {
-            out.push(LimitMargin {
-                kind,
-                point: names[subject].clone(),
-                load: None,
-                margin,
-            });
+            out.push(LimitMargin { kind, point: names[subject].clone(), load: None, margin });
         });
         out
     }
 
     /// Writes the margins of one posture to `values`, and their derivatives.
-    pub(crate) fn evaluate(
-        &self,
-        setup: &Setup,
-        terms: &PostureTerms,
-        values: &mut [f64],
-        mut slopes: Slopes<'_>,
-    ) {
+    pub(crate) fn evaluate(&self, setup: &Setup, terms: &PostureTerms, values: &mut [f64], mut slopes: Slopes<'_>) {
         let n = setup.robot.joint_count();
         let mut at = 0;
         self.visit(setup, terms, &mut |_, _, margin, derivative| {
@@ -158,29 +133,17 @@ impl Limits {
         let flange = frames.flange().translation.vector;
         let points = iter::once(&terms.loading_point).chain(&terms.measuring_points);
         let points = points.chain([&flange]);
-        let mut subjects: Vec<Subject> = points
-            .map(|p| Subject {
-                point: *p,
-                moved_by: n,
-            })
-            .collect();
+        let mut subjects: Vec<Subject> = points.map(|p| Subject { point: *p, moved_by: n }).collect();
         let tool_points = subjects.len();
         // The wrist centre is moved by the joints before the one whose axis carries it.
-        subjects.push(Subject {
-            point: frames.wrist_centre(),
-            moved_by: n.saturating_sub(2),
-        });
+        subjects.push(Subject { point: frames.wrist_centre(), moved_by: n.saturating_sub(2) });
         let limits: Vec<PointLimit> = self.on_points().collect();
 
         let direction = |subject: &Subject, along: Vector3<f64>| {
             let (point, moved_by) = (subject.point, subject.moved_by);
             move |gradient: &mut [f64]| {
                 for (k, g) in gradient.iter_mut().enumerate() {
-                    *g = if k < moved_by {
-                        frames.column(k, &point).dot(&along)
-                    } else {
-                        0.0
-                    };
+                    *g = if k < moved_by { frames.column(k, &point).dot(&along) } else { 0.0 };
                 }
             }
         };
@@ -197,11 +160,7 @@ impl Limits {
                         let offset = subject.point - frames.origins()[0];
                         let across = offset - axis * axis.dot(&offset);
                         let distance = across.norm();
-                        let along = if distance > 0.0 {
-                            across / distance
-                        } else {
-                            Vector3::zeros()
-                        };
+                        let along = if distance > 0.0 { across / distance } else { Vector3::zeros() };
                         (distance, along)
                     }
                 };
@@ -212,29 +171,13 @@ impl Limits {
                 each(limit.kind, s, margin, &direction(subject, along));
             }
         }
-        if let (Some([shortest, longest]), Load::Rope { anchor, .. }) =
-            (self.rope_length, &setup.load)
-        {
+        if let (Some([shortest, longest]), Load::Rope { anchor, .. }) = (self.rope_length, &setup.load) {
             let rope = terms.loading_point - anchor;
             let length = rope.norm();
-            let unit = if length > 0.0 {
-                rope / length
-            } else {
-                Vector3::zeros()
-            };
+            let unit = if length > 0.0 { rope / length } else { Vector3::zeros() };
             let s = subjects.len();
-            each(
-                LimitKind::RopeLength,
-                s,
-                length - shortest,
-                &direction(&subjects[0], unit),
-            );
-            each(
-                LimitKind::RopeLength,
-                s,
-                longest - length,
-                &direction(&subjects[0], -unit),
-            );
+            each(LimitKind::RopeLength, s, length - shortest, &direction(&subjects[0], unit));
+            each(LimitKind::RopeLength, s, longest - length, &direction(&subjects[0], -unit));
         }
     }
 }
@@ -242,13 +185,7 @@ impl Limits {
 /// Names in the order of the subjects of [`Limits::visit`].
 fn subject_names(setup: &Setup) -> Vec<String> {
     let mut names = vec!["loading point".to_string()];
-    names.extend(
-        setup
-            .tool
-            .measuring_points
-            .iter()
-            .map(|p| format!("measuring point {}", p.name)),
-    );
+    names.extend(setup.tool.measuring_points.iter().map(|p| format!("measuring point {}", p.name)));
     names.extend(["flange", "wrist centre", setup.load.line()].map(String::from));
     names
 }

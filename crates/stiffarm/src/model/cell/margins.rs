@@ -35,11 +35,7 @@ impl Cell {
     /// The same cell without one kind of limit.
     #[must_use]
     pub fn without_limit(&self, kind: LimitKind) -> Self {
-        Cell {
-            limits: self.limits.without(kind),
-            scene: self.scene.without(kind),
-            ..self.clone()
-        }
+        Cell { limits: self.limits.without(kind), scene: self.scene.without(kind), ..self.clone() }
     }
 
     /// True where nothing limits postures but their bounds.
@@ -56,14 +52,7 @@ impl<'a> Margins<'a> {
 
     pub(super) fn of(setup: Cow<'a, Setup>, limits: &'a Limits, scene: Cow<'a, Scene>) -> Self {
         let point_count = limits.count(&setup);
-        Margins {
-            point_count,
-            count: point_count + scene.count(&setup),
-            setup,
-            limits,
-            scene,
-            work: Work::default(),
-        }
+        Margins { point_count, count: point_count + scene.count(&setup), setup, limits, scene, work: Work::default() }
     }
 
     /// The same for a posture that moves by small steps: distances that were large are not looked at
@@ -92,12 +81,7 @@ impl<'a> Margins<'a> {
     pub fn named(&mut self, terms: &PostureTerms) -> Vec<LimitMargin> {
         let mut margins = self.limits.margins(&self.setup, terms);
         let scene = self.scene.margins(&self.setup, terms).into_iter();
-        margins.extend(scene.map(|m| LimitMargin {
-            kind: m.kind,
-            point: m.subject,
-            load: None,
-            margin: m.margin,
-        }));
+        margins.extend(scene.map(|m| LimitMargin { kind: m.kind, point: m.subject, load: None, margin: m.margin }));
         margins
     }
 
@@ -111,9 +95,7 @@ impl<'a> Margins<'a> {
     /// What margins are compared by.
     pub(super) fn compared(&self, margin: &LimitMargin) -> f64 {
         match margin.kind.unit() {
-            MarginUnit::Displacement => {
-                margin.margin / self.scene.displacement().map_or(1.0, |asked| asked.unit())
-            }
+            MarginUnit::Displacement => margin.margin / self.scene.displacement().map_or(1.0, |asked| asked.unit()),
             _ => margin.margin,
         }
     }
@@ -131,28 +113,16 @@ impl<'a> Margins<'a> {
         }
         // Far shapes need not be told exactly.
         let enough = |_| 0.0;
-        self.scene.visit(
-            &self.setup,
-            terms,
-            &mut self.work,
-            enough,
-            |_, margin, _| {
-                least = least.min(margin);
-            },
-        );
+        self.scene.visit(&self.setup, terms, &mut self.work, enough, |_, margin, _| {
+            least = least.min(margin);
+        });
         least
     }
 
     /// Writes the margins of one posture to `values`, and their derivatives. Margins of displacements
     /// are shares of the largest one here. Distances between shapes of `enough` and more
     /// may be lower bounds, with a derivative of zero.
-    pub(crate) fn evaluate(
-        &mut self,
-        terms: &PostureTerms,
-        enough: f64,
-        values: &mut [f64],
-        slopes: Slopes<'_>,
-    ) {
+    pub(crate) fn evaluate(&mut self, terms: &PostureTerms, enough: f64, values: &mut [f64], slopes: Slopes<'_>) {
         let n = self.setup.robot.joint_count();
         let (points, rest) = values.split_at_mut(self.point_count);
         let (head, mut slopes) = slopes.split_at(self.point_count, n);

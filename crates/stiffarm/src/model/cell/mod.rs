@@ -57,10 +57,7 @@ impl Noise {
     /// The same with `factor` times the variance of a reading.
     #[must_use]
     pub fn with_variance_times(self, factor: f64) -> Self {
-        Noise {
-            reading_variance: self.reading_variance * factor,
-            ..self
-        }
+        Noise { reading_variance: self.reading_variance * factor, ..self }
     }
 
     /// A length \[m\] to a thousandth of the noise, which is all that a tracker could tell; whole without noise.
@@ -96,11 +93,7 @@ impl Noise {
     pub fn common_weight(&self, points: usize) -> f64 {
         let tau2 = self.posture_common_std.powi(2);
         let total = self.displacement_variance() + points as f64 * tau2;
-        if tau2 > 0.0 && self.displacement_variance() > 0.0 {
-            tau2 / total
-        } else {
-            0.0
-        }
+        if tau2 > 0.0 && self.displacement_variance() > 0.0 { tau2 / total } else { 0.0 }
     }
 }
 
@@ -176,11 +169,7 @@ impl Cell {
             setup: Setup { robot, tool, load },
             limits: Limits::default(),
             scene: Scene::default(),
-            noise: Noise {
-                reading_variance: PAPER_VARIANCE,
-                readings_per_displacement: 1,
-                posture_common_std: 0.0,
-            },
+            noise: Noise { reading_variance: PAPER_VARIANCE, readings_per_displacement: 1, posture_common_std: 0.0 },
             prior: None,
             elastic: None,
             known_elements: Vec::new(),
@@ -199,10 +188,7 @@ impl Cell {
 
     /// The cell under each of its loads: itself alone where there are no load cases.
     pub fn cases(&self) -> Vec<Cell> {
-        let under = |setup| Cell {
-            setup,
-            ..self.clone()
-        };
+        let under = |setup| Cell { setup, ..self.clone() };
         self.setup.cases().into_iter().map(under).collect()
     }
 
@@ -216,13 +202,11 @@ impl Cell {
             return Ok(self.cases().swap_remove(number));
         }
         let message = format!("The cell has no load case \"{name}\".");
-        Err(
-            Error::invalid(message).hint(if self.setup.load.has_cases() {
-                format!("its load cases: {}", self.setup.load.case_names())
-            } else {
-                "it has a single load: leave the name out".to_string()
-            }),
-        )
+        Err(Error::invalid(message).hint(if self.setup.load.has_cases() {
+            format!("its load cases: {}", self.setup.load.case_names())
+        } else {
+            "it has a single load: leave the name out".to_string()
+        }))
     }
 
     /// The prior stiffness, or an error that says which key gives it.
@@ -278,11 +262,8 @@ impl Cell {
     /// [`with_characteristic_length`](crate::plan::characteristic_length::with_characteristic_length) computes it.
     pub fn require_characteristic_length(&self) -> Result<f64> {
         self.characteristic_length.ok_or_else(|| {
-            Error::new(
-                Code::MissingKey,
-                "The characteristic length of Eq. (20) is not set.",
-            )
-            .key("robot.characteristic_length_mm")
+            Error::new(Code::MissingKey, "The characteristic length of Eq. (20) is not set.")
+                .key("robot.characteristic_length_mm")
         })
     }
 

@@ -44,32 +44,23 @@ impl Cell {
     /// Bounds that do not fit the robot or are not finite.
     pub fn posture_margins(&self) -> Result<PostureMargins<'_>> {
         let middle: Vec<f64> = self.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
-        let unloaded =
-            (self.setup.load == Load::Measured).then_some(Wrench::force(Vector3::zeros()));
+        let unloaded = (self.setup.load == Load::Measured).then_some(Wrench::force(Vector3::zeros()));
         let each = if self.setup.load.has_cases() {
             let cells = self.limit_cases().into_iter();
-            cells
-                .map(|own| (Cow::Owned(own.setup), Cow::Owned(own.scene)))
-                .collect()
+            cells.map(|own| (Cow::Owned(own.setup), Cow::Owned(own.scene))).collect()
         } else {
             vec![(Cow::Borrowed(&self.setup), Cow::Borrowed(&self.scene))]
         };
-        let cases = each
-            .into_iter()
-            .enumerate()
-            .map(|(number, (setup, scene))| {
-                let zero = Wrench::force(Vector3::zeros());
-                let name = self.setup.load.cases().get(number);
-                Ok(UnderLoad {
-                    name: name.map(|case| case.name.clone()),
-                    terms: PostureTerms::new(&setup, &middle, Some(&zero))?,
-                    margins: Margins::of(setup, &self.limits, scene),
-                })
-            });
-        Ok(PostureMargins {
-            cases: cases.collect::<Result<_>>()?,
-            unloaded,
-        })
+        let cases = each.into_iter().enumerate().map(|(number, (setup, scene))| {
+            let zero = Wrench::force(Vector3::zeros());
+            let name = self.setup.load.cases().get(number);
+            Ok(UnderLoad {
+                name: name.map(|case| case.name.clone()),
+                terms: PostureTerms::new(&setup, &middle, Some(&zero))?,
+                margins: Margins::of(setup, &self.limits, scene),
+            })
+        });
+        Ok(PostureMargins { cases: cases.collect::<Result<_>>()?, unloaded })
     }
 }
 
@@ -169,17 +160,10 @@ impl PostureMargins<'_> {
     ///
     /// # Errors
     /// As [`least`](Self::least); lists of another length.
-    pub fn evaluate(
-        &mut self,
-        q: &[f64],
-        enough: f64,
-        values: &mut [f64],
-        mut slopes: Slopes<'_>,
-    ) -> Result<()> {
+    pub fn evaluate(&mut self, q: &[f64], enough: f64, values: &mut [f64], mut slopes: Slopes<'_>) -> Result<()> {
         let (n, count) = (q.len(), self.count());
         let wanted = slopes.wanted.len();
-        if values.len() != count || slopes.rows.len() != wanted * n || ![0, count].contains(&wanted)
-        {
+        if values.len() != count || slopes.rows.len() != wanted * n || ![0, count].contains(&wanted) {
             let message = format!("There are {count} margins, and {n} derivatives of each.");
             return Err(Error::new(Code::Dimension, message));
         }
@@ -189,8 +173,7 @@ impl PostureMargins<'_> {
             let end = first + case.margins.count();
             let own;
             (own, slopes) = slopes.split_at(case.margins.count(), n);
-            case.margins
-                .evaluate(&case.terms, enough, &mut values[first..end], own);
+            case.margins.evaluate(&case.terms, enough, &mut values[first..end], own);
             first = end;
         }
         Ok(())

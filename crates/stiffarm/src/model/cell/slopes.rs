@@ -15,10 +15,7 @@ impl<'a> Slopes<'a> {
         let count = count.min(self.wanted.len());
         let (rows, other_rows) = self.rows.split_at_mut(count * n);
         let (wanted, other) = self.wanted.split_at(count);
-        let others = Slopes {
-            rows: other_rows,
-            wanted: other,
-        };
+        let others = Slopes { rows: other_rows, wanted: other };
         (Slopes { rows, wanted }, others)
     }
 

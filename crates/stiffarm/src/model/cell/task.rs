@@ -37,17 +37,11 @@ impl Task {
             robot: robot.clone(),
             tool: Tool {
                 loading_point: self.tip,
-                measuring_points: vec![NamedPoint {
-                    name: "tip".to_string(),
-                    position: self.tip,
-                }],
+                measuring_points: vec![NamedPoint { name: "tip".to_string(), position: self.tip }],
                 has_sensor: false,
                 series_compliance: None,
             },
-            load: Load::Constant {
-                wrench: self.wrench,
-                axes: self.axes,
-            },
+            load: Load::Constant { wrench: self.wrench, axes: self.axes },
         }
     }
 
@@ -69,10 +63,7 @@ impl Task {
         let setup = self.setup(robot);
         let terms = PostureTerms::new(&setup, &self.q, None)?;
         if let Some(joint) = robot.left_out_but_turned(terms.torque()) {
-            let message = format!(
-                "Task {} turns {joint}, of which the load of the cell tells nothing.",
-                self.name
-            );
+            let message = format!("Task {} turns {joint}, of which the load of the cell tells nothing.", self.name);
             return Err(Error::new(Code::NotIdentifiable, message)
                 .key("task")
                 .hint("leave the task out, or add a load that turns the joint (load.case)"));
@@ -112,9 +103,7 @@ pub fn task_matrix(cell: &Cell) -> Result<DMatrix<f64>> {
     if matrix.trace() > 0.0 {
         return Ok(matrix);
     }
-    Err(Error::invalid(
-        "The loads of the tasks put torque on no joint, so there is no deflection to predict.",
-    )
-    .key("task")
-    .hint("check force_n, moment_nm and axes of each [[task]]"))
+    Err(Error::invalid("The loads of the tasks put torque on no joint, so there is no deflection to predict.")
+        .key("task")
+        .hint("check force_n, moment_nm and axes of each [[task]]"))
 }

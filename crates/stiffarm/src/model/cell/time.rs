@@ -21,11 +21,7 @@ pub struct MeasuringTime {
 /// Three minutes a posture, one for a further load, ten for a further anchor: assumed, as nothing else is known.
 impl Default for MeasuringTime {
     fn default() -> Self {
-        MeasuringTime {
-            posture: 180.0,
-            further_load: 60.0,
-            further_anchor: 600.0,
-        }
+        MeasuringTime { posture: 180.0, further_load: 60.0, further_anchor: 600.0 }
     }
 }
 

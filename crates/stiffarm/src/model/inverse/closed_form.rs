@@ -223,11 +223,7 @@ impl ClosedForm {
 
     /// Rotation and place of the wrist's centre with the turn about axis 1
     /// taken back.
-    fn behind_axis_one(
-        &self,
-        motion: &Isometry3<f64>,
-        theta1: f64,
-    ) -> (UnitQuaternion<f64>, Vector3<f64>) {
+    fn behind_axis_one(&self, motion: &Isometry3<f64>, theta1: f64) -> (UnitQuaternion<f64>, Vector3<f64>) {
         let back = self.turn(0, -theta1);
         let centre = motion * Point3::from(self.centre);
         let from_axis = centre.coords - self.origins[0];
@@ -294,11 +290,7 @@ impl ClosedForm {
         let place = |exterior: f64| {
             let about_three = exterior - self.bend;
             let tip = self.upper + self.turn(1, about_three) * self.fore;
-            let theta2 = if reached <= FREE * self.size {
-                near[1]
-            } else {
-                angle_about(&self.axes[1], &tip, &target)
-            };
+            let theta2 = if reached <= FREE * self.size { near[1] } else { angle_about(&self.axes[1], &tip, &target) };
             [theta2, self.senses[0] * about_three]
         };
         if (opened == 0.0 || closed == 0.0) && self.apart == 0.0 {
@@ -310,12 +302,7 @@ impl ClosedForm {
     /// Angles about axis `first`, axis 5 and axis 6 whose turns together are
     /// `rotation`. With the outer axes in line only the sum or difference of
     /// their angles is given; what it asks beyond `near` is shared evenly.
-    fn wrist(
-        &self,
-        first: usize,
-        rotation: &UnitQuaternion<f64>,
-        near: [f64; 3],
-    ) -> [Option<[f64; 3]>; 2] {
+    fn wrist(&self, first: usize, rotation: &UnitQuaternion<f64>, near: [f64; 3]) -> [Option<[f64; 3]>; 2] {
         let [a, b, c] = [*self.axes[first], *self.axes[4], *self.axes[5]];
         let last = rotation * c;
         let across = last - a * a.dot(&last);
@@ -350,12 +337,7 @@ fn angle_about(axis: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> f
 }
 
 /// Middle of the shortest line between two lines; `None` when they are parallel.
-fn meeting_point(
-    o1: &Vector3<f64>,
-    z1: &Vector3<f64>,
-    o2: &Vector3<f64>,
-    z2: &Vector3<f64>,
-) -> Option<Vector3<f64>> {
+fn meeting_point(o1: &Vector3<f64>, z1: &Vector3<f64>, o2: &Vector3<f64>, z2: &Vector3<f64>) -> Option<Vector3<f64>> {
     let normal = z1.cross(z2);
     let square = normal.norm_squared();
     if square.is_nan() || square < PARALLEL * PARALLEL {

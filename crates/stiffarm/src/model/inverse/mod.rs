@@ -119,10 +119,7 @@ impl InverseKinematics {
         let origins = zero.origins().iter();
         let ends = zero.origins().iter().skip(1);
         let tip = &zero.flange().translation.vector;
-        let length: f64 = origins
-            .zip(ends.chain([tip]))
-            .map(|(a, b)| (b - a).norm())
-            .sum();
+        let length: f64 = origins.zip(ends.chain([tip])).map(|(a, b)| (b - a).norm()).sum();
         // A chain without length only turns: metres then weigh as radians.
         let size = if length > 0.0 { length } else { 1.0 };
         let closed_form = ClosedForm::detect(&zero, size, EXACT, 0.0);
@@ -130,13 +127,7 @@ impl InverseKinematics {
             Some(_) => None,
             None => ClosedForm::detect(&zero, size, SIMILAR, APART),
         };
-        InverseKinematics {
-            turns: Turns::new(robot),
-            robot: robot.clone(),
-            size,
-            closed_form,
-            similar,
-        }
+        InverseKinematics { turns: Turns::new(robot), robot: robot.clone(), size, closed_form, similar }
     }
 
     /// How postures are found.
@@ -235,8 +226,7 @@ impl InverseKinematics {
         check_pose(flange)?;
         check_angles(&self.robot, start)?;
         let mut q = start.to_vec();
-        let residual =
-            Descent::new(&self.robot, self.size).solve(flange, &mut q, None, STEPS_OF_A_BRANCH);
+        let residual = Descent::new(&self.robot, self.size).solve(flange, &mut q, None, STEPS_OF_A_BRANCH);
         if residual <= SOLVED {
             return Ok(q);
         }
@@ -258,11 +248,7 @@ impl InverseKinematics {
     /// Every posture within the machine's limits that differs from `q` \[rad\]
     /// by full turns of its joints; of very wide limits those about the middle.
     pub fn turns_within_limits(&self, q: &[f64]) -> Vec<Vec<f64>> {
-        if self.fits(q) {
-            self.turns.within_limits(q)
-        } else {
-            Vec::new()
-        }
+        if self.fits(q) { self.turns.within_limits(q) } else { Vec::new() }
     }
 
     fn fits(&self, q: &[f64]) -> bool {
@@ -296,22 +282,12 @@ impl InverseKinematics {
 
     fn branch(&self, q: &[f64], condition: f64) -> Branch {
         let q = self.turns.to_middle(q);
-        Branch {
-            within_limits: self.turns.contain(&q),
-            singular: condition > SINGULAR,
-            q,
-            condition,
-        }
+        Branch { within_limits: self.turns.contain(&q), singular: condition > SINGULAR, q, condition }
     }
 
     /// A Newton step where formulas leave more than rounding; the condition
     /// number at the posture, `None` when it does not hold the pose.
-    fn polish(
-        &self,
-        frames: &mut Frames,
-        flange: &Isometry3<f64>,
-        theta: &mut Theta,
-    ) -> Option<f64> {
+    fn polish(&self, frames: &mut Frames, flange: &Isometry3<f64>, theta: &mut Theta) -> Option<f64> {
         frames.update_serial(&self.robot, theta.iter().copied());
         let mut residual = twist(flange, frames.flange(), self.size);
         let (mut condition, mut inverse) = self.inverse_jacobian(frames);
@@ -375,23 +351,15 @@ impl InverseKinematics {
         )
         .hint(match branches.len() {
             1 => "it has no other posture; move or turn the pose".to_string(),
-            count => format!(
-                "of the pose's {count} postures this one leaves the limits least; move or turn the pose"
-            ),
+            count => format!("of the pose's {count} postures this one leaves the limits least; move or turn the pose"),
         })
     }
 }
 
 fn check_pose(pose: &Isometry3<f64>) -> Result<()> {
     let numbers = pose.translation.vector.iter();
-    if numbers
-        .chain(pose.rotation.coords.iter())
-        .all(|v| v.is_finite())
-    {
+    if numbers.chain(pose.rotation.coords.iter()).all(|v| v.is_finite()) {
         return Ok(());
     }
-    Err(Error::new(
-        Code::NotFinite,
-        "The pose has a number that is not finite.",
-    ))
+    Err(Error::new(Code::NotFinite, "The pose has a number that is not finite."))
 }

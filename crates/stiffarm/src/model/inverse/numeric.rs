@@ -134,13 +134,7 @@ impl<'a> Descent<'a> {
 
     /// Sets the step Aᵀ(AAᵀ + λ)⁻¹e, without the joints that it would push
     /// through their limits; returns the length of the slope Aᵀe.
-    fn damped_step(
-        &mut self,
-        residual: &Vector6<f64>,
-        weight: f64,
-        q: &[f64],
-        limits: Option<&[[f64; 2]]>,
-    ) -> f64 {
+    fn damped_step(&mut self, residual: &Vector6<f64>, weight: f64, q: &[f64], limits: Option<&[[f64; 2]]>) -> f64 {
         let n = q.len();
         self.held.fill(false);
         for _ in 0..=n {
@@ -159,25 +153,18 @@ impl<'a> Descent<'a> {
             let mut largest = 0.0_f64;
             let mut pushed = false;
             for j in 0..n {
-                self.step[j] = if self.held[j] {
-                    0.0
-                } else {
-                    self.columns[j].dot(&solved)
-                };
+                self.step[j] = if self.held[j] { 0.0 } else { self.columns[j].dot(&solved) };
                 largest = largest.max(self.step[j].abs());
                 if let Some(limits) = limits {
                     let [low, high] = limits[j];
-                    let out =
-                        (q[j] <= low && self.step[j] < 0.0) || (q[j] >= high && self.step[j] > 0.0);
+                    let out = (q[j] <= low && self.step[j] < 0.0) || (q[j] >= high && self.step[j] > 0.0);
                     self.held[j] |= out;
                     pushed |= out;
                 }
             }
             if !pushed {
                 if largest > LARGEST_STEP {
-                    self.step
-                        .iter_mut()
-                        .for_each(|s| *s *= LARGEST_STEP / largest);
+                    self.step.iter_mut().for_each(|s| *s *= LARGEST_STEP / largest);
                 }
                 return slope.sqrt();
             }
@@ -249,26 +236,18 @@ impl<'a> Descent<'a> {
 }
 
 fn stacked(linear: &Vector3<f64>, angular: &Vector3<f64>) -> Vector6<f64> {
-    Vector6::new(
-        linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
-    )
+    Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
 }
 
 fn parts(twist: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    (
-        Vector3::new(twist[0], twist[1], twist[2]),
-        Vector3::new(twist[3], twist[4], twist[5]),
-    )
+    (Vector3::new(twist[0], twist[1], twist[2]), Vector3::new(twist[3], twist[4], twist[5]))
 }
 
 /// From `pose` to `target`: the way over `size`, and the rotation vector in
 /// base axes \[rad\].
 pub(super) fn twist(target: &Isometry3<f64>, pose: &Isometry3<f64>, size: f64) -> Vector6<f64> {
     let way = (target.translation.vector - pose.translation.vector) / size;
-    stacked(
-        &way,
-        &rotation_vector(&(target.rotation * pose.rotation.inverse())),
-    )
+    stacked(&way, &rotation_vector(&(target.rotation * pose.rotation.inverse())))
 }
 
 /// The shorter rotation vector \[rad\], exact to rounding for small ones.

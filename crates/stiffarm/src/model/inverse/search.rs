@@ -72,12 +72,7 @@ impl InverseKinematics {
     }
 
     /// Iterates from starts spread over the limits.
-    fn search_everywhere(
-        &self,
-        flange: &Isometry3<f64>,
-        descent: &mut Descent<'_>,
-        found: &mut Vec<Branch>,
-    ) {
+    fn search_everywhere(&self, flange: &Isometry3<f64>, descent: &mut Descent<'_>, found: &mut Vec<Branch>) {
         // Free joints can keep to the limits; other postures are marked afterwards.
         if self.robot.joint_count() > 6 {
             let limits = self.turns.finite_limits(1.0);
@@ -111,12 +106,7 @@ impl InverseKinematics {
 
     /// Looks for further postures beside nearly singular ones, where several
     /// lie close together along the direction in which the flange hardly moves.
-    fn search_beside(
-        &self,
-        flange: &Isometry3<f64>,
-        descent: &mut Descent<'_>,
-        found: &mut Vec<Branch>,
-    ) {
+    fn search_beside(&self, flange: &Isometry3<f64>, descent: &mut Descent<'_>, found: &mut Vec<Branch>) {
         const STEPS: i32 = 6;
         let mut next = 0;
         while next < found.len() && found.len() < MOST_BRANCHES {
@@ -159,10 +149,7 @@ impl InverseKinematics {
         if (unreachable.distance_m + unreachable.rotation_rad).is_finite() {
             return Ok(unreachable);
         }
-        Err(Error::new(
-            Code::Numerical,
-            "The inverse kinematics gave no finite distance of the pose.",
-        ))
+        Err(Error::new(Code::Numerical, "The inverse kinematics gave no finite distance of the pose."))
     }
 
     /// The pose nearest to one out of reach, with its orientation where any
@@ -185,11 +172,7 @@ impl InverseKinematics {
             .map(|(distance, _)| (distance, 0.0))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let (distance_m, rotation_rad) = held.or(nearest).unwrap_or((f64::NAN, f64::NAN));
-        Unreachable {
-            distance_m,
-            rotation_rad,
-            region: Region::Outside,
-        }
+        Unreachable { distance_m, rotation_rad, region: Region::Outside }
     }
 
     /// A start of the search: points of a Sobol sequence over the limits.
@@ -197,9 +180,7 @@ impl InverseKinematics {
         let limits = self.turns.finite_limits(1.0);
         let share = |j: usize| f64::from(sample(start, (j % 256) as u32, (j / 256) as u32));
         let spread = limits.iter().enumerate();
-        spread
-            .map(|(j, [low, high])| low + share(j) * (high - low))
-            .collect()
+        spread.map(|(j, [low, high])| low + share(j) * (high - low)).collect()
     }
 
     fn similar_postures(&self, flange: &Isometry3<f64>, near: &[f64]) -> Vec<Vec<f64>> {
@@ -225,11 +206,7 @@ impl InverseKinematics {
         let residual = descent.solve(flange, &mut q, limits, STEPS_OF_A_BRANCH);
         // Written so that NaN is no solution.
         let solved = residual <= SOLVED;
-        let same = if self.robot.joint_count() > 6 {
-            SAME_OF_A_SAMPLE
-        } else {
-            SAME
-        };
+        let same = if self.robot.joint_count() > 6 { SAME_OF_A_SAMPLE } else { SAME };
         if !solved || found.iter().any(|b| self.turns.alike(&b.q, &q, same)) {
             return false;
         }

@@ -71,9 +71,7 @@ impl Turns {
     /// middle.
     pub(super) fn finite_limits(&self, turns: f64) -> Vec<[f64; 2]> {
         let wide = turns * TAU;
-        let cut = |(limit, middle): (&[f64; 2], f64)| {
-            [limit[0].max(middle - wide), limit[1].min(middle + wide)]
-        };
+        let cut = |(limit, middle): (&[f64; 2], f64)| [limit[0].max(middle - wide), limit[1].min(middle + wide)];
         self.limits.iter().zip(self.middle()).map(cut).collect()
     }
 
@@ -139,21 +137,16 @@ impl Turns {
     /// largest change of an angle.
     pub(super) fn near(&self, q: &[f64], goal: &[f64]) -> Option<Vec<f64>> {
         if self.separate {
-            let turned = q
-                .iter()
-                .zip(goal)
-                .zip(&self.limits)
-                .map(|((q, goal), limit)| {
-                    let least = ((limit[0] - TOLERANCE - q) / TAU).ceil();
-                    let most = ((limit[1] + TOLERANCE - q) / TAU).floor();
-                    let turns = ((goal - q) / TAU).round();
-                    (least <= most).then(|| q + turns.max(least).min(most) * TAU)
-                });
+            let turned = q.iter().zip(goal).zip(&self.limits).map(|((q, goal), limit)| {
+                let least = ((limit[0] - TOLERANCE - q) / TAU).ceil();
+                let most = ((limit[1] + TOLERANCE - q) / TAU).floor();
+                let turns = ((goal - q) / TAU).round();
+                (least <= most).then(|| q + turns.max(least).min(most) * TAU)
+            });
             return turned.collect();
         }
         let all = self.within_limits(q);
-        all.into_iter()
-            .min_by(|a, b| largest_change(a, goal).total_cmp(&largest_change(b, goal)))
+        all.into_iter().min_by(|a, b| largest_change(a, goal).total_cmp(&largest_change(b, goal)))
     }
 
     /// Every combination of turns within the limits, up to [`MOST`] about the
@@ -197,11 +190,7 @@ impl Turns {
         for range in &ranges {
             combinations = combinations
                 .iter()
-                .flat_map(|known| {
-                    range
-                        .iter()
-                        .map(move |m| [known.as_slice(), &[*m]].concat())
-                })
+                .flat_map(|known| range.iter().map(move |m| [known.as_slice(), &[*m]].concat()))
                 .collect();
         }
         let turned = combinations.into_iter().map(|turns| {
@@ -220,9 +209,7 @@ impl Turns {
     pub(super) fn alike(&self, a: &[f64], b: &[f64], tolerance: f64) -> bool {
         let serial = |i: usize| -> f64 {
             let terms = a.iter().zip(b).enumerate();
-            terms
-                .map(|(j, (a, b))| self.coupling[(i, j)] * (a - b))
-                .sum()
+            terms.map(|(j, (a, b))| self.coupling[(i, j)] * (a - b)).sum()
         };
         (0..a.len()).all(|i| wrapped(serial(i)).abs() < tolerance)
     }

@@ -61,14 +61,10 @@ impl Unreachable {
             }
             Region::Beyond => format!("The pose lies {distance} mm beyond the arm's reach."),
             Region::AboutJointOne => format!("The pose lies {distance} mm {}.", about(0)),
-            Region::AboutJointTwo => format!(
-                "The pose lies {distance} mm {} that the folded arm leaves.",
-                about(1)
-            ),
+            Region::AboutJointTwo => format!("The pose lies {distance} mm {} that the folded arm leaves.", about(1)),
             Region::Outside => format!("The pose lies {distance} mm outside the arm's reach."),
         };
-        Error::new(Code::Unreachable, message)
-            .hint("move or turn the pose, or place the robot's base differently")
+        Error::new(Code::Unreachable, message).hint("move or turn the pose, or place the robot's base differently")
     }
 }
 

@@ -31,12 +31,7 @@ impl Candidate {
 
     /// A posture that may be measured under the cell's load.
     pub fn new(name: impl Into<String>, q: Vec<f64>) -> Self {
-        Candidate {
-            name: name.into(),
-            q,
-            wrench: None,
-            states: Vec::new(),
-        }
+        Candidate { name: name.into(), q, wrench: None, states: Vec::new() }
     }
 
     /// The same under each load of the setup, or under what it was measured with.

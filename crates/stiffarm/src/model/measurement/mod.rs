@@ -6,8 +6,7 @@ mod readings;
 
 pub use candidate::Candidate;
 pub use readings::{
-    PendingReading, PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings,
-    WrenchColumns,
+    PendingReading, PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
 };
 
 use crate::error::Result;
@@ -86,12 +85,7 @@ impl ReferencePart {
 
     /// One reading in a state.
     pub fn reading(state: u32) -> Self {
-        ReferencePart {
-            state,
-            weight: 1.0,
-            slope: 0.0,
-            readings: 1,
-        }
+        ReferencePart { state, weight: 1.0, slope: 0.0, readings: 1 }
     }
 }
 
@@ -180,8 +174,5 @@ pub struct ReadingScatter {
 
 /// Number of displacement components (rows of Ψ) in `measured`.
 pub fn row_count(measured: &[MeasuredPosture]) -> usize {
-    3 * measured
-        .iter()
-        .map(|p| p.displacements.len())
-        .sum::<usize>()
+    3 * measured.iter().map(|p| p.displacements.len()).sum::<usize>()
 }

@@ -43,14 +43,7 @@ pub struct Reading {
 impl Reading {
     /// A position of a reflector, of which nothing else is known.
     pub fn new(target: ReadingTarget, position: Vector3<f64>) -> Self {
-        Reading {
-            target,
-            position,
-            time: None,
-            expanded: None,
-            temperature: None,
-            line: 0,
-        }
+        Reading { target, position, time: None, expanded: None, temperature: None, line: 0 }
     }
 
     /// All its numbers, which must be finite.
@@ -78,9 +71,9 @@ impl Role {
     pub fn of(state: &str) -> Self {
         let state = state.to_lowercase();
         let is = |word: &str| {
-            state.strip_prefix(word).is_some_and(|rest| {
-                rest.is_empty() || rest.starts_with(['-', '_', ' ']) || rest.parse::<u32>().is_ok()
-            })
+            state
+                .strip_prefix(word)
+                .is_some_and(|rest| rest.is_empty() || rest.starts_with(['-', '_', ' ']) || rest.parse::<u32>().is_ok())
         };
         if is("unloaded") {
             Role::Unloaded
@@ -198,11 +191,7 @@ impl ReadingTable {
                 let times = state.readings.iter().map(time);
                 times.sum::<f64>() / state.readings.len().max(1) as f64
             };
-            posture.states.sort_by(|a, b| {
-                mean(a)
-                    .total_cmp(&mean(b))
-                    .then_with(|| a.state.cmp(&b.state))
-            });
+            posture.states.sort_by(|a, b| mean(a).total_cmp(&mean(b)).then_with(|| a.state.cmp(&b.state)));
         }
         let first = |posture: &PostureReadings| {
             let readings = posture.states.iter().flat_map(|state| &state.readings);
@@ -227,8 +216,7 @@ impl ReadingTable {
 
     /// True where a posture of this name has a reading in this state.
     pub fn has_readings_in(&self, posture: &str, state: &str) -> bool {
-        self.states()
-            .any(|(name, own)| name == posture && own.state == state)
+        self.states().any(|(name, own)| name == posture && own.state == state)
     }
 
     /// The states that have readings, with the names of their postures.

@@ -23,19 +23,10 @@ pub enum ElasticClass {
 
 impl ElasticClass {
     /// Those whose sizes readings tell, in the order of results.
-    pub const ALL: [ElasticClass; 5] = [
-        ElasticClass::Shift,
-        ElasticClass::Turn,
-        ElasticClass::Coupling,
-        ElasticClass::Bearing,
-        ElasticClass::Beam,
-    ];
+    pub const ALL: [ElasticClass; 5] =
+        [ElasticClass::Shift, ElasticClass::Turn, ElasticClass::Coupling, ElasticClass::Bearing, ElasticClass::Beam];
     /// Those of the entries of general springs.
-    pub const ENTRIES: [ElasticClass; 3] = [
-        ElasticClass::Shift,
-        ElasticClass::Turn,
-        ElasticClass::Coupling,
-    ];
+    pub const ENTRIES: [ElasticClass; 3] = [ElasticClass::Shift, ElasticClass::Turn, ElasticClass::Coupling];
 
     /// The class of an entry: rows and columns 0 to 2 are shifts and forces, 3 to 5 turns
     /// and moments.

@@ -84,21 +84,13 @@ impl ExtraTerm {
     pub fn name(self, robot: &Robot) -> String {
         let joint = |j: usize| robot.joints().get(j).map_or("?", |joint| &joint.name);
         match self {
-            ExtraTerm::Spring {
-                joint: place,
-                row,
-                column,
-            } => {
+            ExtraTerm::Spring { joint: place, row, column } => {
                 let place = place.map_or("the base", joint);
                 let axes = ["x", "y", "z", "turn x", "turn y", "turn z"];
                 let [row, column] = [row, column].map(|i| axes.get(i).unwrap_or(&"?"));
                 format!("spring ({row}, {column}) of {place}")
             }
-            ExtraTerm::Beam {
-                joint: row,
-                part,
-                twist,
-            } => {
+            ExtraTerm::Beam { joint: row, part, twist } => {
                 let how = if twist { "twist" } else { "bending" };
                 let part = match part {
                     RowPart::Axis => "along",
@@ -143,9 +135,7 @@ impl ExtraTerm {
         let mut turns = |at: Vector3<f64>, turn: Matrix3<f64>| {
             // A turn at p shifts the origin by p × turn, and a force there has the moment −p × f about p.
             let mut motion = SMatrix::<f64, 6, 3>::zeros();
-            motion
-                .fixed_view_mut::<3, 3>(0, 0)
-                .copy_from(&at.cross_matrix());
+            motion.fixed_view_mut::<3, 3>(0, 0).copy_from(&at.cross_matrix());
             motion.fixed_view_mut::<3, 3>(3, 0).fill_with_identity();
             out += motion * turn * motion.transpose();
         };
@@ -161,11 +151,7 @@ impl ExtraTerm {
                 let axes = link_axes(frames, joint).transpose();
                 let (start, way) = (axes * (start - frames.origins()[joint]), axes * way);
                 let bending = across(&way.normalize());
-                let turn = if twist {
-                    Matrix3::identity() - bending
-                } else {
-                    bending
-                };
+                let turn = if twist { Matrix3::identity() - bending } else { bending };
                 for share in GAUSS {
                     turns(start + way * share, turn * (way.norm() / 2.0));
                 }
@@ -184,20 +170,14 @@ impl ExtraTerm {
         let n = robot.joint_count();
         let unknown = || {
             let known = ["tilt", "tilt1", "base", "lost", "lost1"];
-            Error::new(
-                Code::UnknownName,
-                format!("There is no extra term \"{word}\"."),
+            Error::new(Code::UnknownName, format!("There is no extra term \"{word}\".")).hint(
+                did_you_mean(word, known).unwrap_or_else(|| {
+                    "terms: tilt (all joints), tilt1 … of one joint, base, lost (all joints), lost1 …".to_string()
+                }),
             )
-            .hint(did_you_mean(word, known).unwrap_or_else(|| {
-                "terms: tilt (all joints), tilt1 … of one joint, base, lost (all joints), lost1 …"
-                    .to_string()
-            }))
         };
         type Make = fn(usize) -> ExtraTerm;
-        let families: [(&str, Make); 2] = [
-            ("tilt", ExtraTerm::JointTilt),
-            ("lost", ExtraTerm::LostMotion),
-        ];
+        let families: [(&str, Make); 2] = [("tilt", ExtraTerm::JointTilt), ("lost", ExtraTerm::LostMotion)];
         if word == "base" {
             return Ok(vec![ExtraTerm::BaseTilt]);
         }
@@ -210,11 +190,8 @@ impl ExtraTerm {
             }
             let number: usize = rest.parse().map_err(|_| unknown())?;
             if !(1..=n).contains(&number) {
-                return Err(Error::new(
-                    Code::UnknownName,
-                    format!("{} has no joint {number}.", robot.name()),
-                )
-                .hint(format!("joints are counted from 1 to {n}")));
+                return Err(Error::new(Code::UnknownName, format!("{} has no joint {number}.", robot.name()))
+                    .hint(format!("joints are counted from 1 to {n}")));
             }
             return Ok(vec![make(number - 1)]);
         }
@@ -255,11 +232,7 @@ impl PostureTerms {
         for (i, term) in extra.iter().enumerate() {
             let motion = motions.of(*term);
             let rows = motion.rows(self.measuring_points());
-            columns
-                .column_mut(n + i)
-                .iter_mut()
-                .zip(rows)
-                .for_each(|(to, row)| *to = row);
+            columns.column_mut(n + i).iter_mut().zip(rows).for_each(|(to, row)| *to = row);
         }
         columns
     }
@@ -276,10 +249,7 @@ impl<'a> Motions<'a> {
     /// At the posture and under the load of `terms`.
     fn new(terms: &'a PostureTerms) -> Self {
         let springs = places(terms.frames().axes().len());
-        Motions {
-            terms,
-            springs: springs.map(|_| None).collect(),
-        }
+        Motions { terms, springs: springs.map(|_| None).collect() }
     }
 
     /// Motion per unit of a term.
@@ -361,19 +331,11 @@ impl Elements {
 
     /// What they do to the base-frame point `at` at the posture and under the load of `terms`, those with lost motion
     /// among them or not: \[shift (m); turn (rad)\], base axes.
-    pub(crate) fn twist(
-        &self,
-        terms: &PostureTerms,
-        at: &Vector3<f64>,
-        lost: bool,
-    ) -> Vector6<f64> {
+    pub(crate) fn twist(&self, terms: &PostureTerms, at: &Vector3<f64>, lost: bool) -> Vector6<f64> {
         let springs = self.springs.iter();
         let springs = springs.filter(|(_, c)| *c != Matrix6::zeros());
         let springs = springs.map(|(joint, c)| LoadedSpring::new(terms, *joint).with(c).twist(at));
-        let rest = self
-            .rest
-            .iter()
-            .filter(|(term, _)| lost || term.is_spring());
+        let rest = self.rest.iter().filter(|(term, _)| lost || term.is_spring());
         let rest = rest.map(|(term, value)| term.twist(terms, at) * *value);
         springs.chain(rest).sum()
     }
@@ -393,9 +355,7 @@ const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 pub(crate) fn row_part(frames: &Frames, joint: usize, part: RowPart) -> [Vector3<f64>; 2] {
     let (axis, start) = (frames.axes()[joint], frames.origins()[joint]);
     let next = frames.origins().get(joint + 1);
-    let end = next
-        .copied()
-        .unwrap_or_else(|| frames.flange().translation.vector);
+    let end = next.copied().unwrap_or_else(|| frames.flange().translation.vector);
     let along = axis * axis.dot(&(end - start));
     match part {
         RowPart::Axis => [start, along],

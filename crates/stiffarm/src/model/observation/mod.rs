@@ -61,21 +61,11 @@ impl Setup {
 
     /// The setup with a weight of `magnitude` \[N\] at its loading point as the load.
     pub(crate) fn under_weight(&self, magnitude: f64) -> Setup {
-        Setup {
-            load: Load::Weight {
-                magnitude,
-                direction: *self.robot.gravity_direction(),
-            },
-            ..self.clone()
-        }
+        Setup { load: Load::Weight { magnitude, direction: *self.robot.gravity_direction() }, ..self.clone() }
     }
 
     fn under(&self, case: &LoadCase) -> Setup {
-        Setup {
-            robot: self.robot.clone(),
-            tool: self.tool.loaded_at(case.loading_point),
-            load: case.load.clone(),
-        }
+        Setup { robot: self.robot.clone(), tool: self.tool.loaded_at(case.loading_point), load: case.load.clone() }
     }
 }
 
@@ -153,31 +143,23 @@ impl PostureTerms {
         if wrench.is_none() && rope.is_some_and(|length| length < SHORTEST_ROPE) {
             let message = "The rope's anchor lies on the loading point at a posture, so that the rope has no direction \
                            and pulls with nothing.";
-            return Err(Error::invalid(message)
-                .key("load.anchor_mm")
-                .hint("give the rope's fixed end in the base frame: it is not the loading point, which is in flange axes"));
+            return Err(Error::invalid(message).key("load.anchor_mm").hint(
+                "give the rope's fixed end in the base frame: it is not the loading point, which is in flange axes",
+            ));
         }
         self.wrench = match wrench {
             Some(given) => *given,
-            None => setup
-                .load
-                .wrench(&self.frames, &self.loading_point)
-                .ok_or_else(|| match &setup.load {
-                    Load::Cases(_) => Error::new(
-                        Code::Unsupported,
-                        "The cell has several load cases, and one load is asked for.",
-                    )
-                    .key("load.case")
-                    .hint("put one of the loads alone into [load]"),
-                    _ => Error::new(
-                        Code::MissingKey,
-                        "The load is measured, but this posture comes with no force.",
-                    )
-                    .hint(
-                        "give fx_n, fy_n, fz_n with each measurement; to plan or simulate, set load.kind to \
+            None => setup.load.wrench(&self.frames, &self.loading_point).ok_or_else(|| match &setup.load {
+                Load::Cases(_) => {
+                    Error::new(Code::Unsupported, "The cell has several load cases, and one load is asked for.")
+                        .key("load.case")
+                        .hint("put one of the loads alone into [load]")
+                }
+                _ => Error::new(Code::MissingKey, "The load is measured, but this posture comes with no force.").hint(
+                    "give fx_n, fy_n, fz_n with each measurement; to plan or simulate, set load.kind to \
                          \"rope\", \"weight\" or \"wrench\" as the load will be",
-                    ),
-                })?,
+                ),
+            })?,
         };
         for j in 0..n {
             self.loading_columns[j] = self.frames.column(j, &self.loading_point);
@@ -268,9 +250,7 @@ impl PostureTerms {
         let mut joints = DMatrix::zeros(3 * m, n);
         for a in 0..m {
             for j in 0..n {
-                joints
-                    .fixed_view_mut::<3, 1>(3 * a, j)
-                    .copy_from(&self.columns[a * n + j]);
+                joints.fixed_view_mut::<3, 1>(3 * a, j).copy_from(&self.columns[a * n + j]);
             }
         }
         match robot.spring_mixing() {
@@ -294,9 +274,7 @@ impl PostureTerms {
         let n = self.torque.len();
         let mut joints = DMatrix::zeros(3, n);
         for j in 0..n {
-            joints
-                .fixed_view_mut::<3, 1>(0, j)
-                .copy_from(&self.frames.axes()[j]);
+            joints.fixed_view_mut::<3, 1>(0, j).copy_from(&self.frames.axes()[j]);
         }
         let mut block = match robot.spring_mixing() {
             None => joints,
@@ -314,9 +292,7 @@ impl PostureTerms {
         let mut known = DVector::zeros(3 * m);
         for (a, point) in self.measuring_points.iter().enumerate() {
             let twist = self.known_twist(tool, point);
-            known
-                .fixed_rows_mut::<3>(3 * a)
-                .copy_from(&twist.fixed_rows::<3>(0));
+            known.fixed_rows_mut::<3>(3 * a).copy_from(&twist.fixed_rows::<3>(0));
         }
         known
     }
@@ -332,8 +308,7 @@ impl PostureTerms {
         let rotation = self.frames.flange().rotation;
         let force = rotation.inverse_transform_vector(&at_origin.force);
         let moment = rotation.inverse_transform_vector(&at_origin.moment);
-        let twist =
-            series.matrix * Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
+        let twist = series.matrix * Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
         let shift = rotation * Vector3::new(twist[0], twist[1], twist[2]);
         let turn = rotation * Vector3::new(twist[3], twist[4], twist[5]);
         let shift = shift + turn.cross(&(at - origin));
@@ -350,17 +325,11 @@ impl PostureTerms {
 /// As [`PostureTerms::new`]; a length that is not above zero.
 #[doc(alias = "regressor")]
 #[doc(alias = "identification Jacobian")]
-pub fn observation_matrix<Q: AsRef<[f64]>>(
-    setup: &Setup,
-    postures: &[Q],
-    rows: Rows,
-) -> Result<DMatrix<f64>> {
+pub fn observation_matrix<Q: AsRef<[f64]>>(setup: &Setup, postures: &[Q], rows: Rows) -> Result<DMatrix<f64>> {
     if let Rows::FullPose { length } = rows
         && !(length.is_finite() && length > 0.0)
     {
-        return Err(Error::invalid(
-            "The length that weighs rotations against translations must be above zero.",
-        ));
+        return Err(Error::invalid("The length that weighs rotations against translations must be above zero."));
     }
     let n = setup.robot.spring_count();
     let m = setup.tool.point_count();
@@ -370,9 +339,7 @@ pub fn observation_matrix<Q: AsRef<[f64]>>(
     };
     let setups = setup.cases();
     let mut psi = DMatrix::zeros(per_point * m * postures.len() * setups.len(), n);
-    let states = postures
-        .iter()
-        .flat_map(|q| setups.iter().map(move |s| (s, q)));
+    let states = postures.iter().flat_map(|q| setups.iter().map(move |s| (s, q)));
     for (s, (setup, q)) in states.enumerate() {
         let terms = PostureTerms::new(setup, q.as_ref(), None)?;
         let block = terms.block(&setup.robot);
@@ -382,8 +349,7 @@ pub fn observation_matrix<Q: AsRef<[f64]>>(
             Rows::FullPose { length } => {
                 let turn = terms.rotation_block(&setup.robot) * length;
                 for a in 0..m {
-                    psi.rows_mut(start + 6 * a, 3)
-                        .copy_from(&block.rows(3 * a, 3));
+                    psi.rows_mut(start + 6 * a, 3).copy_from(&block.rows(3 * a, 3));
                     psi.rows_mut(start + 6 * a + 3, 3).copy_from(&turn);
                 }
             }
@@ -400,22 +366,13 @@ pub fn check_angles(robot: &Robot, q: &[f64]) -> Result<()> {
     if q.len() != robot.joint_count() {
         return Err(Error::new(
             Code::Dimension,
-            format!(
-                "{} angles for the {} joints of {}.",
-                q.len(),
-                robot.joint_count(),
-                robot.name()
-            ),
+            format!("{} angles for the {} joints of {}.", q.len(), robot.joint_count(), robot.name()),
         ));
     }
     match q.iter().position(|v| !v.is_finite()) {
-        Some(j) => Err(Error::new(
-            Code::NotFinite,
-            format!(
-                "The angle of {} is not a finite number.",
-                robot.joints()[j].name
-            ),
-        )),
+        Some(j) => {
+            Err(Error::new(Code::NotFinite, format!("The angle of {} is not a finite number.", robot.joints()[j].name)))
+        }
         None => Ok(()),
     }
 }

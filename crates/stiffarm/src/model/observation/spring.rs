@@ -62,9 +62,7 @@ impl LoadedSpring {
     pub(super) fn with(&self, compliance: &Matrix6<f64>) -> Motion {
         let turns = compliance.fixed_view::<3, 3>(3, 3);
         let own = if self.has_axis { turns[(2, 2)] } else { 0.0 };
-        self.motion(&(compliance * self.load), |along| {
-            along.dot(&(turns * along)) - own * along.z * along.z
-        })
+        self.motion(&(compliance * self.load), |along| along.dot(&(turns * along)) - own * along.z * along.z)
     }
 
     /// Motion by `give` along its axes, of which the axis that follows counts `about_next` as
@@ -93,11 +91,7 @@ pub(super) struct Motion {
 
 impl Motion {
     pub(super) fn turn(turn: Vector3<f64>, origin: Vector3<f64>) -> Self {
-        Motion {
-            shift: Vector3::zeros(),
-            turn,
-            origin,
-        }
+        Motion { shift: Vector3::zeros(), turn, origin }
     }
 
     /// Goes on with a further small motion of the same body.
@@ -109,14 +103,7 @@ impl Motion {
     /// \[shift (m) of the body's point at `p`; turn (rad)\].
     pub(super) fn twist(&self, p: &Vector3<f64>) -> Vector6<f64> {
         let shift = self.at(p);
-        Vector6::new(
-            shift.x,
-            shift.y,
-            shift.z,
-            self.turn.x,
-            self.turn.y,
-            self.turn.z,
-        )
+        Vector6::new(shift.x, shift.y, shift.z, self.turn.x, self.turn.y, self.turn.z)
     }
 
     /// Shifts of the body's points, x, y, z of each \[m\].

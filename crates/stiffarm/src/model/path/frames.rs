@@ -21,17 +21,9 @@ pub fn feed_axes(poses: &[Isometry3<f64>]) -> Vec<Option<Rotation3<f64>>> {
     let mut before: Vec<Option<usize>> = vec![None; count];
     let mut behind: Vec<Option<usize>> = vec![None; count];
     for i in 1..count {
-        before[i] = if away(i - 1, i) {
-            Some(i - 1)
-        } else {
-            before[i - 1]
-        };
+        before[i] = if away(i - 1, i) { Some(i - 1) } else { before[i - 1] };
         let i = count - 1 - i;
-        behind[i] = if away(i + 1, i) {
-            Some(i + 1)
-        } else {
-            behind[i + 1]
-        };
+        behind[i] = if away(i + 1, i) { Some(i + 1) } else { behind[i + 1] };
     }
     (0..count)
         .map(|i| {
@@ -39,14 +31,10 @@ pub fn feed_axes(poses: &[Isometry3<f64>]) -> Vec<Option<Rotation3<f64>>> {
             let to = behind[i].unwrap_or(i);
             let axis = poses[i].rotation * Vector3::z();
             // Where the path turns back on itself, the way on counts.
-            let feed = [at(to) - at(from), at(to) - at(i)]
-                .into_iter()
-                .find_map(|feed| feed.try_normalize(TOUCHING))?;
+            let feed = [at(to) - at(from), at(to) - at(i)].into_iter().find_map(|feed| feed.try_normalize(TOUCHING))?;
             let x = (feed - axis * axis.dot(&feed)).try_normalize(TOUCHING)?;
             let y = axis.cross(&x);
-            Some(Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[
-                x, y, axis,
-            ])))
+            Some(Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, y, axis])))
         })
         .collect()
 }
@@ -82,8 +70,7 @@ pub fn tip_wrenches(
 ) -> Result<Vec<Wrench>> {
     let feeds = load_axes(feed_axes(poses));
     let all = points.iter().zip(poses).zip(&feeds);
-    all.map(|((point, pose), feed)| tip_wrench(point, pose, feed.as_ref(), process, workpiece))
-        .collect()
+    all.map(|((point, pose), feed)| tip_wrench(point, pose, feed.as_ref(), process, workpiece)).collect()
 }
 
 /// The same of one point with its feed axes.
@@ -103,10 +90,7 @@ pub(crate) fn tip_wrench(
         ForceAxes::Workpiece => workpiece.rotation.to_rotation_matrix(),
         ForceAxes::Path => *feed.ok_or_else(|| no_feed(point))?,
     };
-    Ok(Wrench {
-        force: axes * load.force,
-        moment: axes * load.moment,
-    })
+    Ok(Wrench { force: axes * load.force, moment: axes * load.moment })
 }
 
 fn no_feed(point: &PathPoint) -> Error {

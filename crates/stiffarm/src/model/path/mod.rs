@@ -101,13 +101,7 @@ impl LoadedPosture {
     /// A posture at controller angles `q` \[rad\] under a wrench on the robot at
     /// the tip, base axes.
     pub fn new(name: impl Into<Arc<str>>, q: Vec<f64>, wrench: Wrench) -> Self {
-        LoadedPosture {
-            name: name.into(),
-            line: None,
-            feature: None,
-            q,
-            wrench,
-        }
+        LoadedPosture { name: name.into(), line: None, feature: None, q, wrench }
     }
 
     /// `error` with the line of this posture.

@@ -69,27 +69,11 @@ impl Configuration {
     /// If `q` does not have one entry per joint.
     pub fn of(robot: &Robot, q: &[f64]) -> Option<Self> {
         let arm = Arm::of(robot, q)?;
-        let shoulder = if arm.is_front() {
-            Shoulder::Front
-        } else {
-            Shoulder::Back
-        };
+        let shoulder = if arm.is_front() { Shoulder::Front } else { Shoulder::Back };
         // Behind axis 1 the arm is seen from the other side.
-        let elbow = if arm.is_bent_down() == arm.is_front() {
-            Elbow::Up
-        } else {
-            Elbow::Down
-        };
-        let wrist = if arm.wrist_sine >= -ZERO {
-            Wrist::NoFlip
-        } else {
-            Wrist::Flip
-        };
-        Some(Configuration {
-            shoulder,
-            elbow,
-            wrist,
-        })
+        let elbow = if arm.is_bent_down() == arm.is_front() { Elbow::Up } else { Elbow::Down };
+        let wrist = if arm.wrist_sine >= -ZERO { Wrist::NoFlip } else { Wrist::Flip };
+        Some(Configuration { shoulder, elbow, wrist })
     }
 
     /// In words, for example `front, elbow up, no flip`.

@@ -100,9 +100,7 @@ impl Convention {
             Convention::Comau => &["a_deg", "e_deg", "r_deg"],
             Convention::Yaskawa | Convention::Staubli => &["rx_deg", "ry_deg", "rz_deg"],
             Convention::Ur => &["rx_rad", "ry_rad", "rz_rad"],
-            Convention::Matrix => &[
-                "r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33",
-            ],
+            Convention::Matrix => &["r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"],
         }
     }
 
@@ -116,14 +114,10 @@ impl Convention {
             }
             Convention::Comau => euler_zyz(rotation).to_vec(),
             // The inverse of Rx·Ry·Rz is Rz(−)·Ry(−)·Rx(−).
-            Convention::Staubli => fixed_turns(&rotation.inverse())
-                .map(|angle| -angle)
-                .to_vec(),
+            Convention::Staubli => fixed_turns(&rotation.inverse()).map(|angle| -angle).to_vec(),
             Convention::Abb => {
                 let sign = if rotation.w < 0.0 { -1.0 } else { 1.0 };
-                [rotation.w, rotation.i, rotation.j, rotation.k]
-                    .map(|v| sign * v)
-                    .to_vec()
+                [rotation.w, rotation.i, rotation.j, rotation.k].map(|v| sign * v).to_vec()
             }
             Convention::Ur => rotation.scaled_axis().as_slice().to_vec(),
             Convention::Matrix => {
@@ -170,19 +164,14 @@ impl Convention {
         let turns = UnitQuaternion::from_euler_angles;
         Ok(match (self, numbers) {
             (Convention::Kuka, [a, b, c]) => turns(*c, *b, *a),
-            (Convention::Comau, [a, e, r]) => {
-                turns(0.0, 0.0, *a) * turns(0.0, *e, 0.0) * turns(0.0, 0.0, *r)
-            }
+            (Convention::Comau, [a, e, r]) => turns(0.0, 0.0, *a) * turns(0.0, *e, 0.0) * turns(0.0, 0.0, *r),
             (Convention::Staubli, [x, y, z]) => turns(-x, -y, -z).inverse(),
             (Convention::Ur, [x, y, z]) => {
                 let vector = Vector3::new(*x, *y, *z);
                 let angle = vector.norm();
                 if angle > TAU + ROUNDED {
-                    let message =
-                        format!("A rotation vector of {angle:.4} rad is more than a turn.");
-                    return Err(
-                        Error::invalid(message).hint("give it in radians, as the pendant shows it")
-                    );
+                    let message = format!("A rotation vector of {angle:.4} rad is more than a turn.");
+                    return Err(Error::invalid(message).hint("give it in radians, as the pendant shows it"));
                 }
                 UnitQuaternion::from_scaled_axis(vector)
             }
@@ -198,11 +187,7 @@ impl Convention {
 fn fixed_turns(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
     let r = rotation.to_rotation_matrix();
     if r[(2, 1)].hypot(r[(2, 2)]) < QUARTER {
-        [
-            (-r[(1, 2)]).atan2(r[(1, 1)]),
-            r[(2, 0)].signum() * -FRAC_PI_2,
-            0.0,
-        ]
+        [(-r[(1, 2)]).atan2(r[(1, 1)]), r[(2, 0)].signum() * -FRAC_PI_2, 0.0]
     } else {
         roll_pitch_yaw(rotation)
     }
@@ -226,11 +211,7 @@ fn euler_zyz(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
 
 /// Half a turn is 180° and not −180°, and zero is not −0.
 fn within_half_turn(deg: f64) -> f64 {
-    if deg < -180.0 + ROUNDING_DEG {
-        deg + 360.0
-    } else {
-        deg + 0.0
-    }
+    if deg < -180.0 + ROUNDING_DEG { deg + 360.0 } else { deg + 0.0 }
 }
 
 fn quaternion([w, x, y, z]: [f64; 4]) -> Result<UnitQuaternion<f64>> {
@@ -238,9 +219,7 @@ fn quaternion([w, x, y, z]: [f64; 4]) -> Result<UnitQuaternion<f64>> {
     let length = quaternion.norm();
     if (length - 1.0).abs() > ROUNDED {
         let message = format!("The quaternion has length {length:.4}; it must be 1.");
-        return Err(
-            Error::invalid(message).hint("q1 is the scalar; look for a number in a wrong column")
-        );
+        return Err(Error::invalid(message).hint("q1 is the scalar; look for a number in a wrong column"));
     }
     Ok(UnitQuaternion::new_normalize(quaternion))
 }
@@ -253,13 +232,12 @@ fn matrix(matrix: &Matrix3<f64>) -> Result<UnitQuaternion<f64>> {
         } else {
             "The matrix is no rotation: its axes are left-handed."
         };
-        return Err(Error::invalid(message)
-            .hint("r11, r12, r13 are the first row; the columns are the axes of the frame"));
+        return Err(
+            Error::invalid(message).hint("r11, r12, r13 are the first row; the columns are the axes of the frame")
+        );
     }
     let x = matrix.column(0).normalize();
     let y = (matrix.column(1) - x * x.dot(&matrix.column(1))).normalize();
     let axes = Matrix3::from_columns(&[x, y, x.cross(&y)]);
-    Ok(UnitQuaternion::from_rotation_matrix(
-        &Rotation3::from_matrix_unchecked(axes),
-    ))
+    Ok(UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes)))
 }

@@ -26,10 +26,7 @@ pub struct HeldPosture {
 /// # Errors
 /// A pose that is not finite; [`Code::Unreachable`](crate::Code::Unreachable)
 /// or [`Code::OutsideLimits`](crate::Code::OutsideLimits) where there is none.
-pub fn held_postures(
-    inverse: &InverseKinematics,
-    flange: &Isometry3<f64>,
-) -> Result<Vec<HeldPosture>> {
+pub fn held_postures(inverse: &InverseKinematics, flange: &Isometry3<f64>) -> Result<Vec<HeldPosture>> {
     let branches = inverse.branches(flange)?;
     let mut held = Vec::with_capacity(branches.len());
     for branch in &branches {
@@ -41,19 +38,13 @@ pub fn held_postures(
         // Stable: turns that are equally far stay in their order.
         sort_by_number(&mut turns, |q| change(q));
         if !turns.is_empty() {
-            held.push(HeldPosture {
-                turns,
-                is_singular: branch.singular,
-            });
+            held.push(HeldPosture { turns, is_singular: branch.singular });
         }
     }
     if let (true, Some(first)) = (held.is_empty(), branches.first()) {
         // Says which joint is in the way.
         let q = inverse.nearest(flange, &first.q)?;
-        held.push(HeldPosture {
-            turns: vec![q],
-            is_singular: false,
-        });
+        held.push(HeldPosture { turns: vec![q], is_singular: false });
     }
     Ok(held)
 }

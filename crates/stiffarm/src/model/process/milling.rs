@@ -126,17 +126,11 @@ impl Milling {
             plain(k.k_ac, k.k_ae),
         ) * share;
         // R e_r × (k_a z − k_t e_t): e_r × z = −e_t, e_r × e_t = z.
-        let at_the_radius = Vector3::new(
-            -with_cosine(k.k_ac, k.k_ae),
-            -with_sine(k.k_ac, k.k_ae),
-            -plain(k.k_tc, k.k_te),
-        ) * (share * radius);
+        let at_the_radius =
+            Vector3::new(-with_cosine(k.k_ac, k.k_ae), -with_sine(k.k_ac, k.k_ae), -plain(k.k_tc, k.k_te))
+                * (share * radius);
         // The forces act on average half the axial depth above the tip.
         let middle = Vector3::new(0.0, 0.0, -0.5 * self.axial_depth);
-        TipLoad {
-            force,
-            moment: at_the_radius + middle.cross(&force),
-            axes: ForceAxes::Path,
-        }
+        TipLoad { force, moment: at_the_radius + middle.cross(&force), axes: ForceAxes::Path }
     }
 }

@@ -92,10 +92,7 @@ pub struct ProcessLoad {
 
 impl From<TipLoad> for ProcessLoad {
     fn from(load: TipLoad) -> Self {
-        ProcessLoad {
-            load,
-            per_feed: None,
-        }
+        ProcessLoad { load, per_feed: None }
     }
 }
 
@@ -106,11 +103,7 @@ impl ProcessLoad {
             return Some(self.load);
         };
         let feed = feed?;
-        Some(TipLoad {
-            force: self.load.force + force * feed,
-            moment: self.load.moment + moment * feed,
-            ..self.load
-        })
+        Some(TipLoad { force: self.load.force + force * feed, moment: self.load.moment + moment * feed, ..self.load })
     }
 }
 
@@ -122,15 +115,9 @@ impl Process {
             Process::Milling(milling) => milling.mean_load().into(),
             Process::MillingAtFeed(milling) => {
                 let feed_per_tooth = 0.0;
-                let edges = Milling {
-                    feed_per_tooth,
-                    ..*milling
-                };
+                let edges = Milling { feed_per_tooth, ..*milling };
                 let (load, moving) = (edges.mean_load(), milling.mean_load());
-                ProcessLoad {
-                    load,
-                    per_feed: Some([moving.force - load.force, moving.moment - load.moment]),
-                }
+                ProcessLoad { load, per_feed: Some([moving.force - load.force, moving.moment - load.moment]) }
             }
         }
     }

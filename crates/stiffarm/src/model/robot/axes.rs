@@ -75,12 +75,7 @@ pub fn rows_of_axes(axes: &[JointAxis], flange: &Isometry3<f64>) -> AxisRows {
         let direction = entry.inverse_transform_vector(&axis.direction);
         let step = step(&point, &direction);
         let frame = found.leave(&entry, step.turn, step.shift);
-        found.rows.push(DhRow {
-            alpha: step.alpha,
-            a: step.a,
-            d: 0.0,
-            offset: 0.0,
-        });
+        found.rows.push(DhRow { alpha: step.alpha, a: step.a, d: 0.0, offset: 0.0 });
         found.tilts.push(step.tilt);
         let about = UnitQuaternion::from_axis_angle;
         entry = frame
@@ -89,10 +84,7 @@ pub fn rows_of_axes(axes: &[JointAxis], flange: &Isometry3<f64>) -> AxisRows {
             * about(&Vector3::y_axis(), step.tilt);
     }
     let end = entry.inv_mul(flange);
-    let sideways = [Vector3::x(), Vector3::y()]
-        .map(|v| end.rotation * v)
-        .into_iter()
-        .find(|v| v.x.hypot(v.y) > 0.5);
+    let sideways = [Vector3::x(), Vector3::y()].map(|v| end.rotation * v).into_iter().find(|v| v.x.hypot(v.y) > 0.5);
     let turn = sideways.map_or(0.0, |v| v.y.atan2(v.x));
     let frame = found.leave(&entry, turn, end.translation.z);
     found.flange = frame.inv_mul(flange);
@@ -137,32 +129,16 @@ fn step(point: &Vector3<f64>, direction: &Vector3<f64>) -> Step {
     }
     // Where on the next axis its distance from z is a.
     let along = -(point.x * direction.x + point.y * direction.y) / (sine * sine);
-    Step {
-        turn: x.y.atan2(x.x),
-        shift: point.z + along * direction.z,
-        alpha,
-        a,
-        tilt: 0.0,
-    }
+    Step { turn: x.y.atan2(x.x), shift: point.z + along * direction.z, alpha, a, tilt: 0.0 }
 }
 
 /// As [`step`], for an axis nearly parallel to z: by the point where it meets z = 0.
 fn tilted(point: &Vector3<f64>, direction: &Vector3<f64>) -> Step {
     let met = point - direction * (point.z / direction.z);
     let apart = met.x.hypot(met.y);
-    let (turn, a) = if apart > SAME {
-        (met.y.atan2(met.x), apart)
-    } else {
-        (0.0, 0.0)
-    };
+    let (turn, a) = if apart > SAME { (met.y.atan2(met.x), apart) } else { (0.0, 0.0) };
     let back = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -turn);
     // RotX(α) RotY(β) z = (sin β, −sin α cos β, cos α cos β).
     let z = back * direction;
-    Step {
-        turn,
-        shift: 0.0,
-        alpha: (-z.y).atan2(z.z),
-        a,
-        tilt: z.x.atan2(z.y.hypot(z.z)),
-    }
+    Step { turn, shift: 0.0, alpha: (-z.y).atan2(z.z), a, tilt: z.x.atan2(z.y.hypot(z.z)) }
 }

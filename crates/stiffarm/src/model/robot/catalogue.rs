@@ -26,8 +26,8 @@ struct File {
 
 static CATALOGUE: LazyLock<Vec<CatalogueEntry>> = LazyLock::new(|| {
     // Part of the program: where its tests have passed both are read.
-    let [mut published, described]: [File; 2] = [PUBLISHED, DESCRIBED]
-        .map(|text| toml::from_str(text).expect("the embedded catalogue of robots is read"));
+    let [mut published, described]: [File; 2] =
+        [PUBLISHED, DESCRIBED].map(|text| toml::from_str(text).expect("the embedded catalogue of robots is read"));
     published.robot.extend(described.robot);
     for entry in &mut published.robot {
         if let Some(sets) = published.stiffness.remove(entry.key) {
@@ -50,13 +50,8 @@ pub fn find(key: &str) -> Result<&'static CatalogueEntry> {
     let found = catalogue().iter().find(|e| e.key.eq_ignore_ascii_case(key));
     found.ok_or_else(|| {
         let keys = catalogue().iter().map(|e| e.key);
-        let hint = did_you_mean(key, keys)
-            .unwrap_or_else(|| "`stiffarm robots` lists the robots".to_string());
-        Error::new(
-            Code::UnknownName,
-            format!("The catalogue has no robot \"{key}\"."),
-        )
-        .hint(hint)
+        let hint = did_you_mean(key, keys).unwrap_or_else(|| "`stiffarm robots` lists the robots".to_string());
+        Error::new(Code::UnknownName, format!("The catalogue has no robot \"{key}\".")).hint(hint)
     })
 }
 

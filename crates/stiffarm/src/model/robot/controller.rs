@@ -91,10 +91,7 @@ impl Controller {
 
     /// Whether its pendants count heights from axis 2, not from the foot.
     pub fn counts_from_axis_2(self) -> bool {
-        matches!(
-            self,
-            Controller::Fanuc | Controller::Staubli | Controller::Yaskawa
-        )
+        matches!(self, Controller::Fanuc | Controller::Staubli | Controller::Yaskawa)
     }
 
     /// The controller of this name.
@@ -105,8 +102,7 @@ impl Controller {
         let names = Controller::ALL.map(Controller::as_str);
         let found = Controller::ALL.into_iter().find(|c| c.as_str() == name);
         found.ok_or_else(|| {
-            let hint = did_you_mean(name, names)
-                .unwrap_or_else(|| format!("known controllers: {}", names.join(", ")));
+            let hint = did_you_mean(name, names).unwrap_or_else(|| format!("known controllers: {}", names.join(", ")));
             let message = format!("There is no controller \"{name}\".");
             Error::new(Code::UnknownName, message).hint(hint)
         })
@@ -135,9 +131,7 @@ impl Controller {
             "fanuc" => Some(Controller::Fanuc),
             "kuka" => Some(Controller::Kuka),
             "staubli" => Some(Controller::Staubli),
-            "ur3" | "ur3e" | "ur5" | "ur5e" | "ur10" | "ur10e" | "ur16e" | "ur20" | "ur30" => {
-                Some(Controller::Ur)
-            }
+            "ur3" | "ur3e" | "ur5" | "ur5e" | "ur10" | "ur10e" | "ur16e" | "ur20" | "ur30" => Some(Controller::Ur),
             "motoman" | "yaskawa" => Some(Controller::Yaskawa),
             _ => None,
         });
@@ -181,8 +175,8 @@ impl Robot {
     /// where C couples joints already.
     pub fn level_forearm(&self) -> Option<DMatrix<f64>> {
         let coupling = self.coupling();
-        let is_coupled = (0..coupling.nrows())
-            .any(|i| (0..coupling.ncols()).any(|j| i != j && coupling[(i, j)] != 0.0));
+        let is_coupled =
+            (0..coupling.nrows()).any(|i| (0..coupling.ncols()).any(|j| i != j && coupling[(i, j)] != 0.0));
         if self.joint_count() < 3 || is_coupled {
             return None;
         }

@@ -62,10 +62,7 @@ impl Form {
         let inner = along.len().saturating_sub(1);
         let along = along.into_iter().take(inner).skip(1);
         let lengths = links.iter().map(|row| row.a).chain(along);
-        Form {
-            lengths: lengths.map(f64::abs).collect(),
-            twists,
-        }
+        Form { lengths: lengths.map(f64::abs).collect(), twists }
     }
 
     /// Differences of all lengths as shares of the arm's, and of the twists.

@@ -50,16 +50,10 @@ pub(super) fn chain(
     let mut placements = Vec::with_capacity(rows.len());
     let mut pending = base;
     for (i, row) in rows.iter().enumerate() {
-        if [row.alpha, row.a, row.d, row.offset]
-            .iter()
-            .any(|v| !v.is_finite())
-        {
+        if [row.alpha, row.a, row.d, row.offset].iter().any(|v| !v.is_finite()) {
             return Err(Error::new(
                 Code::NotFinite,
-                format!(
-                    "Denavit–Hartenberg row {} has a number that is not finite.",
-                    i + 1
-                ),
+                format!("Denavit–Hartenberg row {} has a number that is not finite.", i + 1),
             ));
         }
         placements.push(match convention {

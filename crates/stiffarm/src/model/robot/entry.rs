@@ -139,16 +139,12 @@ fn text<'de, D: Deserializer<'de>>(reader: D) -> std::result::Result<&'static st
     Ok(String::deserialize(reader)?.leak())
 }
 
-fn list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
-    reader: D,
-) -> std::result::Result<&'static [T], D::Error> {
+fn list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(reader: D) -> std::result::Result<&'static [T], D::Error> {
     Ok(Vec::deserialize(reader)?.leak())
 }
 
 /// A number and its source.
-fn sourced<'de, D: Deserializer<'de>>(
-    reader: D,
-) -> std::result::Result<Option<(f64, &'static str)>, D::Error> {
+fn sourced<'de, D: Deserializer<'de>>(reader: D) -> std::result::Result<Option<(f64, &'static str)>, D::Error> {
     let (number, source) = <(f64, String)>::deserialize(reader)?;
     Ok(Some((number, source.leak())))
 }
@@ -184,10 +180,7 @@ impl CatalogueEntry {
                 robot.with_limits(&limits)?
             }
         };
-        let capsules = self
-            .capsules
-            .iter()
-            .map(|capsule| from_row(capsule, &robot.row_frame(capsule.0)));
+        let capsules = self.capsules.iter().map(|capsule| from_row(capsule, &robot.row_frame(capsule.0)));
         let capsules = capsules.collect();
         Ok(robot
             .with_link_capsules(capsules, self.ignored_pairs.to_vec())?

@@ -91,11 +91,7 @@ impl Robot {
         let joints = placements
             .into_iter()
             .enumerate()
-            .map(|(i, placement)| Joint {
-                name: format!("joint {}", i + 1),
-                placement,
-                limits: UNKNOWN_LIMITS,
-            })
+            .map(|(i, placement)| Joint { name: format!("joint {}", i + 1), placement, limits: UNKNOWN_LIMITS })
             .collect();
         let n = rows.len();
         Ok(Robot {
@@ -167,20 +163,13 @@ impl Robot {
         if limits.len() != self.joint_count() {
             return Err(Error::new(
                 Code::Dimension,
-                format!(
-                    "{} joint limits for {} joints.",
-                    limits.len(),
-                    self.joint_count()
-                ),
+                format!("{} joint limits for {} joints.", limits.len(), self.joint_count()),
             ));
         }
         for (joint, limit) in self.joints.iter_mut().zip(limits) {
             // NaN is not below anything either.
             if limit[0].partial_cmp(&limit[1]) != Some(std::cmp::Ordering::Less) {
-                return Err(Error::invalid(format!(
-                    "The lower limit of {} is not below the upper one.",
-                    joint.name
-                )));
+                return Err(Error::invalid(format!("The lower limit of {} is not below the upper one.", joint.name)));
             }
             joint.limits = *limit;
         }
@@ -195,11 +184,9 @@ impl Robot {
     /// # Errors
     /// A zero or non-finite vector.
     pub fn with_gravity_direction(mut self, direction: Vector3<f64>) -> Result<Self> {
-        let unit = direction
-            .try_normalize(1e-12)
-            .filter(|u| u.iter().all(|v| v.is_finite()));
-        self.gravity_direction = unit
-            .ok_or_else(|| Error::invalid("The direction of gravity must not have length zero."))?;
+        let unit = direction.try_normalize(1e-12).filter(|u| u.iter().all(|v| v.is_finite()));
+        self.gravity_direction =
+            unit.ok_or_else(|| Error::invalid("The direction of gravity must not have length zero."))?;
         Ok(self)
     }
 
@@ -218,19 +205,12 @@ impl Robot {
         if names.len() != self.joint_count() {
             return Err(Error::new(
                 Code::Dimension,
-                format!(
-                    "{} joint names for {} joints.",
-                    names.len(),
-                    self.joint_count()
-                ),
+                format!("{} joint names for {} joints.", names.len(), self.joint_count()),
             ));
         }
         for (j, name) in names.iter().enumerate() {
             if names[..j].contains(name) {
-                return Err(Error::new(
-                    Code::Duplicate,
-                    format!("The joint name \"{name}\" appears twice."),
-                ));
+                return Err(Error::new(Code::Duplicate, format!("The joint name \"{name}\" appears twice.")));
             }
             self.joints[j].name.clone_from(name);
         }
@@ -281,26 +261,17 @@ impl Robot {
         if matrix.shape() != (n, n) {
             return Err(Error::new(
                 Code::Dimension,
-                format!(
-                    "{what} is {} × {}, but the robot has {n} joints.",
-                    matrix.nrows(),
-                    matrix.ncols()
-                ),
+                format!("{what} is {} × {}, but the robot has {n} joints.", matrix.nrows(), matrix.ncols()),
             ));
         }
         if matrix.iter().any(|v| !v.is_finite()) {
-            return Err(Error::new(
-                Code::NotFinite,
-                format!("{what} has an entry that is not finite."),
-            ));
+            return Err(Error::new(Code::NotFinite, format!("{what} has an entry that is not finite.")));
         }
         let scale = matrix.amax();
         matrix
             .clone()
             .try_inverse()
-            .filter(|inverse| {
-                inverse.iter().all(|v| v.is_finite()) && inverse.amax() * scale < 1e12
-            })
+            .filter(|inverse| inverse.iter().all(|v| v.is_finite()) && inverse.amax() * scale < 1e12)
             .ok_or_else(|| Error::invalid(format!("{what} is singular.")))
     }
 
@@ -321,9 +292,7 @@ impl Robot {
 
     /// Names of the springs, in the order of the columns of Ψ.
     pub fn spring_names(&self) -> Vec<String> {
-        self.springs()
-            .map(|s| self.joints[s].name.clone())
-            .collect()
+        self.springs().map(|s| self.joints[s].name.clone()).collect()
     }
 
     /// The joints, or elastic coordinates, that have a spring.
@@ -368,10 +337,7 @@ impl Robot {
 
     /// Length of the arm: its links from base to flange, one after the other \[m\].
     pub fn length(&self) -> f64 {
-        let links = self
-            .joints
-            .iter()
-            .map(|j| j.placement.translation.vector.norm());
+        let links = self.joints.iter().map(|j| j.placement.translation.vector.norm());
         links.sum::<f64>() + self.flange.translation.vector.norm()
     }
 
@@ -405,11 +371,7 @@ impl Robot {
     /// # Panics
     /// If `q` does not have n entries.
     pub fn serial_angles(&self, q: &[f64]) -> DVector<f64> {
-        assert_eq!(
-            q.len(),
-            self.joint_count(),
-            "one controller angle per joint"
-        );
+        assert_eq!(q.len(), self.joint_count(), "one controller angle per joint");
         let mut theta = self.offset.clone();
         for (i, t) in theta.iter_mut().enumerate() {
             for (j, qj) in q.iter().enumerate() {
@@ -425,22 +387,14 @@ impl Robot {
     /// # Panics
     /// If `theta` does not have n entries.
     pub fn controller_angles(&self, theta: &DVector<f64>) -> Option<DVector<f64>> {
-        assert_eq!(
-            theta.len(),
-            self.joint_count(),
-            "one serial angle per joint"
-        );
+        assert_eq!(theta.len(), self.joint_count(), "one serial angle per joint");
         self.coupling.clone().lu().solve(&(theta - &self.offset))
     }
 
     /// Gradient with respect to q from the one with respect to θ: Cᵀ g.
     pub fn gradient_to_controller(&self, theta_gradient: &[f64], q_gradient: &mut [f64]) {
         for (j, out) in q_gradient.iter_mut().enumerate() {
-            *out = theta_gradient
-                .iter()
-                .enumerate()
-                .map(|(i, g)| self.coupling[(i, j)] * g)
-                .sum();
+            *out = theta_gradient.iter().enumerate().map(|(i, g)| self.coupling[(i, j)] * g).sum();
         }
     }
 }

@@ -14,11 +14,7 @@ pub(super) struct Origin {
 
 impl Default for Origin {
     fn default() -> Self {
-        Origin {
-            controller: None,
-            controller_base: Isometry3::identity(),
-            doubts: Vec::new(),
-        }
+        Origin { controller: None, controller_base: Isometry3::identity(), doubts: Vec::new() }
     }
 }
 

@@ -48,31 +48,20 @@ impl Robot {
     /// # Errors
     /// A link beyond the last joint, a pair of a link with itself, or a capsule
     /// that [`Capsule::new`] refuses.
-    pub fn with_link_capsules(
-        mut self,
-        capsules: Vec<LinkCapsule>,
-        ignored: Vec<(usize, usize)>,
-    ) -> Result<Self> {
+    pub fn with_link_capsules(mut self, capsules: Vec<LinkCapsule>, ignored: Vec<(usize, usize)>) -> Result<Self> {
         let n = self.joint_count();
         let pairs = ignored.iter().flat_map(|(i, j)| [*i, *j]);
         if let Some(link) = (capsules.iter().map(|c| c.link).chain(pairs)).find(|link| *link > n) {
-            return Err(Error::invalid(format!(
-                "There is no link {link}: the links of {n} joints are 0 to {n}."
-            )));
+            return Err(Error::invalid(format!("There is no link {link}: the links of {n} joints are 0 to {n}.")));
         }
         if let Some((link, _)) = ignored.iter().find(|(i, j)| i == j) {
-            return Err(Error::invalid(format!(
-                "Link {link} and itself are no pair."
-            )));
+            return Err(Error::invalid(format!("Link {link} and itself are no pair.")));
         }
         for own in &capsules {
             let Capsule { a, b, radius } = own.capsule;
             Capsule::new(a, b, radius)?;
         }
-        let mut ignored: Vec<(usize, usize)> = ignored
-            .into_iter()
-            .map(|(i, j)| (i.min(j), i.max(j)))
-            .collect();
+        let mut ignored: Vec<(usize, usize)> = ignored.into_iter().map(|(i, j)| (i.min(j), i.max(j))).collect();
         ignored.sort_unstable();
         ignored.dedup();
         self.shapes = Shapes { capsules, ignored };
@@ -100,13 +89,6 @@ pub(super) type CapsuleRow = (usize, [f64; 3], [f64; 3], f64);
 pub(super) fn from_row(row: &CapsuleRow, frame: &Isometry3<f64>) -> LinkCapsule {
     let metres = |p: [f64; 3]| Vector3::from(p.map(crate::units::mm_to_m));
     let (link, a, b, radius) = *row;
-    let capsule = Capsule {
-        a: metres(a),
-        b: metres(b),
-        radius: crate::units::mm_to_m(radius),
-    };
-    LinkCapsule {
-        link,
-        capsule: capsule.placed(frame),
-    }
+    let capsule = Capsule { a: metres(a), b: metres(b), radius: crate::units::mm_to_m(radius) };
+    LinkCapsule { link, capsule: capsule.placed(frame) }
 }

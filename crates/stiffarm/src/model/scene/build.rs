@@ -57,10 +57,8 @@ impl SceneParts {
         }
         let n = robot.joint_count();
         let wanted = |a: &Part, b: &Part| {
-            let ignored = self
-                .ignored
-                .iter()
-                .any(|(x, y)| (*x == a.name && *y == b.name) || (*x == b.name && *y == a.name));
+            let ignored =
+                self.ignored.iter().any(|(x, y)| (*x == a.name && *y == b.name) || (*x == b.name && *y == a.name));
             let standing = a.carrier == Carrier::World && b.carrier == Carrier::World;
             let link = |part: &Part| match part.carrier {
                 Carrier::World if part.name == "base" => Some(0),
@@ -77,13 +75,8 @@ impl SceneParts {
                     continue;
                 }
                 // What stands does not move, and links are lines against the tool's solids.
-                let a_moves =
-                    b.carrier == Carrier::World || (a.carrier != Carrier::World && b.is_tool());
-                pairs.push(if a_moves {
-                    Pair { mover: i, solid: j }
-                } else {
-                    Pair { mover: j, solid: i }
-                });
+                let a_moves = b.carrier == Carrier::World || (a.carrier != Carrier::World && b.is_tool());
+                pairs.push(if a_moves { Pair { mover: i, solid: j } } else { Pair { mover: j, solid: i } });
             }
         }
         let mut scene = Scene {
@@ -128,11 +121,7 @@ impl Scene {
         }
         let mut kept = Vec::with_capacity(self.pairs.len());
         for (pair, always) in std::mem::take(&mut self.pairs).into_iter().zip(always) {
-            if always {
-                self.dropped.push((pair.mover, pair.solid))
-            } else {
-                kept.push(pair)
-            }
+            if always { self.dropped.push((pair.mover, pair.solid)) } else { kept.push(pair) }
         }
         self.pairs = kept;
     }

@@ -81,16 +81,11 @@ impl DisplacementLimits {
         work.deflection.clear();
         work.deflection.extend((0..n).map(|i| {
             let row = self.compliance.row(i);
-            row.iter()
-                .zip(terms.torque())
-                .map(|(c, t)| c * t)
-                .sum::<f64>()
+            row.iter().zip(terms.torque()).map(|(c, t)| c * t).sum::<f64>()
         }));
         let points = terms.columns.chunks_exact(n);
         let count = points.len() as f64;
-        let squares: f64 = points
-            .map(|columns| moved(columns, &work.deflection).norm_squared())
-            .sum();
+        let squares: f64 = points.map(|columns| moved(columns, &work.deflection).norm_squared()).sum();
         (squares / count).sqrt()
     }
 
@@ -127,33 +122,18 @@ impl DisplacementLimits {
     }
 
     /// Derivative of the displacement `value`: by θ into `work`, and by the load.
-    fn derivative(
-        &self,
-        setup: &Setup,
-        terms: &PostureTerms,
-        value: f64,
-        work: &mut DisplacementWork,
-    ) -> ByLoad {
+    fn derivative(&self, setup: &Setup, terms: &PostureTerms, value: f64, work: &mut DisplacementWork) -> ByLoad {
         let n = terms.torque().len();
         let (frames, load_columns) = (terms.frames(), &terms.loading_columns);
         let axes = frames.axes();
-        let DisplacementWork {
-            deflection,
-            by_deflection,
-            by_torque,
-            slope,
-        } = work;
+        let DisplacementWork { deflection, by_deflection, by_torque, slope } = work;
         slope.clear();
         slope.resize(n, 0.0);
         by_torque.clear();
         by_torque.resize(n, 0.0);
         // A displacement of zero has no direction.
         let points = terms.columns.chunks_exact(n);
-        let scale = if value > 0.0 {
-            1.0 / (points.len() as f64 * value)
-        } else {
-            0.0
-        };
+        let scale = if value > 0.0 { 1.0 / (points.len() as f64 * value) } else { 0.0 };
         by_deflection.clear();
         by_deflection.resize(n, 0.0);
         for columns in points {
@@ -179,10 +159,7 @@ impl DisplacementLimits {
         // What the joints' motion and the load do to the wrench.
         let by_force = moved(load_columns, by_torque);
         let by_moment = after;
-        let mut out = ByLoad {
-            anchor: Vector3::zeros(),
-            loading_point: force.cross(&by_moment),
-        };
+        let mut out = ByLoad { anchor: Vector3::zeros(), loading_point: force.cross(&by_moment) };
         match &setup.load {
             Load::Rope { anchor, magnitude } => {
                 let line = anchor - terms.loading_point();
@@ -196,9 +173,7 @@ impl DisplacementLimits {
                     *slope -= column.dot(&out.anchor);
                 }
             }
-            Load::Constant {
-                axes: Axes::Tool, ..
-            } => {
+            Load::Constant { axes: Axes::Tool, .. } => {
                 for (slope, axis) in slope.iter_mut().zip(axes) {
                     *slope += by_force.dot(&axis.cross(&force));
                     *slope += by_moment.dot(&axis.cross(&moment));
@@ -216,13 +191,7 @@ fn moved(columns: &[Vector3<f64>], x: &[f64]) -> Vector3<f64> {
 }
 
 /// Adds w · ∂/∂θ_k Σ_j x_j c_j for a point of the tool: ∂c_j/∂θ_k = z_min × c_max.
-fn add_turned(
-    columns: &[Vector3<f64>],
-    axes: &[Vector3<f64>],
-    x: &[f64],
-    weight: &Vector3<f64>,
-    slope: &mut [f64],
-) {
+fn add_turned(columns: &[Vector3<f64>], axes: &[Vector3<f64>], x: &[f64], weight: &Vector3<f64>, slope: &mut [f64]) {
     let mut from = moved(columns, x);
     let mut before = Vector3::zeros();
     for (k, slope) in slope.iter_mut().enumerate() {

@@ -76,11 +76,7 @@ impl Scene {
 
     /// The station from which a posture is read, that which sees most; `None` where the cell has no choice of stations.
     pub fn station_at(&self, terms: &PostureTerms) -> Option<&Station> {
-        let stations = &self
-            .sight
-            .as_ref()
-            .filter(|sight| sight.stations.len() > 1)?
-            .stations;
+        let stations = &self.sight.as_ref().filter(|sight| sight.stations.len() > 1)?.stations;
         stations.get(self.seen(terms)?.station)
     }
 
@@ -91,9 +87,7 @@ impl Scene {
         };
         let mut work = Work::default();
         let placed = Placed::new(&self.parts, terms.frames(), &mut work.shapes);
-        (0..sight.stations.len())
-            .map(|station| sight.seen_by(station, terms.measuring_points(), &placed))
-            .collect()
+        (0..sight.stations.len()).map(|station| sight.seen_by(station, terms.measuring_points(), &placed)).collect()
     }
 
     /// Calls `each` with number, value and derivative of every margin; those of displacements as
@@ -108,13 +102,7 @@ impl Scene {
         mut each: impl FnMut(usize, f64, Derivative<'_>),
     ) {
         let frames = terms.frames();
-        let Work {
-            shapes,
-            torques,
-            torque_slope,
-            displacement: room,
-            memory,
-        } = work;
+        let Work { shapes, torques, torque_slope, displacement: room, memory } = work;
         if memory.remembers() {
             let theta = frames.serial_angles();
             let beams = self.sight.as_ref().map_or(0, |sight| sight.beam_count());
@@ -151,8 +139,7 @@ impl Scene {
                             let mut best = (f64::INFINITY, None);
                             for solid in placed.solids(part) {
                                 let enough = best.0.min(enough);
-                                let found =
-                                    rope_to_solid(p, anchor, rope.free, solid, moved_by, enough);
+                                let found = rope_to_solid(p, anchor, rope.free, solid, moved_by, enough);
                                 if found.0 < best.0 {
                                     best = found;
                                 }
@@ -175,16 +162,10 @@ impl Scene {
         if let Some(sight) = &self.sight {
             let count = 2 * sight.facings.len();
             let most = (at..at + count).map(&enough).fold(0.0, f64::max);
-            sight.visit(
-                terms.measuring_points(),
-                &placed,
-                memory,
-                most,
-                |margin, slope| {
-                    each(at, margin, slope);
-                    at += 1;
-                },
-            );
+            sight.visit(terms.measuring_points(), &placed, memory, most, |margin, slope| {
+                each(at, margin, slope);
+                at += 1;
+            });
         }
         if let Some(torque) = &self.torque {
             let n = torque.largest.len();
@@ -241,10 +222,7 @@ impl Scene {
         let seen = self.sight.iter().flat_map(move |_| points.clone());
         let seen = seen.flat_map(|point| {
             let name = format!("measuring point {}", point.name);
-            [
-                (LimitKind::Incidence, name.clone()),
-                (LimitKind::Sight, name),
-            ]
+            [(LimitKind::Incidence, name.clone()), (LimitKind::Sight, name)]
         });
         let joints = setup.robot.joints().iter();
         let torque = self.torque.iter().flat_map(move |_| joints.clone());
@@ -280,27 +258,16 @@ impl Scene {
     pub fn depth_in_tool(&self, point: &Vector3<f64>) -> Option<(f64, &str)> {
         let tools = self.parts.iter().filter(|part| part.is_tool());
         tools
-            .flat_map(|part| {
-                part.solids
-                    .iter()
-                    .map(|s| (s.signed_distance(point).0, part.name.as_str()))
-            })
+            .flat_map(|part| part.solids.iter().map(|s| (s.signed_distance(point).0, part.name.as_str())))
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// Distance of a point of the base frame from what stands in the cell \[m\], negative
     /// inside, with the name of the nearest; `None` without any.
     pub fn depth_in_surroundings(&self, point: &Vector3<f64>) -> Option<(f64, &str)> {
-        let standing = self
-            .parts
-            .iter()
-            .filter(|part| part.carrier == Carrier::World);
+        let standing = self.parts.iter().filter(|part| part.carrier == Carrier::World);
         standing
-            .flat_map(|part| {
-                part.solids
-                    .iter()
-                    .map(|s| (s.signed_distance(point).0, part.name.as_str()))
-            })
+            .flat_map(|part| part.solids.iter().map(|s| (s.signed_distance(point).0, part.name.as_str())))
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 }

@@ -70,16 +70,12 @@ impl Scene {
 
     /// Names of the two parts of each pair that is kept apart.
     pub fn pairs(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.pairs
-            .iter()
-            .map(|p| (self.name(p.mover), self.name(p.solid)))
+        self.pairs.iter().map(|p| (self.name(p.mover), self.name(p.solid)))
     }
 
     /// Pairs that are too near in every posture, by how their shapes are drawn, and so are not kept apart.
     pub fn dropped_pairs(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.dropped
-            .iter()
-            .map(|(a, b)| (self.name(*a), self.name(*b)))
+        self.dropped.iter().map(|(a, b)| (self.name(*a), self.name(*b)))
     }
 
     /// What is asked of the rope.
@@ -106,13 +102,7 @@ impl Scene {
     /// displacement of the experiment's load belong to the experiment.
     #[must_use]
     pub fn at_work(&self) -> Self {
-        Scene {
-            rope: None,
-            sight: None,
-            torque: None,
-            displacement: None,
-            ..self.clone()
-        }
+        Scene { rope: None, sight: None, torque: None, displacement: None, ..self.clone() }
     }
 
     /// What is left of it on the way from posture to posture, where less room will do: shapes, and the

@@ -22,12 +22,7 @@ pub(super) struct Line {
 /// Distance between a line's surface and a solid in the base frame, or a lower bound
 /// of it that is not below `enough`; with the derivative where it is exact.
 #[inline]
-pub(super) fn line_to_solid(
-    line: &Line,
-    solid: &Bounded,
-    solid_moved_by: usize,
-    enough: f64,
-) -> (f64, Option<Touch>) {
+pub(super) fn line_to_solid(line: &Line, solid: &Bounded, solid_moved_by: usize, enough: f64) -> (f64, Option<Touch>) {
     let Capsule { a, b, radius } = line.capsule;
     let bound = solid.least_distance(&a, &b) - radius;
     if bound >= enough {
@@ -36,12 +31,7 @@ pub(super) fn line_to_solid(
     let Some(at) = nearest_within(&solid.solid, &a, &b, enough + radius) else {
         return (enough, None);
     };
-    let touch = Touch {
-        ends: [a, b],
-        moved_by: line.moved_by,
-        solid_moved_by,
-        at,
-    };
+    let touch = Touch { ends: [a, b], moved_by: line.moved_by, solid_moved_by, at };
     (at.distance - radius, Some(touch))
 }
 
@@ -89,11 +79,7 @@ fn solid_to_solid(
         ends: [at.point; 2],
         moved_by,
         solid_moved_by,
-        at: Nearest {
-            distance: at.distance,
-            t: 0.0,
-            direction: at.direction,
-        },
+        at: Nearest { distance: at.distance, t: 0.0, direction: at.direction },
     };
     (at.distance, Some(touch))
 }

@@ -50,11 +50,7 @@ pub struct Part {
 impl Part {
     /// A part of these solids in the frame of `carrier` \[m\].
     pub fn new(name: impl Into<String>, carrier: Carrier, solids: Vec<Solid>) -> Self {
-        Part {
-            name: name.into(),
-            carrier,
-            solids,
-        }
+        Part { name: name.into(), carrier, solids }
     }
 
     /// The links of a robot that have capsules: `base`, `link 1`, `link 2`, ….
@@ -76,10 +72,7 @@ impl Part {
     pub fn ignored_links(robot: &Robot) -> Vec<(String, String)> {
         let known = |i: usize| robot.link_capsules().iter().any(|c| c.link == i);
         let pairs = robot.ignored_pairs().iter();
-        pairs
-            .filter(|(i, j)| known(*i) && known(*j))
-            .map(|(i, j)| (link_name(*i), link_name(*j)))
-            .collect()
+        pairs.filter(|(i, j)| known(*i) && known(*j)).map(|(i, j)| (link_name(*i), link_name(*j))).collect()
     }
 
     pub(super) fn is_tool(&self) -> bool {

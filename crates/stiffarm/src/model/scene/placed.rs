@@ -16,11 +16,7 @@ pub(super) struct Bounded {
 impl Bounded {
     fn new(solid: Solid) -> Self {
         let (centre, radius) = solid.ball();
-        Bounded {
-            solid,
-            centre,
-            radius,
-        }
+        Bounded { solid, centre, radius }
     }
 
     #[inline]
@@ -28,11 +24,7 @@ impl Bounded {
     pub fn least_distance(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
         let along = b - a;
         let length = along.norm_squared();
-        let t = if length > 0.0 {
-            ((self.centre - a).dot(&along) / length).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
+        let t = if length > 0.0 { ((self.centre - a).dot(&along) / length).clamp(0.0, 1.0) } else { 0.0 };
         (self.centre - a - along * t).norm() - self.radius
     }
 }
@@ -68,12 +60,7 @@ impl<'a> Placed<'a> {
             }
         }
         starts.push(solids.len());
-        Placed {
-            frames,
-            parts,
-            solids,
-            starts,
-        }
+        Placed { frames, parts, solids, starts }
     }
 
     pub fn part_count(&self) -> usize {

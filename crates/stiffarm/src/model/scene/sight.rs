@@ -77,43 +77,23 @@ impl Sight {
         let mut best: Option<(SeenFrom, f64)> = None;
         for station in 0..self.stations.len() {
             let beams = self.beams(station, points, placed, &mut Memory::default(), CLEAR);
-            let seen = (0..points.len())
-                .filter(|i| beams[*i].margin() >= -SEEN)
-                .collect();
+            let seen = (0..points.len()).filter(|i| beams[*i].margin() >= -SEEN).collect();
             let (_, margin) = self.chosen(&beams);
-            let here = SeenFrom {
-                station,
-                points: seen,
-            };
-            let better = best.as_ref().is_none_or(|(before, with)| {
-                (here.points.len(), margin) > (before.points.len(), *with)
-            });
+            let here = SeenFrom { station, points: seen };
+            let better =
+                best.as_ref().is_none_or(|(before, with)| (here.points.len(), margin) > (before.points.len(), *with));
             if better {
                 best = Some((here, margin));
             }
         }
-        best.map_or(
-            SeenFrom {
-                station: 0,
-                points: Vec::new(),
-            },
-            |(seen, _)| seen,
-        )
+        best.map_or(SeenFrom { station: 0, points: Vec::new() }, |(seen, _)| seen)
     }
 
     /// What one station sees.
-    pub(super) fn seen_by(
-        &self,
-        station: usize,
-        points: &[Vector3<f64>],
-        placed: &Placed<'_>,
-    ) -> SeenFrom {
+    pub(super) fn seen_by(&self, station: usize, points: &[Vector3<f64>], placed: &Placed<'_>) -> SeenFrom {
         let beams = self.beams(station, points, placed, &mut Memory::default(), CLEAR);
         let seen = (0..points.len()).filter(|i| beams[*i].margin() >= 0.0);
-        SeenFrom {
-            station,
-            points: seen.collect(),
-        }
+        SeenFrom { station, points: seen.collect() }
     }
 
     /// Two margins per measuring point, incidence and clearance \[rad, m\], of the station that sees
@@ -157,10 +137,7 @@ impl Sight {
                 _ => each(beam.incidence, Derivative::Zero),
             }
             let touch = beam.touch.as_ref();
-            each(
-                beam.clearance,
-                touch.map_or(Derivative::Zero, Derivative::Touch),
-            );
+            each(beam.clearance, touch.map_or(Derivative::Zero, Derivative::Touch));
         }
     }
 
@@ -227,11 +204,7 @@ impl Sight {
         clear: f64,
     ) -> (f64, Option<Touch>) {
         let line = Line {
-            capsule: Capsule {
-                a: *point,
-                b: *station,
-                radius: self.clearance,
-            },
+            capsule: Capsule { a: *point, b: *station, radius: self.clearance },
             moved_by: [placed.frames.joint_count(), 0],
         };
         let mut best = (clear, None);
@@ -248,12 +221,7 @@ impl Sight {
 }
 
 /// How far the beam is inside the reflector's acceptance angle \[rad\].
-fn incidence(
-    point: &Vector3<f64>,
-    station: &Vector3<f64>,
-    facing: &Facing,
-    frames: &Frames,
-) -> (f64, Slope<'static>) {
+fn incidence(point: &Vector3<f64>, station: &Vector3<f64>, facing: &Facing, frames: &Frames) -> (f64, Slope<'static>) {
     let axis = frames.direction(&facing.axis);
     let beam = station - point;
     let length = beam.norm();

@@ -13,11 +13,7 @@ pub(super) struct Push {
     pub moved_by: usize,
 }
 
-const NO_PUSH: Push = Push {
-    point: Vector3::new(0.0, 0.0, 0.0),
-    force: Vector3::new(0.0, 0.0, 0.0),
-    moved_by: 0,
-};
+const NO_PUSH: Push = Push { point: Vector3::new(0.0, 0.0, 0.0), force: Vector3::new(0.0, 0.0, 0.0), moved_by: 0 };
 
 /// ∂margin/∂θ_k = z_k · (Σ (x − o_k) × f + turn), over the pushes on points x that joint k moves.
 #[derive(Debug, Clone, Copy)]
@@ -46,11 +42,7 @@ impl<'a> Slope<'a> {
 
     pub(super) fn push(&mut self, point: Vector3<f64>, force: Vector3<f64>, moved_by: usize) {
         if moved_by > 0 {
-            self.pushes[self.count] = Push {
-                point,
-                force,
-                moved_by,
-            };
+            self.pushes[self.count] = Push { point, force, moved_by };
             self.count += 1;
         }
     }

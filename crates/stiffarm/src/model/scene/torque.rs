@@ -39,8 +39,7 @@ impl TorqueLimits {
         for (k, slope) in slope.iter_mut().enumerate() {
             // ∂c_j/∂θ_k = z_min × c_max.
             let (low, high) = (j.min(k), j.max(k));
-            let turned =
-                |point: &Vector3<f64>| frames.axes()[low].cross(&frames.column(high, point));
+            let turned = |point: &Vector3<f64>| frames.axes()[low].cross(&frames.column(high, point));
             *slope = turned(p).dot(&force) + turned(&centre).dot(&weight);
             let axis = frames.axes()[k];
             match &setup.load {
@@ -52,9 +51,7 @@ impl TorqueLimits {
                     let change = (unit * unit.dot(&moved) - moved) * (magnitude / length);
                     *slope += column.dot(&change);
                 }
-                Load::Constant {
-                    axes: Axes::Tool, ..
-                } => {
+                Load::Constant { axes: Axes::Tool, .. } => {
                     *slope += column.dot(&axis.cross(&force));
                     *slope += frames.axes()[j].dot(&axis.cross(&moment));
                 }
@@ -67,11 +64,7 @@ impl TorqueLimits {
     }
     /// Derivative of joint `j`'s torque by the rope's anchor and by a loading point that moves in
     /// the tool, base axes \[N·m/m\].
-    pub(super) fn by_load(
-        setup: &Setup,
-        terms: &PostureTerms,
-        j: usize,
-    ) -> (Vector3<f64>, Vector3<f64>) {
+    pub(super) fn by_load(setup: &Setup, terms: &PostureTerms, j: usize) -> (Vector3<f64>, Vector3<f64>) {
         let (frames, p) = (terms.frames(), terms.loading_point());
         // c_j = z_j × (p − o_j).
         let by_point = terms.wrench().force.cross(&frames.axes()[j]);

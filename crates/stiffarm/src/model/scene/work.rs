@@ -27,13 +27,7 @@ pub(crate) struct Work {
 impl Work {
     /// Room that remembers distances, for a posture that moves by small steps.
     pub(crate) fn remembering(scene: &Scene, setup: &Setup) -> Self {
-        Work {
-            memory: Memory {
-                reach: reach(scene, setup),
-                ..Memory::default()
-            },
-            ..Work::default()
-        }
+        Work { memory: Memory { reach: reach(scene, setup), ..Memory::default() }, ..Work::default() }
     }
 
     /// Forgets all distances: the load has moved.
@@ -64,10 +58,7 @@ struct Known {
     travel: f64,
 }
 
-const UNKNOWN: Known = Known {
-    distance: f64::NEG_INFINITY,
-    travel: 0.0,
-};
+const UNKNOWN: Known = Known { distance: f64::NEG_INFINITY, travel: 0.0 };
 
 impl Memory {
     /// True where distances are remembered.
@@ -117,22 +108,14 @@ impl Memory {
 
     /// How far a distance is to be told so that it lasts.
     pub fn ahead(&self, enough: f64) -> f64 {
-        if self.reach.is_empty() {
-            enough
-        } else {
-            enough + AHEAD
-        }
+        if self.reach.is_empty() { enough } else { enough + AHEAD }
     }
 
     /// Keeps a distance. An infinite one is not kept: a rope shorter than its free ends touches nothing,
     /// and one that grows longer does at once.
     pub fn note(&mut self, at: usize, travel: f64, distance: f64) {
         if let Some(known) = self.known.get_mut(at) {
-            *known = if distance.is_finite() {
-                Known { distance, travel }
-            } else {
-                UNKNOWN
-            };
+            *known = if distance.is_finite() { Known { distance, travel } } else { UNKNOWN };
         }
     }
 

@@ -53,11 +53,7 @@ pub fn between(first: &Solid, second: &Solid, enough: f64) -> Option<Between> {
         }
         (_, Solid::HalfSpace { point, normal }) => {
             let own = first.support(&-normal.into_inner(), 0.0);
-            Some(Between {
-                distance: normal.dot(&(own - point)),
-                point: own,
-                direction: normal.into_inner(),
-            })
+            Some(Between { distance: normal.dot(&(own - point)), point: own, direction: normal.into_inner() })
         }
         _ => match minkowski(first, 0.0, second, enough) {
             Found::Enough => None,
@@ -67,10 +63,7 @@ pub fn between(first: &Solid, second: &Solid, enough: f64) -> Option<Between> {
                 Some(if own.distance <= other.distance {
                     own
                 } else {
-                    Between {
-                        direction: -other.direction,
-                        ..other
-                    }
+                    Between { direction: -other.direction, ..other }
                 })
             }
         },
@@ -92,11 +85,7 @@ fn peeled(first: &Solid, second: &Solid) -> Between {
         let faster = first.support_rate(&at.direction);
         let step = at.distance / faster;
         layer -= step;
-        last = Some(Between {
-            distance: -layer,
-            point: at.point,
-            direction: at.direction / faster,
-        });
+        last = Some(Between { distance: -layer, point: at.point, direction: at.direction / faster });
         if step < TOUCH || layer <= 0.0 {
             break;
         }
@@ -105,11 +94,7 @@ fn peeled(first: &Solid, second: &Solid) -> Between {
         // Not even its core is outside: how deep the middle of that is.
         let [a, b] = first.middle();
         let at = nearest(second, &a, &b);
-        Between {
-            distance: at.distance.min(0.0) - most,
-            point: a + (b - a) * at.t,
-            direction: at.direction,
-        }
+        Between { distance: at.distance.min(0.0) - most, point: a + (b - a) * at.t, direction: at.direction }
     })
 }
 
@@ -137,10 +122,7 @@ struct Simplex {
 /// The distance of the first solid, less a layer, from the second.
 fn minkowski(first: &Solid, layer: f64, second: &Solid, enough: f64) -> Found {
     let (_, away) = second.signed_distance(&first.ball().0);
-    let mut simplex = Simplex {
-        corners: Vec::with_capacity(4),
-        nearest: away,
-    };
+    let mut simplex = Simplex { corners: Vec::with_capacity(4), nearest: away };
     // No direction shows more room than there is, and the nearest point found never less.
     let (mut least, mut most) = (f64::NEG_INFINITY, f64::INFINITY);
     for _ in 0..STEPS {
@@ -171,11 +153,7 @@ fn minkowski(first: &Solid, layer: f64, second: &Solid, enough: f64) -> Found {
         return Found::Overlap;
     }
     let own = simplex.corners.iter().map(|(c, weight)| c.own * *weight);
-    let mut at = Between {
-        distance: least,
-        point: own.sum(),
-        direction: simplex.nearest / most,
-    };
+    let mut at = Between { distance: least, point: own.sum(), direction: simplex.nearest / most };
     if layer == 0.0 && least > TOUCH {
         // Corners that crowd around a rounded place leave the direction a few digits less than the distance.
         for _ in 0..2 {
@@ -195,17 +173,13 @@ impl Simplex {
         let w = new.apart;
         let old: Vec<Corner> = self.corners.iter().map(|(corner, _)| *corner).collect();
         let edge = |i: usize| old[i].apart - w;
-        let mut best = Simplex {
-            corners: vec![(new, 1.0)],
-            nearest: w,
-        };
+        let mut best = Simplex { corners: vec![(new, 1.0)], nearest: w };
         let mut take = |nearest: Vector3<f64>, others: &[(usize, f64)]| {
             let rest: f64 = others.iter().map(|(_, weight)| weight).sum();
             let is_inside = rest < 1.0 && others.iter().all(|(_, weight)| *weight > 0.0);
             if is_inside && nearest.norm_squared() < best.nearest.norm_squared() {
                 best.corners.clear();
-                best.corners
-                    .extend(others.iter().map(|(i, weight)| (old[*i], *weight)));
+                best.corners.extend(others.iter().map(|(i, weight)| (old[*i], *weight)));
                 best.corners.push((new, 1.0 - rest));
                 best.nearest = nearest;
             }
@@ -245,18 +219,10 @@ impl Solid {
                 let corner = half.zip_map(&own, |half, way| (half - layer).copysign(way));
                 pose.rotation * corner + pose.translation.vector
             }
-            Solid::Cylinder {
-                pose,
-                half_length,
-                radius,
-            } => {
+            Solid::Cylinder { pose, half_length, radius } => {
                 let own = pose.rotation.inverse() * along;
                 let across = own.x.hypot(own.y);
-                let out = if across > 0.0 {
-                    (radius - layer) / across
-                } else {
-                    0.0
-                };
+                let out = if across > 0.0 { (radius - layer) / across } else { 0.0 };
                 let up = (half_length - layer).copysign(own.z);
                 let corner = Vector3::new(own.x * out, own.y * out, up);
                 pose.rotation * corner + pose.translation.vector
@@ -285,11 +251,7 @@ impl Solid {
     fn half_thickness(&self) -> f64 {
         match self {
             Solid::Block { half, .. } => half.min(),
-            Solid::Cylinder {
-                half_length,
-                radius,
-                ..
-            } => half_length.min(*radius),
+            Solid::Cylinder { half_length, radius, .. } => half_length.min(*radius),
             Solid::Capsule(capsule) => capsule.radius,
             Solid::HalfSpace { .. } => f64::INFINITY,
         }
@@ -302,11 +264,7 @@ impl Solid {
                 let long = half.imax();
                 (pose, Vector3::ith(long, half[long] - half.min()))
             }
-            Solid::Cylinder {
-                pose,
-                half_length,
-                radius,
-            } => (pose, Vector3::z() * (half_length - radius).max(0.0)),
+            Solid::Cylinder { pose, half_length, radius } => (pose, Vector3::z() * (half_length - radius).max(0.0)),
             Solid::Capsule(capsule) => return [capsule.a, capsule.b],
             Solid::HalfSpace { point, .. } => return [*point; 2],
         };
@@ -319,11 +277,7 @@ impl Solid {
         match self {
             Solid::Capsule(c) => c.a.norm().max(c.b.norm()) + c.radius,
             Solid::Block { pose, half } => (pose.inverse().translation.vector.abs() + half).norm(),
-            Solid::Cylinder {
-                pose,
-                half_length,
-                radius,
-            } => {
+            Solid::Cylinder { pose, half_length, radius } => {
                 let own = pose.inverse().translation.vector;
                 (own.x.hypot(own.y) + radius).hypot(own.z.abs() + half_length)
             }

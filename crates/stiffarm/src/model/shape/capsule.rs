@@ -20,11 +20,8 @@ impl Capsule {
     /// # Errors
     /// A number that is not finite, or a radius that is not above zero.
     pub fn new(a: Vector3<f64>, b: Vector3<f64>, radius: f64) -> Result<Self> {
-        if a.iter().chain(b.iter()).any(|v| !v.is_finite()) || !(radius.is_finite() && radius > 0.0)
-        {
-            return Err(Error::invalid(
-                "A capsule needs two finite end points and a radius above zero.",
-            ));
+        if a.iter().chain(b.iter()).any(|v| !v.is_finite()) || !(radius.is_finite() && radius > 0.0) {
+            return Err(Error::invalid("A capsule needs two finite end points and a radius above zero."));
         }
         Ok(Capsule { a, b, radius })
     }
@@ -33,22 +30,14 @@ impl Capsule {
     #[must_use]
     pub fn placed(&self, pose: &Isometry3<f64>) -> Self {
         let place = |p: &Vector3<f64>| pose.rotation * p + pose.translation.vector;
-        Capsule {
-            a: place(&self.a),
-            b: place(&self.b),
-            radius: self.radius,
-        }
+        Capsule { a: place(&self.a), b: place(&self.b), radius: self.radius }
     }
 
     /// How far a point is outside the capsule, negative inside \[m\].
     pub fn distance_to(&self, point: &Vector3<f64>) -> f64 {
         let along = self.b - self.a;
         let length = along.norm_squared();
-        let t = if length > 0.0 {
-            ((point - self.a).dot(&along) / length).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
+        let t = if length > 0.0 { ((point - self.a).dot(&along) / length).clamp(0.0, 1.0) } else { 0.0 };
         (point - self.a - along * t).norm() - self.radius
     }
 

@@ -17,20 +17,9 @@ pub fn capsules_around(solid: &Solid) -> Vec<Capsule> {
     match solid {
         Solid::Capsule(capsule) => vec![*capsule],
         Solid::HalfSpace { .. } => Vec::new(),
-        Solid::Cylinder {
-            pose,
-            half_length,
-            radius,
-        } => {
+        Solid::Cylinder { pose, half_length, radius } => {
             let end = Vector3::z() * reach(*half_length, *radius, WIDER * radius);
-            vec![
-                Capsule {
-                    a: -end,
-                    b: end,
-                    radius: WIDER * radius,
-                }
-                .placed(pose),
-            ]
+            vec![Capsule { a: -end, b: end, radius: WIDER * radius }.placed(pose)]
         }
         Solid::Block { pose, half } => {
             let mut order = [0, 1, 2];
@@ -44,12 +33,7 @@ pub fn capsules_around(solid: &Solid) -> Vec<Capsule> {
                 .map(|row| {
                     let middle = Vector3::ith(wide, -half[wide] + share * (2 * row + 1) as f64);
                     let end = Vector3::ith(long, reach(half[long], corner, radius));
-                    Capsule {
-                        a: middle - end,
-                        b: middle + end,
-                        radius,
-                    }
-                    .placed(pose)
+                    Capsule { a: middle - end, b: middle + end, radius }.placed(pose)
                 })
                 .collect()
         }
@@ -68,20 +52,10 @@ fn reach(half: f64, corner: f64, radius: f64) -> f64 {
 /// The box whose split saves most volume is split across its longest side, until `most` are there.
 /// Triangles are cut at the plane of the split, so that a large triangle does not
 /// keep a box large.
-pub fn solids_around(
-    vertices: &[Vector3<f64>],
-    triangles: &[[usize; 3]],
-    most: usize,
-    least: f64,
-) -> Vec<Solid> {
-    let polygons: Vec<Vec<Vector3<f64>>> = triangles
-        .iter()
-        .map(|t| t.iter().map(|v| vertices[*v]).collect())
-        .collect();
-    let mut boxes: Vec<(Bounds, Vec<Vec<Vector3<f64>>>)> = Bounds::of(&polygons, least)
-        .map(|bounds| (bounds, polygons))
-        .into_iter()
-        .collect();
+pub fn solids_around(vertices: &[Vector3<f64>], triangles: &[[usize; 3]], most: usize, least: f64) -> Vec<Solid> {
+    let polygons: Vec<Vec<Vector3<f64>>> = triangles.iter().map(|t| t.iter().map(|v| vertices[*v]).collect()).collect();
+    let mut boxes: Vec<(Bounds, Vec<Vec<Vector3<f64>>>)> =
+        Bounds::of(&polygons, least).map(|bounds| (bounds, polygons)).into_iter().collect();
     while boxes.len() < most {
         let best = boxes
             .iter()
@@ -117,10 +91,7 @@ struct Bounds {
 impl Bounds {
     fn of(polygons: &[Vec<Vector3<f64>>], least: f64) -> Option<Self> {
         let first = *polygons.first()?.first()?;
-        let mut bounds = Bounds {
-            low: first,
-            high: first,
-        };
+        let mut bounds = Bounds { low: first, high: first };
         for p in polygons.iter().flatten() {
             bounds.low = bounds.low.inf(p);
             bounds.high = bounds.high.sup(p);

@@ -32,10 +32,7 @@ impl TriangleMesh {
             )));
         }
         if vertices.iter().flatten().any(|v| !v.is_finite()) {
-            return Err(Error::new(
-                Code::NotFinite,
-                "The mesh has a coordinate that is not finite.",
-            ));
+            return Err(Error::new(Code::NotFinite, "The mesh has a coordinate that is not finite."));
         }
         let farthest = vertices.iter().map(|v| v.amax()).fold(0.0, f64::max);
         if farthest > FARTHEST {
@@ -43,10 +40,7 @@ impl TriangleMesh {
                 "The mesh has a coordinate of {farthest:.1e} m, which cannot be meant."
             )));
         }
-        Ok(TriangleMesh {
-            vertices,
-            triangles,
-        })
+        Ok(TriangleMesh { vertices, triangles })
     }
 
     /// Corners of each triangle.
@@ -75,10 +69,7 @@ impl TriangleMesh {
     #[must_use]
     pub fn placed(&self, pose: &Isometry3<f64>) -> Self {
         let place = |p: &Vector3<f64>| pose.rotation * p + pose.translation.vector;
-        TriangleMesh {
-            vertices: self.vertices.iter().map(place).collect(),
-            triangles: self.triangles.clone(),
-        }
+        TriangleMesh { vertices: self.vertices.iter().map(place).collect(), triangles: self.triangles.clone() }
     }
 
     /// The volume that the triangles enclose \[m³\]; of a surface with gaps, a guess.

@@ -26,9 +26,7 @@ pub struct MeshBody {
 
 impl std::fmt::Debug for MeshBody {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("MeshBody")
-            .field("mesh", &self.mesh)
-            .finish()
+        f.debug_struct("MeshBody").field("mesh", &self.mesh).finish()
     }
 }
 
@@ -38,10 +36,7 @@ fn vector(v: &Vector3<f64>) -> Vector {
 
 fn parry_pose(pose: &Isometry3<f64>) -> Pose {
     let q = pose.rotation.quaternion();
-    Pose::from_parts(
-        vector(&pose.translation.vector),
-        Rotation::from_xyzw(q.i, q.j, q.k, q.w),
-    )
+    Pose::from_parts(vector(&pose.translation.vector), Rotation::from_xyzw(q.i, q.j, q.k, q.w))
 }
 
 impl MeshBody {
@@ -52,35 +47,18 @@ impl MeshBody {
     pub fn new(mesh: TriangleMesh) -> Result<Self> {
         let mesh = TriangleMesh::new(mesh.vertices, mesh.triangles)?;
         let small = |v: usize| u32::try_from(v);
-        let triangles: Result<Vec<[u32; 3]>, _> = mesh
-            .triangles
-            .iter()
-            .map(|[a, b, c]| Ok([small(*a)?, small(*b)?, small(*c)?]))
-            .collect();
-        let triangles = triangles.map_err(|_: std::num::TryFromIntError| {
-            Error::new(Code::Unsupported, "The mesh has too many corners.")
-        })?;
+        let triangles: Result<Vec<[u32; 3]>, _> =
+            mesh.triangles.iter().map(|[a, b, c]| Ok([small(*a)?, small(*b)?, small(*c)?])).collect();
+        let triangles = triangles
+            .map_err(|_: std::num::TryFromIntError| Error::new(Code::Unsupported, "The mesh has too many corners."))?;
         let tree = TriMesh::new(mesh.vertices.iter().map(vector).collect(), triangles);
-        let tree = tree.map_err(|e| {
-            Error::new(
-                Code::Unsupported,
-                format!("The mesh cannot be used for distances: {e}."),
-            )
-        })?;
-        let (mut low, mut high) = (
-            Vector3::repeat(f64::INFINITY),
-            Vector3::repeat(f64::NEG_INFINITY),
-        );
+        let tree =
+            tree.map_err(|e| Error::new(Code::Unsupported, format!("The mesh cannot be used for distances: {e}.")))?;
+        let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
         for v in mesh.corners().flatten() {
             (low, high) = (low.inf(&v), high.sup(&v));
         }
-        Ok(MeshBody {
-            parts: parts(&mesh),
-            mesh,
-            tree,
-            low,
-            high,
-        })
+        Ok(MeshBody { parts: parts(&mesh), mesh, tree, low, high })
     }
 
     /// The mesh.
@@ -103,33 +81,17 @@ impl MeshBody {
                 return Ok(heights.fold(f64::INFINITY, f64::min).max(0.0));
             }
             // By their axes, which have corners: parry's distances of round shapes are microns off.
-            Solid::Capsule(c) if c.a == c.b => (
-                Box::new(Ball::new(c.radius)),
-                Isometry3::translation(c.a.x, c.a.y, c.a.z),
-                c.a,
-            ),
-            Solid::Capsule(c) => (
-                Box::new(Segment::new(vector(&c.a), vector(&c.b))),
-                Isometry3::identity(),
-                (c.a + c.b) * 0.5,
-            ),
-            Solid::Block { pose, half } => (
-                Box::new(Cuboid::new(vector(half))),
-                *pose,
-                pose.translation.vector,
-            ),
-            Solid::Cylinder {
-                pose,
-                half_length,
-                radius,
-            } => {
+            Solid::Capsule(c) if c.a == c.b => {
+                (Box::new(Ball::new(c.radius)), Isometry3::translation(c.a.x, c.a.y, c.a.z), c.a)
+            }
+            Solid::Capsule(c) => {
+                (Box::new(Segment::new(vector(&c.a), vector(&c.b))), Isometry3::identity(), (c.a + c.b) * 0.5)
+            }
+            Solid::Block { pose, half } => (Box::new(Cuboid::new(vector(half))), *pose, pose.translation.vector),
+            Solid::Cylinder { pose, half_length, radius } => {
                 // parry's stands on y.
                 let upright = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2);
-                (
-                    Box::new(Cylinder::new(*half_length, *radius)),
-                    pose * upright,
-                    pose.translation.vector,
-                )
+                (Box::new(Cylinder::new(*half_length, *radius)), pose * upright, pose.translation.vector)
             }
         };
         let radius = match solid {
@@ -137,8 +99,7 @@ impl MeshBody {
             _ => 0.0,
         };
         let apart = (apart(pose, &self.tree, &own, shape.as_ref())? - radius).max(0.0);
-        let inside =
-            apart > 0.0 && self.contains(&pose.inverse_transform_point(&inner.into()).coords);
+        let inside = apart > 0.0 && self.contains(&pose.inverse_transform_point(&inner.into()).coords);
         Ok(if inside { 0.0 } else { apart })
     }
 
@@ -159,8 +120,7 @@ impl MeshBody {
             let mut parts = held.parts.iter();
             parts.any(|v| holder.contains(&(to_holder * nalgebra::Point3::from(*v)).coords))
         };
-        let inside =
-            apart > 0.0 && (inside(self, other, &here) || inside(other, self, &here.inverse()));
+        let inside = apart > 0.0 && (inside(self, other, &here) || inside(other, self, &here.inverse()));
         Ok(if inside { 0.0 } else { apart })
     }
 
@@ -200,29 +160,15 @@ fn parts(mesh: &TriangleMesh) -> Vec<Vector3<f64>> {
             parent[other] = first;
         }
     }
-    let mut roots: Vec<usize> = mesh
-        .triangles
-        .iter()
-        .map(|t| root(&mut parent, t[0]))
-        .collect();
+    let mut roots: Vec<usize> = mesh.triangles.iter().map(|t| root(&mut parent, t[0])).collect();
     roots.sort_unstable();
     roots.dedup();
     roots.into_iter().map(|v| mesh.vertices[v]).collect()
 }
 
-fn apart(
-    a: &Isometry3<f64>,
-    first: &dyn Shape,
-    b: &Isometry3<f64>,
-    second: &dyn Shape,
-) -> Result<f64> {
+fn apart(a: &Isometry3<f64>, first: &dyn Shape, b: &Isometry3<f64>, second: &dyn Shape) -> Result<f64> {
     let found = query::distance(&parry_pose(a), first, &parry_pose(b), second);
-    let found = found.map_err(|_| {
-        Error::new(
-            Code::Internal,
-            "The distance of two shapes is not implemented.",
-        )
-    })?;
+    let found = found.map_err(|_| Error::new(Code::Internal, "The distance of two shapes is not implemented."))?;
     Ok(found.distance)
 }
 
@@ -232,10 +178,7 @@ pub fn hull_volume(mesh: &TriangleMesh) -> Option<f64> {
     let points: Vec<Vector> = mesh.vertices.iter().map(vector).collect();
     let (vertices, triangles) = try_convex_hull(&points).ok()?;
     let hull = TriangleMesh::new(
-        vertices
-            .iter()
-            .map(|v| Vector3::new(v.x, v.y, v.z))
-            .collect(),
+        vertices.iter().map(|v| Vector3::new(v.x, v.y, v.z)).collect(),
         triangles.iter().map(|t| t.map(|v| v as usize)).collect(),
     );
     hull.ok().map(|hull| hull.volume()).filter(|v| *v > 0.0)

@@ -67,10 +67,7 @@ impl Solid {
         if size.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
             return Err(Error::invalid("Each side of a box must be above zero."));
         }
-        Ok(Solid::Block {
-            pose,
-            half: size * 0.5,
-        })
+        Ok(Solid::Block { pose, half: size * 0.5 })
     }
 
     /// A cylinder with flat ends, from the middle of one to the middle of the other \[m\].
@@ -81,13 +78,10 @@ impl Solid {
         let along = Unit::try_new(to - from, 1e-9)
             .ok_or_else(|| Error::invalid("Both ends of a cylinder are the same point."))?;
         if !(radius.is_finite() && radius > 0.0) {
-            return Err(Error::invalid(
-                "The radius of a cylinder must be above zero.",
-            ));
+            return Err(Error::invalid("The radius of a cylinder must be above zero."));
         }
-        let turn = UnitQuaternion::rotation_between(&Vector3::z(), &along).unwrap_or_else(|| {
-            UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
-        });
+        let turn = UnitQuaternion::rotation_between(&Vector3::z(), &along)
+            .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
         Ok(Solid::Cylinder {
             pose: Isometry3::from_parts(Translation3::from((from + to) * 0.5), turn),
             half_length: (to - from).norm() * 0.5,
@@ -100,19 +94,10 @@ impl Solid {
     pub fn placed(&self, pose: &Isometry3<f64>) -> Self {
         match *self {
             Solid::Capsule(capsule) => Solid::Capsule(capsule.placed(pose)),
-            Solid::Block { pose: own, half } => Solid::Block {
-                pose: pose * own,
-                half,
-            },
-            Solid::Cylinder {
-                pose: own,
-                half_length,
-                radius,
-            } => Solid::Cylinder {
-                pose: pose * own,
-                half_length,
-                radius,
-            },
+            Solid::Block { pose: own, half } => Solid::Block { pose: pose * own, half },
+            Solid::Cylinder { pose: own, half_length, radius } => {
+                Solid::Cylinder { pose: pose * own, half_length, radius }
+            }
             Solid::HalfSpace { point, normal } => Solid::HalfSpace {
                 point: pose.rotation * point + pose.translation.vector,
                 normal: pose.rotation * normal,
@@ -125,14 +110,9 @@ impl Solid {
         match self {
             Solid::Capsule(c) => ((c.a + c.b) * 0.5, (c.b - c.a).norm() * 0.5 + c.radius),
             Solid::Block { pose, half } => (pose.translation.vector, half.norm()),
-            Solid::Cylinder {
-                pose,
-                half_length,
-                radius,
-            } => (
-                pose.translation.vector,
-                (half_length * half_length + radius * radius).sqrt(),
-            ),
+            Solid::Cylinder { pose, half_length, radius } => {
+                (pose.translation.vector, (half_length * half_length + radius * radius).sqrt())
+            }
             Solid::HalfSpace { point, .. } => (*point, f64::INFINITY),
         }
     }

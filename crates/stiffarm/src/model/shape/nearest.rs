@@ -30,55 +30,28 @@ pub fn nearest(solid: &Solid, a: &Vector3<f64>, b: &Vector3<f64>) -> Nearest {
     nearest_within(solid, a, b, f64::INFINITY).unwrap_or_else(|| {
         // Only coordinates that are no numbers come here.
         let (distance, direction) = solid.signed_distance(a);
-        Nearest {
-            distance,
-            t: 0.0,
-            direction,
-        }
+        Nearest { distance, t: 0.0, direction }
     })
 }
 
 /// As [`nearest`], or `None` where that is `enough` or more and not worth the work of finding it exactly.
-pub(crate) fn nearest_within(
-    solid: &Solid,
-    a: &Vector3<f64>,
-    b: &Vector3<f64>,
-    enough: f64,
-) -> Option<Nearest> {
+pub(crate) fn nearest_within(solid: &Solid, a: &Vector3<f64>, b: &Vector3<f64>, enough: f64) -> Option<Nearest> {
     match solid {
         Solid::Capsule(capsule) => Some(nearest_to_capsule(capsule, a, b)),
         Solid::HalfSpace { .. } => {
             let (at_a, at_b) = (solid.signed_distance(a), solid.signed_distance(b));
-            let ((distance, direction), t) = if at_b.0 < at_a.0 {
-                (at_b, 1.0)
-            } else {
-                (at_a, 0.0)
-            };
-            Some(Nearest {
-                distance,
-                t,
-                direction,
-            })
+            let ((distance, direction), t) = if at_b.0 < at_a.0 { (at_b, 1.0) } else { (at_a, 0.0) };
+            Some(Nearest { distance, t, direction })
         }
         Solid::Block { pose, half } => {
             let (a, b) = own_axes(pose, a, b);
             let at = nearest_by_slope(|p| of_block(half, p), &a, &b, enough)?;
-            Some(Nearest {
-                direction: pose.rotation * at.direction,
-                ..at
-            })
+            Some(Nearest { direction: pose.rotation * at.direction, ..at })
         }
-        Solid::Cylinder {
-            pose,
-            half_length,
-            radius,
-        } => {
+        Solid::Cylinder { pose, half_length, radius } => {
             let (a, b) = own_axes(pose, a, b);
             let at = nearest_by_slope(|p| of_cylinder(*half_length, *radius, p), &a, &b, enough)?;
-            Some(Nearest {
-                direction: pose.rotation * at.direction,
-                ..at
-            })
+            Some(Nearest { direction: pose.rotation * at.direction, ..at })
         }
     }
 }
@@ -90,11 +63,7 @@ fn tangents((low, falls): &(Nearest, f64), (high, rises): &(Nearest, f64)) -> (f
     (t, low.distance + falls * (t - low.t))
 }
 
-fn own_axes(
-    pose: &Isometry3<f64>,
-    a: &Vector3<f64>,
-    b: &Vector3<f64>,
-) -> (Vector3<f64>, Vector3<f64>) {
+fn own_axes(pose: &Isometry3<f64>, a: &Vector3<f64>, b: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
     let own = |p: &Vector3<f64>| pose.inverse_transform_point(&(*p).into()).coords;
     (own(a), own(b))
 }
@@ -109,14 +78,7 @@ fn nearest_by_slope(
     let at = |t: f64| {
         let (distance, direction) = signed_distance(&(a + along * t));
         let slope = direction.dot(&along);
-        (
-            Nearest {
-                distance,
-                t,
-                direction,
-            },
-            slope,
-        )
+        (Nearest { distance, t, direction }, slope)
     };
     let mut low = at(0.0);
     if low.1 >= 0.0 {
@@ -143,11 +105,7 @@ fn nearest_by_slope(
             _ => 0.5 * (low.0.t + high.0.t),
         };
         let inside = next > low.0.t && next < high.0.t;
-        let middle = at(if inside {
-            next
-        } else {
-            0.5 * (low.0.t + high.0.t)
-        });
+        let middle = at(if inside { next } else { 0.5 * (low.0.t + high.0.t) });
         if middle.1 > 0.0 {
             high = middle;
         } else if middle.1 < 0.0 {
@@ -156,18 +114,11 @@ fn nearest_by_slope(
             return Some(middle.0);
         }
     }
-    let best = if low.0.distance < high.0.distance {
-        low.0
-    } else {
-        high.0
-    };
+    let best = if low.0.distance < high.0.distance { low.0 } else { high.0 };
     // Deep inside, the minimum may be a kink between two faces: neither slope is zero there, but the
     // mean that weighs them to zero is, and its direction is the derivative.
     let share = high.1 / (high.1 - low.1);
-    Some(Nearest {
-        direction: low.0.direction * share + high.0.direction * (1.0 - share),
-        ..best
-    })
+    Some(Nearest { direction: low.0.direction * share + high.0.direction * (1.0 - share), ..best })
 }
 
 fn nearest_to_capsule(capsule: &Capsule, a: &Vector3<f64>, b: &Vector3<f64>) -> Nearest {
@@ -178,31 +129,15 @@ fn nearest_to_capsule(capsule: &Capsule, a: &Vector3<f64>, b: &Vector3<f64>) -> 
     // Squares below this are points.
     let point = 1e-24;
     let on_other = |t: f64| {
-        if bb > point {
-            ((br + ab * t) / bb).clamp(0.0, 1.0)
-        } else {
-            0.0
-        }
+        if bb > point { ((br + ab * t) / bb).clamp(0.0, 1.0) } else { 0.0 }
     };
     let on_own = |s: f64| {
-        if aa > point {
-            ((ab * s - ar) / aa).clamp(0.0, 1.0)
-        } else {
-            0.0
-        }
+        if aa > point { ((ab * s - ar) / aa).clamp(0.0, 1.0) } else { 0.0 }
     };
     let determinant = aa * bb - ab * ab;
-    let first = if determinant > 1e-14 * aa * bb {
-        ((ab * br - ar * bb) / determinant).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
+    let first = if determinant > 1e-14 * aa * bb { ((ab * br - ar * bb) / determinant).clamp(0.0, 1.0) } else { 0.0 };
     // Clamped in turn; for parallel segments from either end.
-    let mut best = Nearest {
-        distance: f64::INFINITY,
-        t: 0.0,
-        direction: Vector3::z(),
-    };
+    let mut best = Nearest { distance: f64::INFINITY, t: 0.0, direction: Vector3::z() };
     let mut best_across = Vector3::zeros();
     for start in [first, 1.0] {
         let s = on_other(start);
@@ -211,11 +146,7 @@ fn nearest_to_capsule(capsule: &Capsule, a: &Vector3<f64>, b: &Vector3<f64>) -> 
         let across = (a + own * t) - (capsule.a + other * s);
         let distance = across.norm();
         if distance < best.distance {
-            best = Nearest {
-                distance,
-                t,
-                direction: Vector3::z(),
-            };
+            best = Nearest { distance, t, direction: Vector3::z() };
             best_across = across;
         }
         if determinant > 1e-14 * aa * bb {
@@ -226,9 +157,7 @@ fn nearest_to_capsule(capsule: &Capsule, a: &Vector3<f64>, b: &Vector3<f64>) -> 
         best_across / best.distance
     } else {
         // Segments that cross part fastest across both.
-        own.cross(&other)
-            .try_normalize(1e-12)
-            .unwrap_or_else(|| any_across(&own))
+        own.cross(&other).try_normalize(1e-12).unwrap_or_else(|| any_across(&own))
     };
     best.distance -= capsule.radius;
     best

@@ -12,18 +12,10 @@ impl Solid {
             Solid::Capsule(capsule) => {
                 let along = capsule.b - capsule.a;
                 let length = along.norm_squared();
-                let t = if length > 0.0 {
-                    ((point - capsule.a).dot(&along) / length).clamp(0.0, 1.0)
-                } else {
-                    0.0
-                };
+                let t = if length > 0.0 { ((point - capsule.a).dot(&along) / length).clamp(0.0, 1.0) } else { 0.0 };
                 let across = point - capsule.a - along * t;
                 let distance = across.norm();
-                let direction = if distance > 0.0 {
-                    across / distance
-                } else {
-                    any_across(&along)
-                };
+                let direction = if distance > 0.0 { across / distance } else { any_across(&along) };
                 (distance - capsule.radius, direction)
             }
             Solid::Block { pose, half } => {
@@ -31,18 +23,12 @@ impl Solid {
                 let (value, direction) = of_block(half, &local);
                 (value, pose.rotation * direction)
             }
-            Solid::Cylinder {
-                pose,
-                half_length,
-                radius,
-            } => {
+            Solid::Cylinder { pose, half_length, radius } => {
                 let local = pose.inverse_transform_point(&(*point).into()).coords;
                 let (value, direction) = of_cylinder(*half_length, *radius, &local);
                 (value, pose.rotation * direction)
             }
-            Solid::HalfSpace { point: on, normal } => {
-                (normal.dot(&(point - on)), normal.into_inner())
-            }
+            Solid::HalfSpace { point: on, normal } => (normal.dot(&(point - on)), normal.into_inner()),
         }
     }
 }
@@ -61,17 +47,9 @@ pub(super) fn of_block(half: &Vector3<f64>, point: &Vector3<f64>) -> (f64, Vecto
 }
 
 /// Of a cylinder about the z axis with its centre at the origin.
-pub(super) fn of_cylinder(
-    half_length: f64,
-    radius: f64,
-    point: &Vector3<f64>,
-) -> (f64, Vector3<f64>) {
+pub(super) fn of_cylinder(half_length: f64, radius: f64, point: &Vector3<f64>) -> (f64, Vector3<f64>) {
     let across = (point.x * point.x + point.y * point.y).sqrt();
-    let outward = if across > 0.0 {
-        Vector3::new(point.x / across, point.y / across, 0.0)
-    } else {
-        Vector3::x()
-    };
+    let outward = if across > 0.0 { Vector3::new(point.x / across, point.y / across, 0.0) } else { Vector3::x() };
     let up = Vector3::z() * sign(point.z);
     let (side, end) = (across - radius, point.z.abs() - half_length);
     if side > 0.0 && end > 0.0 {
@@ -91,8 +69,5 @@ fn sign(value: f64) -> f64 {
 /// A unit vector across `along`.
 pub(super) fn any_across(along: &Vector3<f64>) -> Vector3<f64> {
     let other = Vector3::ith(along.iamin(), 1.0);
-    along
-        .cross(&other)
-        .try_normalize(f64::MIN_POSITIVE)
-        .unwrap_or_else(Vector3::z)
+    along.cross(&other).try_normalize(f64::MIN_POSITIVE).unwrap_or_else(Vector3::z)
 }

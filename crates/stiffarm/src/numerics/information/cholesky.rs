@@ -61,8 +61,7 @@ fn inverse_root(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let last = inverse_root(&left)?;
     let mut out = DMatrix::zeros(n, n);
     out.view_mut((0, 0), (first, first)).copy_from(&inverse);
-    out.view_mut((first, 0), (rest, first))
-        .copy_from(&-(&last * below * inverse));
+    out.view_mut((first, 0), (rest, first)).copy_from(&-(&last * below * inverse));
     out.view_mut((first, first), (rest, rest)).copy_from(&last);
     Some(out)
 }

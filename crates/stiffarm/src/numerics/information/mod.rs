@@ -96,17 +96,11 @@ impl Factor {
     /// not converge.
     pub fn new(psi: &DMatrix<f64>) -> Result<Self> {
         if psi.iter().any(|v| !v.is_finite()) {
-            return Err(Error::new(
-                Code::NotFinite,
-                "The observation matrix has an entry that is not finite.",
-            ));
+            return Err(Error::new(Code::NotFinite, "The observation matrix has an entry that is not finite."));
         }
         let n = psi.ncols();
         if n == 0 || psi.nrows() == 0 {
-            return Err(Error::new(
-                Code::TooFewData,
-                "The observation matrix is empty.",
-            ));
+            return Err(Error::new(Code::TooFewData, "The observation matrix is empty."));
         }
         let norms = DVector::from_iterator(n, psi.column_iter().map(|c| c.norm()));
         let largest = norms.max();
@@ -131,22 +125,9 @@ impl Factor {
         let (q, r) = (qr.q(), qr.r());
         let Svd { u, values, v } = require_svd(r)?;
         let tolerance = RANK_TOLERANCE * values[0];
-        let rank = values
-            .iter()
-            .filter(|s| **s > tolerance && **s > 0.0)
-            .count();
-        let undetermined = (0..n)
-            .filter(|&j| empty[j] || (rank..n).any(|i| v[(j, i)].abs() > NULL_SHARE))
-            .collect();
-        Ok(Factor {
-            scale,
-            q,
-            u,
-            values,
-            v,
-            rank,
-            undetermined,
-        })
+        let rank = values.iter().filter(|s| **s > tolerance && **s > 0.0).count();
+        let undetermined = (0..n).filter(|&j| empty[j] || (rank..n).any(|i| v[(j, i)].abs() > NULL_SHARE)).collect();
+        Ok(Factor { scale, q, u, values, v, rank, undetermined })
     }
 
     /// Number of unknowns n.
@@ -172,10 +153,7 @@ impl Factor {
     /// R of Ψ·diag(weights) = Q R', rebuilt from the factors, n × n.
     fn r_times(&self, weights: impl Fn(usize) -> f64) -> DMatrix<f64> {
         let mut r = &self.u * DMatrix::from_diagonal(&self.values) * self.v.transpose();
-        scale_columns(
-            &mut r,
-            (0..self.unknowns()).map(|j| self.scale[j] * weights(j)),
-        );
+        scale_columns(&mut r, (0..self.unknowns()).map(|j| self.scale[j] * weights(j)));
         r
     }
 
@@ -251,29 +229,20 @@ impl Factor {
     /// square of ‖A δH‖, δH the error of the estimated H. `None` where an
     /// unknown is undetermined.
     pub fn mapped_error(&self, map: &DMatrix<f64>) -> Option<f64> {
-        self.undetermined
-            .is_empty()
-            .then(|| (map * self.right_inverse()).norm())
+        self.undetermined.is_empty().then(|| (map * self.right_inverse()).norm())
     }
 
     /// Standard errors per unit σ: sqrt of the diagonal of (ΨᵀΨ)⁻¹, `None` for
     /// undetermined unknowns.
     pub fn standard_errors(&self) -> Vec<Option<f64>> {
         let root = self.right_inverse();
-        (0..self.unknowns())
-            .map(|j| (!self.undetermined.contains(&j)).then(|| root.row(j).norm()))
-            .collect()
+        (0..self.unknowns()).map(|j| (!self.undetermined.contains(&j)).then(|| root.row(j).norm())).collect()
     }
 }
 
 /// The decomposition, or an error where it fails.
 fn require_svd(matrix: DMatrix<f64>) -> Result<Svd> {
-    svd(matrix).ok_or_else(|| {
-        Error::new(
-            Code::Numerical,
-            "The singular value decomposition did not converge.",
-        )
-    })
+    svd(matrix).ok_or_else(|| Error::new(Code::Numerical, "The singular value decomposition did not converge."))
 }
 
 /// Eigenvalues (ascending) and eigenvectors of a symmetric matrix, with an

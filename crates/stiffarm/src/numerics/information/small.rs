@@ -115,9 +115,7 @@ pub fn eigen(n: usize, vectors: &mut [f64], values: &mut [f64], off: &mut [f64])
     e[n - 1] = 0.0;
     for l in 0..n {
         for iteration in 0.. {
-            let m = (l..n - 1)
-                .find(|&m| e[m].abs() <= f64::EPSILON * (d[m].abs() + d[m + 1].abs()))
-                .unwrap_or(n - 1);
+            let m = (l..n - 1).find(|&m| e[m].abs() <= f64::EPSILON * (d[m].abs() + d[m + 1].abs())).unwrap_or(n - 1);
             if m == l {
                 break;
             }

@@ -13,12 +13,7 @@ pub(crate) struct Stack {
 impl Stack {
     /// No rows yet, and never more than about `most`.
     pub fn new(columns: usize, most: usize) -> Self {
-        Stack {
-            blocks: Vec::new(),
-            rows: 0,
-            columns,
-            most,
-        }
+        Stack { blocks: Vec::new(), rows: 0, columns, most }
     }
 
     /// Adds rows below the others.

@@ -35,10 +35,7 @@ pub fn tall_svd(a: DMatrix<f64>) -> Option<Svd> {
     }
     let qr = a.qr();
     let parts = svd(qr.r())?;
-    Some(Svd {
-        u: qr.q() * parts.u,
-        ..parts
-    })
+    Some(Svd { u: qr.q() * parts.u, ..parts })
 }
 
 /// Decomposes a matrix with at least as many rows as columns; `None` when an
@@ -66,9 +63,7 @@ pub fn svd(mut a: DMatrix<f64>) -> Option<Svd> {
             for q in p + 1..n {
                 let (left, right) = (a.column(p).norm_squared(), a.column(q).norm_squared());
                 let product = a.column(p).dot(&a.column(q));
-                if left.min(right) <= negligible
-                    || product.abs() <= tolerance * (left * right).sqrt()
-                {
+                if left.min(right) <= negligible || product.abs() <= tolerance * (left * right).sqrt() {
                     continue;
                 }
                 settled = false;
@@ -85,20 +80,12 @@ pub fn svd(mut a: DMatrix<f64>) -> Option<Svd> {
         return None;
     }
     let length = |square: f64| {
-        if square <= negligible {
-            0.0
-        } else {
-            square.sqrt()
-        }
+        if square <= negligible { 0.0 } else { square.sqrt() }
     };
     let norms: Vec<f64> = a.column_iter().map(|c| length(c.norm_squared())).collect();
     let order = order_by_number(n, |i| -norms[i]);
     for (mut column, norm) in a.column_iter_mut().zip(&norms) {
-        if *norm > 0.0 {
-            column.unscale_mut(*norm)
-        } else {
-            column.fill(0.0)
-        }
+        if *norm > 0.0 { column.unscale_mut(*norm) } else { column.fill(0.0) }
     }
     Some(Svd {
         u: a.select_columns(&order),

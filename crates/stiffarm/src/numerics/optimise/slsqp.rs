@@ -4,9 +4,8 @@
 
 use crate::numerics::control::{Control, Termination};
 use basin::{
-    BoxBounds, ConstraintSet, ConstraintSolveError, CostFunction, DenseMatrix, Executor, Gradient,
-    NoLinearConstraints, NoNonlinearBlock, NonlinearBlock, NonlinearBlocks,
-    SelectedFirstOrderState, Slsqp, TerminationCode,
+    BoxBounds, ConstraintSet, ConstraintSolveError, CostFunction, DenseMatrix, Executor, Gradient, NoLinearConstraints,
+    NoNonlinearBlock, NonlinearBlock, NonlinearBlocks, SelectedFirstOrderState, Slsqp, TerminationCode,
 };
 use std::cell::RefCell;
 
@@ -62,13 +61,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options {
-            max_iterations: 2000,
-            restarts: 11,
-            tolerance: 1e-10,
-            feasibility: 1e-9,
-            optimality: 5e-3,
-        }
+        Options { max_iterations: 2000, restarts: 11, tolerance: 1e-10, feasibility: 1e-9, optimality: 5e-3 }
     }
 }
 
@@ -180,11 +173,8 @@ impl Adapter<'_, '_> {
 }
 
 impl basin::Constraints for Adapter<'_, '_> {
-    type Set = ConstraintSet<
-        BoxBounds<Vec<f64>>,
-        NoLinearConstraints,
-        NonlinearBlocks<NoNonlinearBlock, NonlinearBlock>,
-    >;
+    type Set =
+        ConstraintSet<BoxBounds<Vec<f64>>, NoLinearConstraints, NonlinearBlocks<NoNonlinearBlock, NonlinearBlock>>;
     fn constraints(&self) -> <Self::Set as basin::ConstraintDescription>::Borrowed<'_> {
         ConstraintSet::new()
             .with_bounds(BoxBounds::new(Some(&self.lower), Some(&self.upper)))
@@ -212,13 +202,9 @@ impl basin::NonlinearInequalityValues for Adapter<'_, '_> {
     type Param = Vec<f64>;
     type Values = Vec<f64>;
     type Error = Stopped;
-    fn nonlinear_inequalities(
-        &self,
-        x: &Vec<f64>,
-    ) -> Result<Vec<f64>, ConstraintSolveError<Stopped>> {
+    fn nonlinear_inequalities(&self, x: &Vec<f64>) -> Result<Vec<f64>, ConstraintSolveError<Stopped>> {
         // The library wants c(x) ≤ 0.
-        self.with(x, |e| e.margins.iter().map(|m| -m).collect())
-            .map_err(ConstraintSolveError::Evaluation)
+        self.with(x, |e| e.margins.iter().map(|m| -m).collect()).map_err(ConstraintSolveError::Evaluation)
     }
 }
 
@@ -226,35 +212,18 @@ impl basin::ConstraintJacobian for Adapter<'_, '_> {
     type Param = Vec<f64>;
     type Jacobian = DenseMatrix;
     type Error = Stopped;
-    fn constraint_jacobian(
-        &self,
-        x: &Vec<f64>,
-    ) -> Result<DenseMatrix, ConstraintSolveError<Stopped>> {
+    fn constraint_jacobian(&self, x: &Vec<f64>) -> Result<DenseMatrix, ConstraintSolveError<Stopped>> {
         let columns = x.len();
-        self.with(x, |e| {
-            DenseMatrix::from_fn(self.margins, columns, |i, j| {
-                -e.margin_gradients[i * columns + j]
-            })
-        })
-        .map_err(ConstraintSolveError::Evaluation)
+        self.with(x, |e| DenseMatrix::from_fn(self.margins, columns, |i, j| -e.margin_gradients[i * columns + j]))
+            .map_err(ConstraintSolveError::Evaluation)
     }
 }
 
 /// Minimises `problem` from `start`, restarting with a fresh curvature estimate
 /// while that still improves.
-pub fn minimise(
-    problem: &mut dyn Problem,
-    start: &[f64],
-    options: Options,
-    control: Control<'_>,
-) -> Minimum {
-    let cache = RefCell::new(Cache {
-        problem,
-        at: Vec::new(),
-        last: Evaluation::default(),
-        best: None,
-        evaluations: 0,
-    });
+pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: Options, control: Control<'_>) -> Minimum {
+    let cache =
+        RefCell::new(Cache { problem, at: Vec::new(), last: Evaluation::default(), best: None, evaluations: 0 });
     let mut x = start.to_vec();
     let mut solution = Minimum {
         x: start.to_vec(),
@@ -310,9 +279,7 @@ pub fn minimise(
             // The library also stops on a small step or change; only a point
             // that is optimal to first order, and as good as the best seen, is
             // called converged.
-            let optimal = solution
-                .stationarity
-                .is_some_and(|s| s <= options.optimality)
+            let optimal = solution.stationarity.is_some_and(|s| s <= options.optimality)
                 && evaluation.violation <= options.feasibility
                 && evaluation.merit - after <= options.optimality;
             if solution.termination == Termination::Converged && !optimal {
@@ -320,10 +287,7 @@ pub fn minimise(
             }
             solution.last = last;
         }
-        let done = matches!(
-            solution.termination,
-            Termination::IterationLimit | Termination::Interrupted
-        );
+        let done = matches!(solution.termination, Termination::IterationLimit | Termination::Interrupted);
         // An iterate outside limits that were not among the margins is the
         // caller's to mend: it knows which margins to add.
         let outside = solution.last_violation > options.feasibility;

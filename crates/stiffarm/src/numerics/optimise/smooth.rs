@@ -73,11 +73,7 @@ impl Gradient for Adapter<'_, '_> {
         let mut gradient = vec![0.0; x.len()];
         Ok((self.call(x, &mut gradient), gradient))
     }
-    fn cost_and_gradient_into(
-        &self,
-        x: &Vec<f64>,
-        gradient: &mut Vec<f64>,
-    ) -> Result<f64, Infallible> {
+    fn cost_and_gradient_into(&self, x: &Vec<f64>, gradient: &mut Vec<f64>) -> Result<f64, Infallible> {
         Ok(self.call(x, gradient))
     }
 }
@@ -91,28 +87,17 @@ pub(crate) fn minimise_smooth(
     options: SmoothOptions,
 ) -> SmoothSolution {
     let evaluations = Cell::new(0);
-    let adapter = Adapter {
-        function: RefCell::new(function),
-        evaluations: &evaluations,
-        lower,
-        upper,
-    };
+    let adapter = Adapter { function: RefCell::new(function), evaluations: &evaluations, lower, upper };
     let solver = Lbfgsb::new()
         .with_m_capacity(6)
         .with_absolute_projected_gradient_tolerance(options.optimality)
         .with_relative_cost_reduction_tolerance(options.reduction);
     let state = FirstOrderState::new(start.to_vec());
-    let run = Executor::new(adapter, solver, state)
-        .max_iter(options.max_iterations)
-        .run();
+    let run = Executor::new(adapter, solver, state).max_iter(options.max_iterations).run();
     match run {
-        Ok(result) => SmoothSolution {
-            x: basin::State::best_param(&result.state).clone(),
-            evaluations: evaluations.get(),
-        },
-        Err(_) => SmoothSolution {
-            x: start.to_vec(),
-            evaluations: evaluations.get(),
-        },
+        Ok(result) => {
+            SmoothSolution { x: basin::State::best_param(&result.state).clone(), evaluations: evaluations.get() }
+        }
+        Err(_) => SmoothSolution { x: start.to_vec(), evaluations: evaluations.get() },
     }
 }

@@ -32,38 +32,18 @@ impl<'a> Climb<'a> {
     ///
     /// # Errors
     /// The cell's load is only known by measurement.
-    pub(super) fn new(
-        cell: &'a Cell,
-        readings: &Readings,
-        adjoint: &'a DMatrix<f64>,
-        scale: f64,
-    ) -> Result<Self> {
-        Ok(Climb {
-            cell,
-            adjoint,
-            scale,
-            readings: readings.clone(),
-            limits: ActiveLimits::new(cell, WATCH_DISTANCE)?,
-        })
+    pub(super) fn new(cell: &'a Cell, readings: &Readings, adjoint: &'a DMatrix<f64>, scale: f64) -> Result<Self> {
+        Ok(Climb { cell, adjoint, scale, readings: readings.clone(), limits: ActiveLimits::new(cell, WATCH_DISTANCE)? })
     }
 
     /// The local maximum reached from `start`, with its value: minus infinity
     /// where no posture inside the limits was met.
     pub(super) fn run(mut self, start: &[f64]) -> Result<(Vec<f64>, f64)> {
-        let start: Vec<f64> = start
-            .iter()
-            .zip(&self.cell.bounds)
-            .map(|(x, b)| x.clamp(b[0], b[1]))
-            .collect();
-        let options = Options {
-            max_iterations: MAX_ITERATIONS,
-            tolerance: 1e-9,
-            feasibility: FEASIBILITY,
-            ..Options::default()
-        };
+        let start: Vec<f64> = start.iter().zip(&self.cell.bounds).map(|(x, b)| x.clamp(b[0], b[1])).collect();
+        let options =
+            Options { max_iterations: MAX_ITERATIONS, tolerance: 1e-9, feasibility: FEASIBILITY, ..Options::default() };
         let control = Control::default();
-        let found =
-            minimise_within_limits(&mut self, &start, None, WATCH_ROUNDS, |_| options, control)?;
+        let found = minimise_within_limits(&mut self, &start, None, WATCH_ROUNDS, |_| options, control)?;
         Ok((found.x, -found.merit * self.scale))
     }
 }

@@ -67,12 +67,8 @@ pub fn optimal_design<S: DesignSpace>(
         }
         active.extend(improving);
     };
-    let mut design = latest.ok_or_else(|| {
-        Error::new(
-            Code::Interrupted,
-            "Stopped before the first bound was found.",
-        )
-    })?;
+    let mut design =
+        latest.ok_or_else(|| Error::new(Code::Interrupted, "Stopped before the first bound was found."))?;
     if termination != Termination::Converged {
         // Whatever it is worth, the bound must not rest on a narrow search.
         generation.verify(&mut design);

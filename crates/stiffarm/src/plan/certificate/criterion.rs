@@ -53,39 +53,23 @@ impl Criterion {
     /// Checks the criterion and factors Q.
     pub fn prepare(&self, unknowns: usize) -> Result<Prepared> {
         let Criterion::Trace(q) = self else {
-            return Ok(Prepared {
-                root: None,
-                singular: false,
-                unknowns,
-            });
+            return Ok(Prepared { root: None, singular: false, unknowns });
         };
         if q.shape() != (unknowns, unknowns) {
             return Err(Error::new(
                 Code::Dimension,
-                format!(
-                    "The criterion's matrix is {} × {} for {unknowns} unknowns.",
-                    q.nrows(),
-                    q.ncols()
-                ),
+                format!("The criterion's matrix is {} × {} for {unknowns} unknowns.", q.nrows(), q.ncols()),
             ));
         }
         if q.iter().any(|v| !v.is_finite()) {
-            return Err(Error::new(
-                Code::NotFinite,
-                "The criterion's matrix has an entry that is not finite.",
-            ));
+            return Err(Error::new(Code::NotFinite, "The criterion's matrix has an entry that is not finite."));
         }
         if (q - q.transpose()).amax() > ZERO_SHARE * q.amax() {
-            return Err(Error::invalid(
-                "The criterion's matrix is not symmetric.".to_string(),
-            ));
+            return Err(Error::invalid("The criterion's matrix is not symmetric.".to_string()));
         }
         let symmetric = (q + q.transpose()) * 0.5;
         let (values, vectors) = symmetric_eigen(symmetric).ok_or_else(|| {
-            Error::new(
-                Code::Numerical,
-                "The eigenvalues of the criterion's matrix did not converge.",
-            )
+            Error::new(Code::Numerical, "The eigenvalues of the criterion's matrix did not converge.")
         })?;
         let largest = values.amax();
         let zero = ZERO_SHARE * largest;
@@ -95,14 +79,8 @@ impl Criterion {
             ));
         }
         let kept: Vec<usize> = (0..unknowns).filter(|&i| values[i] > zero).collect();
-        let root = DMatrix::from_fn(kept.len(), unknowns, |i, j| {
-            values[kept[i]].sqrt() * vectors[(j, kept[i])]
-        });
-        Ok(Prepared {
-            singular: kept.len() < unknowns,
-            root: Some(root),
-            unknowns,
-        })
+        let root = DMatrix::from_fn(kept.len(), unknowns, |i, j| values[kept[i]].sqrt() * vectors[(j, kept[i])]);
+        Ok(Prepared { singular: kept.len() < unknowns, root: Some(root), unknowns })
     }
 }
 
@@ -128,12 +106,7 @@ impl Prepared {
             }
         };
         let finite = value.is_finite() && adjoint.iter().all(|v| v.is_finite());
-        finite.then_some(Tangent {
-            value,
-            level,
-            adjoint,
-            whitening,
-        })
+        finite.then_some(Tangent { value, level, adjoint, whitening })
     }
 }
 

@@ -25,12 +25,7 @@ pub trait DesignSpace {
     /// value, best first: one entry per search, the same each time. `adjoint`
     /// is A, n × n, symmetric positive semidefinite; `starts` are points to
     /// search from besides the space's own.
-    fn maximise(
-        &self,
-        adjoint: &DMatrix<f64>,
-        starts: &[Vec<f64>],
-        effort: Effort,
-    ) -> Vec<(Vec<f64>, f64)>;
+    fn maximise(&self, adjoint: &DMatrix<f64>, starts: &[Vec<f64>], effort: Effort) -> Vec<(Vec<f64>, f64)>;
 
     /// Name of an unknown for messages.
     fn unknown_name(&self, unknown: usize) -> String {
@@ -49,10 +44,7 @@ pub struct DesignOptions {
 
 impl Default for DesignOptions {
     fn default() -> Self {
-        DesignOptions {
-            tolerance: 1e-4,
-            max_rounds: 40,
-        }
+        DesignOptions { tolerance: 1e-4, max_rounds: 40 }
     }
 }
 

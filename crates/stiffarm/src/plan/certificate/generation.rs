@@ -76,29 +76,18 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
     ) -> Result<Self> {
         let n = space.unknowns();
         if !(options.tolerance > 0.0 && options.tolerance < 1.0) || options.max_rounds == 0 {
-            return Err(Error::invalid(
-                "A bound needs a tolerance between 0 and 1 and at least one round.",
-            ));
+            return Err(Error::invalid("A bound needs a tolerance between 0 and 1 and at least one round."));
         }
         if n == 0 || starts.is_empty() {
-            return Err(Error::new(
-                Code::TooFewData,
-                "A bound needs unknowns, and points to start from.",
-            ));
+            return Err(Error::new(Code::TooFewData, "A bound needs unknowns, and points to start from."));
         }
         let given = given.cloned().unwrap_or_else(|| DMatrix::zeros(n, n));
         if given.shape() != (n, n) {
-            return Err(Error::new(
-                Code::Dimension,
-                "The information given beforehand has the wrong size.",
-            ));
+            return Err(Error::new(Code::Dimension, "The information given beforehand has the wrong size."));
         }
         let finite = |m: &DMatrix<f64>| m.iter().all(|v| v.is_finite());
         if !finite(&given) {
-            return Err(Error::new(
-                Code::NotFinite,
-                "The information given beforehand is not finite.",
-            ));
+            return Err(Error::new(Code::NotFinite, "The information given beforehand is not finite."));
         }
         let mut generation = Generation {
             space,
@@ -113,10 +102,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
         for x in starts {
             let information = space.information(x);
             if !finite(&information) || information.shape() != (n, n) {
-                return Err(Error::new(
-                    Code::NotFinite,
-                    "The information of a starting point is not finite.",
-                ));
+                return Err(Error::new(Code::NotFinite, "The information of a starting point is not finite."));
             }
             // Only exact duplicates are left out: a design made of the starts
             // is never better than the bound.
@@ -133,11 +119,8 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
         let unknown = undetermined(&(&generation.given + &mean));
         if !unknown.is_empty() {
             let names: Vec<String> = unknown.iter().map(|&i| space.unknown_name(i)).collect();
-            return Err(Error::new(
-                Code::NotIdentifiable,
-                format!("No design can determine {}.", list(&names)),
-            )
-            .hint("check shows which joints no posture determines, and why"));
+            return Err(Error::new(Code::NotIdentifiable, format!("No design can determine {}.", list(&names)))
+                .hint("check shows which joints no posture determines, and why"));
         }
         if generation.criterion.singular {
             let share = 0.25 * options.tolerance;
@@ -151,10 +134,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
     /// them, or all where some do not determine every unknown.
     pub(super) fn start(&self) -> Vec<usize> {
         let all = 0..self.pool.len();
-        let some: Vec<usize> = all
-            .clone()
-            .step_by(all.len().div_ceil(MOST_STARTS))
-            .collect();
+        let some: Vec<usize> = all.clone().step_by(all.len().div_ceil(MOST_STARTS)).collect();
         let equal = vec![1.0 / some.len() as f64; some.len()];
         match self.tangent(&some, &equal) {
             Ok(_) => some,
@@ -190,9 +170,8 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
             let slope = |i: usize| trace_of_product(&tangent.adjoint, &self.pool[i].information);
             let highest = active.iter().map(|&i| slope(i)).fold(0.0, f64::max);
             let level = highest * (1.0 + 0.01 * self.tolerance);
-            let mut recalled: Vec<usize> = (0..self.pool.len())
-                .filter(|i| slope(*i) > level && !active.contains(i))
-                .collect();
+            let mut recalled: Vec<usize> =
+                (0..self.pool.len()).filter(|i| slope(*i) > level && !active.contains(i)).collect();
             sort_by_number(&mut recalled, |a| -slope(*a));
             recalled.truncate(MOST_ADDED);
             if recalled.is_empty() {
@@ -211,15 +190,8 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
 
     /// Optimal weights on the `active` points; those without one are dropped.
     fn weigh(&self, active: &mut Vec<usize>) -> Result<Vec<f64>> {
-        let points: Vec<DMatrix<f64>> = active
-            .iter()
-            .map(|&i| &self.pool[i].information * self.share)
-            .collect();
-        let problem = WeightProblem {
-            criterion: &self.criterion,
-            constant: &self.constant,
-            points: &points,
-        };
+        let points: Vec<DMatrix<f64>> = active.iter().map(|&i| &self.pool[i].information * self.share).collect();
+        let problem = WeightProblem { criterion: &self.criterion, constant: &self.constant, points: &points };
         let all = if problem.constant.ncols() > FEW_UNKNOWNS {
             near_optimal_weights(&problem, 0.5 * self.tolerance)
         } else {
@@ -227,12 +199,8 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
         };
         let all = all.ok_or_else(singular)?;
         let zero = ZERO_WEIGHT * self.tolerance.min(1e-3);
-        let (kept, mut weights): (Vec<usize>, Vec<f64>) = active
-            .iter()
-            .copied()
-            .zip(all)
-            .filter(|(_, w)| *w > zero)
-            .unzip();
+        let (kept, mut weights): (Vec<usize>, Vec<f64>) =
+            active.iter().copied().zip(all).filter(|(_, w)| *w > zero).unzip();
         let sum: f64 = weights.iter().sum();
         weights.iter_mut().for_each(|w| *w /= sum);
         *active = kept;
@@ -255,11 +223,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
 
     /// The design of the weighted points, with the largest tr(A·G(x)) over the
     /// whole space, and the points found that improve it.
-    pub(super) fn search(
-        &mut self,
-        active: &[usize],
-        weights: &[f64],
-    ) -> Result<(ContinuousDesign, Vec<usize>)> {
+    pub(super) fn search(&mut self, active: &[usize], weights: &[f64]) -> Result<(ContinuousDesign, Vec<usize>)> {
         let information = self.total(active, weights);
         let tangent = self.criterion.at(&information).ok_or_else(singular)?;
         let support: Vec<Vec<f64>> = active.iter().map(|&i| self.pool[i].x.clone()).collect();
@@ -268,9 +232,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
         if self.given.ncols() > FEW_UNKNOWNS {
             from = (order.iter().take(HEAVIEST).map(|i| support[*i].clone())).collect();
         }
-        let found = self
-            .space
-            .maximise(&tangent.adjoint, &from, Effort::Improve);
+        let found = self.space.maximise(&tangent.adjoint, &from, Effort::Improve);
         let mut design = ContinuousDesign {
             points: order.iter().map(|&i| support[i].clone()).collect(),
             weights: order.iter().map(|&i| weights[i]).collect(),
@@ -319,11 +281,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
                 *hits += usize::from(distance(at, &own) <= AROUND);
             }
         }
-        design.verification = Verification {
-            searches,
-            agreeing,
-            rarest: hits.into_iter().min().unwrap_or(0),
-        };
+        design.verification = Verification { searches, agreeing, rarest: hits.into_iter().min().unwrap_or(0) };
         improving
     }
 
@@ -366,10 +324,8 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
     ) -> Result<Option<(ContinuousDesign, Vec<usize>)>> {
         let order = order_by_number(active.len(), |i| -weights[i]);
         for small in SMALL_WEIGHTS {
-            let heavy = order
-                .iter()
-                .filter(|at| weights[**at] > small * self.tolerance.min(1e-3))
-                .map(|at| active[*at]);
+            let heavy =
+                order.iter().filter(|at| weights[**at] > small * self.tolerance.min(1e-3)).map(|at| active[*at]);
             let merged = self.apart(heavy.clone());
             if merged.len() == active.len() {
                 return Ok(None);
@@ -404,46 +360,32 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
 }
 
 fn singular() -> Error {
-    Error::new(
-        Code::Numerical,
-        "The information of the continuous design is singular to rounding.",
-    )
+    Error::new(Code::Numerical, "The information of the continuous design is singular to rounding.")
 }
 
 /// ‖a − b‖ relative to the larger of both.
 fn distance(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
     let scale = a.norm().max(b.norm());
-    if scale == 0.0 {
-        0.0
-    } else {
-        (a - b).norm() / scale
-    }
+    if scale == 0.0 { 0.0 } else { (a - b).norm() / scale }
 }
 
 /// Unknowns that an information matrix does not determine, ascending.
 fn undetermined(information: &DMatrix<f64>) -> Vec<usize> {
     let n = information.nrows();
     let largest = information.diagonal().max();
-    let scale: Vec<f64> = information
-        .diagonal()
-        .iter()
-        .map(|d| if *d > 0.0 { d.sqrt() } else { 0.0 })
-        .collect();
+    let scale: Vec<f64> = information.diagonal().iter().map(|d| if *d > 0.0 { d.sqrt() } else { 0.0 }).collect();
     let empty = |i: usize| scale[i] <= ZERO_COLUMN * largest.sqrt();
-    let scaled = DMatrix::from_fn(n, n, |i, j| {
-        if empty(i) || empty(j) {
-            0.0
-        } else {
-            information[(i, j)] / (scale[i] * scale[j])
-        }
-    });
+    let scaled =
+        DMatrix::from_fn(
+            n,
+            n,
+            |i, j| {
+                if empty(i) || empty(j) { 0.0 } else { information[(i, j)] / (scale[i] * scale[j]) }
+            },
+        );
     let Some((values, vectors)) = symmetric_eigen(scaled) else {
         return (0..n).collect();
     };
     let zero = n as f64 * GRAM_ROUNDING * values[n - 1];
-    (0..n)
-        .filter(|&i| {
-            empty(i) || (0..n).any(|v| values[v] <= zero && vectors[(i, v)].abs() > NULL_SHARE)
-        })
-        .collect()
+    (0..n).filter(|&i| empty(i) || (0..n).any(|v| values[v] <= zero && vectors[(i, v)].abs() > NULL_SHARE)).collect()
 }

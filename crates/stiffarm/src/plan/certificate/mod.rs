@@ -94,12 +94,7 @@ impl CertificateOptions {
 
 impl Default for CertificateOptions {
     fn default() -> Self {
-        CertificateOptions {
-            tolerance: 1e-4,
-            max_rounds: 40,
-            samples: 1024,
-            searches: 16,
-        }
+        CertificateOptions { tolerance: 1e-4, max_rounds: 40, samples: 1024, searches: 16 }
     }
 }
 

@@ -45,10 +45,7 @@ impl<'a> Plan<'a> {
         options: &CertificateOptions,
     ) -> Result<Self> {
         if postures.is_empty() {
-            return Err(Error::new(
-                Code::TooFewData,
-                "The plan has no postures, so there is nothing to bound.",
-            ));
+            return Err(Error::new(Code::TooFewData, "The plan has no postures, so there is nothing to bound."));
         }
         for q in measured {
             check_angles(&space.cell().setup.robot, q.as_ref())?;
@@ -56,11 +53,7 @@ impl<'a> Plan<'a> {
         let mut outside = Vec::new();
         let mut starts = Vec::new();
         for (i, q) in postures.iter().enumerate() {
-            if space.contains(q.as_ref())? {
-                starts.push(q.as_ref().to_vec())
-            } else {
-                outside.push(i + 1)
-            }
+            if space.contains(q.as_ref())? { starts.push(q.as_ref().to_vec()) } else { outside.push(i + 1) }
         }
         starts.extend(space.samples(STARTS));
         if starts.is_empty() {
@@ -80,10 +73,7 @@ impl<'a> Plan<'a> {
         Ok(Plan {
             given: given / postures.len() as f64,
             postures: postures.len(),
-            options: DesignOptions {
-                tolerance: options.tolerance,
-                max_rounds: options.max_rounds,
-            },
+            options: DesignOptions { tolerance: options.tolerance, max_rounds: options.max_rounds },
             space,
             outside,
             starts,
@@ -97,14 +87,7 @@ impl<'a> Plan<'a> {
         control: Control<'_>,
     ) -> Result<ContinuousDesign> {
         let starts = [self.starts.as_slice(), more].concat();
-        optimal_design(
-            &self.space,
-            criterion,
-            Some(&self.given),
-            &starts,
-            self.options,
-            control,
-        )
+        optimal_design(&self.space, criterion, Some(&self.given), &starts, self.options, control)
     }
 
     pub(super) fn certificate<Q: AsRef<[f64]>>(
@@ -133,10 +116,7 @@ impl<'a> Plan<'a> {
                 .points
                 .iter()
                 .zip(&design.weights)
-                .map(|(q, weight)| SupportPosture {
-                    angles: q.clone(),
-                    weight: *weight,
-                })
+                .map(|(q, weight)| SupportPosture { angles: q.clone(), weight: *weight })
                 .collect(),
             searches: design.searches,
             verification: design.verification,
@@ -147,17 +127,11 @@ impl<'a> Plan<'a> {
 
     /// Smallest index of N postures: σ·sqrt(φ), with φ(M) = φ(M/N)/N; readings that know their σ have it in M.
     pub(super) fn bound(&self, design: &ContinuousDesign) -> f64 {
-        let sigma = if self.space.knows_noise() {
-            1.0
-        } else {
-            self.space.cell().noise.displacement_std()
-        };
+        let sigma = if self.space.knows_noise() { 1.0 } else { self.space.cell().noise.displacement_std() };
         sigma * (design.bound / self.postures as f64).sqrt()
     }
 
     pub(super) fn efficiency(&self, bound: f64, value: Option<f64>) -> Option<f64> {
-        value
-            .filter(|v| *v > 0.0 && self.outside.is_empty())
-            .map(|v| bound / v)
+        value.filter(|v| *v > 0.0 && self.outside.is_empty()).map(|v| bound / v)
     }
 }

@@ -32,16 +32,8 @@ impl Readings {
     /// As [`Kernel::new`].
     pub(super) fn of_joints(cell: &Cell, compliance: Vec<f64>) -> Result<Self> {
         let common_weight = cell.noise.common_weight(cell.setup.tool.point_count());
-        let wanted = Wanted {
-            dexterity: None,
-            information: Some((&compliance, common_weight)),
-            limits: false,
-        };
-        Ok(Readings::Joints {
-            kernel: Box::new(Kernel::new(cell, wanted, 1)?),
-            compliance,
-            common_weight,
-        })
+        let wanted = Wanted { dexterity: None, information: Some((&compliance, common_weight)), limits: false };
+        Ok(Readings::Joints { kernel: Box::new(Kernel::new(cell, wanted, 1)?), compliance, common_weight })
     }
 
     /// Number of unknowns.
@@ -53,17 +45,9 @@ impl Readings {
     }
 
     /// G of a posture under all its loads.
-    pub(super) fn information<'a>(
-        &self,
-        robot: &Robot,
-        loads: impl Iterator<Item = &'a PostureTerms>,
-    ) -> DMatrix<f64> {
+    pub(super) fn information<'a>(&self, robot: &Robot, loads: impl Iterator<Item = &'a PostureTerms>) -> DMatrix<f64> {
         match self {
-            Readings::Joints {
-                compliance,
-                common_weight,
-                ..
-            } => {
+            Readings::Joints { compliance, common_weight, .. } => {
                 let each = loads.map(|terms| {
                     let mut block = terms.block(robot);
                     scale_columns(&mut block, compliance.iter().copied());

@@ -62,9 +62,7 @@ impl<'a> PostureSpace<'a> {
         let plain = vec![1.0; robot.spring_count()];
         let prior = cell.prior.as_deref().unwrap_or(&plain);
         if samples == 0 || searches == 0 {
-            return Err(Error::invalid(
-                "A bound needs at least one sample and one search.",
-            ));
+            return Err(Error::invalid("A bound needs at least one sample and one search."));
         }
         if prior.len() != robot.spring_count() || cell.bounds.len() != robot.joint_count() {
             return Err(Error::new(
@@ -83,12 +81,7 @@ impl<'a> PostureSpace<'a> {
             )));
         }
         let compliance = prior.iter().map(|k| 1.0 / k).collect();
-        PostureSpace::of(
-            cell,
-            Readings::of_joints(cell, compliance)?,
-            samples,
-            searches,
-        )
+        PostureSpace::of(cell, Readings::of_joints(cell, compliance)?, samples, searches)
     }
 
     /// The same about the unknowns of the index prediction.
@@ -106,13 +99,7 @@ impl<'a> PostureSpace<'a> {
     }
 
     fn of(cell: &'a Cell, readings: Readings, samples: usize, searches: usize) -> Result<Self> {
-        let mut space = PostureSpace {
-            cell,
-            readings,
-            searches,
-            samples: Vec::new(),
-            fill: Vec::new(),
-        };
+        let mut space = PostureSpace { cell, readings, searches, samples: Vec::new(), fill: Vec::new() };
         (space.samples, space.fill) = space.draw(samples)?;
         Ok(space)
     }
@@ -139,10 +126,8 @@ impl<'a> PostureSpace<'a> {
     /// Angles of the wrong length or not finite.
     pub fn contains(&self, q: &[f64]) -> Result<bool> {
         check_angles(&self.cell.setup.robot, q)?;
-        let inside = q
-            .iter()
-            .zip(&self.cell.bounds)
-            .all(|(q, b)| (b[0] - FEASIBILITY..=b[1] + FEASIBILITY).contains(q));
+        let inside =
+            q.iter().zip(&self.cell.bounds).all(|(q, b)| (b[0] - FEASIBILITY..=b[1] + FEASIBILITY).contains(q));
         let mut limits = ActiveLimits::new(self.cell, WATCH_DISTANCE)?;
         Ok(inside && limits.violation_at(q) <= FEASIBILITY)
     }
@@ -151,9 +136,7 @@ impl<'a> PostureSpace<'a> {
     /// than wanted, postures outside the limits; drawn job by job so that the
     /// number of threads changes nothing.
     fn draw(&self, wanted: usize) -> Result<(Vec<Sample>, Vec<Vec<f64>>)> {
-        let draws = wanted
-            .saturating_mul(DRAWS_PER_SAMPLE)
-            .min(MAX_DRAWS as usize) as u32;
+        let draws = wanted.saturating_mul(DRAWS_PER_SAMPLE).min(MAX_DRAWS as usize) as u32;
         let jobs: Vec<u32> = (0..draws.div_ceil(DRAWS_PER_JOB)).collect();
         let (mut inside, mut outside) = (Vec::new(), Vec::new());
         // A few jobs at a time: without limits the first ones are enough.
@@ -161,9 +144,7 @@ impl<'a> PostureSpace<'a> {
             let drawn = in_order(some, |(_, job): (usize, &u32)| {
                 let mut limits = ActiveLimits::new(self.cell, WATCH_DISTANCE)?;
                 let range = job * DRAWS_PER_JOB..((job + 1) * DRAWS_PER_JOB).min(draws);
-                Ok(range
-                    .map(|i| self.sample(i, &mut limits))
-                    .collect::<Vec<_>>())
+                Ok(range.map(|i| self.sample(i, &mut limits)).collect::<Vec<_>>())
             })?;
             for (q, information) in drawn.into_iter().flatten() {
                 match information {
@@ -183,29 +164,19 @@ impl<'a> PostureSpace<'a> {
     }
 
     /// Posture `index` of the sequence, with its information if it is feasible.
-    fn sample(
-        &self,
-        index: u32,
-        limits: &mut ActiveLimits<'_>,
-    ) -> (Vec<f64>, Option<DMatrix<f64>>) {
+    fn sample(&self, index: u32, limits: &mut ActiveLimits<'_>) -> (Vec<f64>, Option<DMatrix<f64>>) {
         let q = spread(&self.cell.bounds, index);
         if !limits.meets_all(&q) {
             return (q, None);
         }
-        let information = self
-            .readings
-            .information(&self.cell.setup.robot, limits.terms());
+        let information = self.readings.information(&self.cell.setup.robot, limits.terms());
         let finite = information.iter().all(|v| v.is_finite());
         (q, finite.then_some(information))
     }
 
     /// The best samples that lie apart, best first.
     fn best_samples(&self, adjoint: &DMatrix<f64>) -> Vec<Vec<f64>> {
-        let values: Vec<f64> = self
-            .samples
-            .iter()
-            .map(|s| trace_of_product(adjoint, &s.information))
-            .collect();
+        let values: Vec<f64> = self.samples.iter().map(|s| trace_of_product(adjoint, &s.information)).collect();
         let order = order_by_number(values.len(), |i| -values[i]);
         let diagonal = (self.cell.bounds.len() as f64).sqrt();
         let apart = |a: &[f64], b: &[f64]| {
@@ -238,39 +209,21 @@ impl DesignSpace for PostureSpace<'_> {
 
     fn information(&self, point: &[f64]) -> DMatrix<f64> {
         let under = |setup| PostureTerms::new(setup, point, None);
-        match self
-            .cell
-            .setup
-            .cases()
-            .iter()
-            .map(under)
-            .collect::<Result<Vec<_>>>()
-        {
-            Ok(terms) => self
-                .readings
-                .information(&self.cell.setup.robot, terms.iter()),
+        match self.cell.setup.cases().iter().map(under).collect::<Result<Vec<_>>>() {
+            Ok(terms) => self.readings.information(&self.cell.setup.robot, terms.iter()),
             // Whoever takes postures from outside refuses these.
             Err(_) => DMatrix::from_element(self.unknowns(), self.unknowns(), f64::NAN),
         }
     }
 
-    fn maximise(
-        &self,
-        adjoint: &DMatrix<f64>,
-        starts: &[Vec<f64>],
-        effort: Effort,
-    ) -> Vec<(Vec<f64>, f64)> {
+    fn maximise(&self, adjoint: &DMatrix<f64>, starts: &[Vec<f64>], effort: Effort) -> Vec<(Vec<f64>, f64)> {
         let mut from = match effort {
             Effort::Improve => self.best_samples(adjoint),
             // A high value at the start says little about the value at the end.
             Effort::Verify => [self.samples(self.samples.len()), self.fill.clone()].concat(),
         };
         from.extend(starts.iter().cloned());
-        let scale = self
-            .samples
-            .iter()
-            .map(|s| trace_of_product(adjoint, &s.information))
-            .fold(0.0, f64::max);
+        let scale = self.samples.iter().map(|s| trace_of_product(adjoint, &s.information)).fold(0.0, f64::max);
         let found = in_order(&from, |(_, start): (usize, &Vec<f64>)| {
             let scale = if scale > 0.0 { scale } else { 1.0 };
             Climb::new(self.cell, &self.readings, adjoint, scale)?.run(start)
@@ -285,10 +238,6 @@ impl DesignSpace for PostureSpace<'_> {
     fn unknown_name(&self, unknown: usize) -> String {
         let mut names = self.cell.setup.robot.spring_names();
         // Of what gives way besides something is known without a reading.
-        if unknown < names.len() {
-            names.swap_remove(unknown)
-        } else {
-            "what gives way beyond the axes".to_string()
-        }
+        if unknown < names.len() { names.swap_remove(unknown) } else { "what gives way beyond the axes".to_string() }
     }
 }

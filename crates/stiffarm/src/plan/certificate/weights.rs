@@ -49,9 +49,7 @@ impl WeightProblem<'_> {
         let tangent = self.criterion.at(&information)?;
         let slopes = DVector::from_iterator(
             self.points.len(),
-            self.points
-                .iter()
-                .map(|g| trace_of_product(&tangent.adjoint, g)),
+            self.points.iter().map(|g| trace_of_product(&tangent.adjoint, g)),
         );
         Some(State { tangent, slopes })
     }
@@ -101,9 +99,7 @@ pub fn near_optimal_weights(problem: &WeightProblem<'_>, tolerance: f64) -> Opti
         if gap <= tolerance {
             break;
         }
-        weights.zip_apply(&state.slopes, |w, slope| {
-            *w *= slope.max(0.0).powf(MULTIPLICATIVE_POWER)
-        });
+        weights.zip_apply(&state.slopes, |w, slope| *w *= slope.max(0.0).powf(MULTIPLICATIVE_POWER));
         let sum = weights.sum();
         weights /= sum;
     }
@@ -130,9 +126,7 @@ pub fn optimal_weights(problem: &WeightProblem<'_>, tolerance: f64) -> Option<Ve
             break;
         }
         let barrier = CENTRING * weights.dot(&multipliers) / k as f64;
-        let Some((step, multiplier_step)) =
-            newton_step(problem, &state, &weights, &multipliers, barrier, unit)
-        else {
+        let Some((step, multiplier_step)) = newton_step(problem, &state, &weights, &multipliers, barrier, unit) else {
             break;
         };
         let slopes = &state.slopes / unit;
@@ -186,13 +180,9 @@ fn newton_step(
     let free = factor.solve(&right);
     let level = free.sum() / ones.sum();
     let step = free - ones * level;
-    let multiplier_step = DVector::from_fn(k, |i, _| {
-        (barrier - multipliers[i] * step[i]) / weights[i] - multipliers[i]
-    });
-    let finite = step
-        .iter()
-        .chain(multiplier_step.iter())
-        .all(|v| v.is_finite());
+    let multiplier_step =
+        DVector::from_fn(k, |i, _| (barrier - multipliers[i] * step[i]) / weights[i] - multipliers[i]);
+    let finite = step.iter().chain(multiplier_step.iter()).all(|v| v.is_finite());
     finite.then_some((step, multiplier_step))
 }
 

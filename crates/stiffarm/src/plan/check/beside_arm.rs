@@ -48,13 +48,7 @@ struct Length {
 fn lengths(cell: &Cell) -> Vec<Length> {
     let mut out = Vec::new();
     let mut add = |severity, key: String, what: String, metres: f64, range: [f64; 2]| {
-        out.push(Length {
-            key,
-            what,
-            metres,
-            range,
-            severity,
-        });
+        out.push(Length { key, what, metres, range, severity });
     };
     for part in cell.scene.parts() {
         let key = key_of(part);
@@ -77,46 +71,24 @@ fn lengths(cell: &Cell) -> Vec<Length> {
             };
             for solid in part.solids.iter().take(1) {
                 let what = format!("{}, by its middle from the base's origin,", part.name);
-                add(
-                    Severity::Caution,
-                    key.clone(),
-                    what,
-                    distance(solid),
-                    range(solid),
-                );
+                add(Severity::Caution, key.clone(), what, distance(solid), range(solid));
             }
         }
     }
     let caution = Severity::Caution;
     for station in cell.scene.sight().iter().flat_map(|sight| &sight.stations) {
         let key = format!("tracker.station \"{}\"", station.name);
-        let what = format!(
-            "The tracker station {} from the base's origin",
-            station.name
-        );
+        let what = format!("The tracker station {} from the base's origin", station.name);
         add(caution, key, what, station.position.norm(), [NEAR, FAR]);
     }
     let rope = cell.scene.rope().and_then(|rope| rope.clearance);
     let sight = cell.scene.sight().map(|sight| sight.clearance);
-    for (key, own) in [
-        ("shapes_mm", Some(cell.scene.clearance())),
-        ("rope_mm", rope),
-        ("sight_mm", sight),
-    ] {
+    for (key, own) in [("shapes_mm", Some(cell.scene.clearance())), ("rope_mm", rope), ("sight_mm", sight)] {
         let own = own.unwrap_or(0.0);
         let what = "The clearance".to_string();
-        add(
-            caution,
-            format!("clearance.{key}"),
-            what,
-            own,
-            [CLEARANCE, FAR],
-        );
+        add(caution, format!("clearance.{key}"), what, own, [CLEARANCE, FAR]);
     }
-    for (key, height) in [
-        ("floor_mm", cell.limits.floor),
-        ("wrist_height_mm", cell.limits.wrist_height),
-    ] {
+    for (key, height) in [("floor_mm", cell.limits.floor), ("wrist_height_mm", cell.limits.wrist_height)] {
         let what = "The height".to_string();
         let own = height.map_or(0.0, f64::abs);
         add(caution, format!("limits.{key}"), what, own, [HEIGHT, FAR]);
@@ -133,16 +105,10 @@ pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
         let [least, most] = length.range;
         let size = m_to_mm(length.metres);
         if length.metres > 0.0 && length.metres < least {
-            let sentence = format!(
-                "{} is {size:.3} mm: is it in metres? The unit is mm.",
-                length.what
-            );
+            let sentence = format!("{} is {size:.3} mm: is it in metres? The unit is mm.", length.what);
             add(length.severity, &length.key, sentence);
         } else if length.metres > most {
-            let sentence = format!(
-                "{} is {:.0} m: is it in mm, with the point left out?",
-                length.what, length.metres
-            );
+            let sentence = format!("{} is {:.0} m: is it in mm, with the point left out?", length.what, length.metres);
             add(length.severity, &length.key, sentence);
         }
     }
@@ -160,10 +126,7 @@ pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
         }
     }
     let tip = cell.work.tip.map(|tip| tip.rotation);
-    let turns = [
-        ("work.workpiece_rpy_deg", Some(cell.work.workpiece.rotation)),
-        ("work.tip_rpy_deg", tip),
-    ];
+    let turns = [("work.workpiece_rpy_deg", Some(cell.work.workpiece.rotation)), ("work.tip_rpy_deg", tip)];
     for (key, rotation) in turns {
         if let Some(radians) = rotation.and_then(|rotation| turned_by_radians(&rotation)) {
             let sentence = format!(
@@ -205,11 +168,7 @@ fn dimensions(solid: &Solid) -> Option<[f64; 2]> {
             return Some([own.radius, width + (own.b - own.a).norm()]);
         }
         Solid::Block { half, .. } => [2.0 * half.min(), 2.0 * half.max()],
-        Solid::Cylinder {
-            half_length,
-            radius,
-            ..
-        } => {
+        Solid::Cylinder { half_length, radius, .. } => {
             let (length, width) = (2.0 * half_length, 2.0 * radius);
             [radius.min(length), width.max(length)]
         }

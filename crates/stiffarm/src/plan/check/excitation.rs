@@ -31,11 +31,7 @@ pub struct JointExcitation {
 const VISIBLE: f64 = 3.0;
 
 /// Names what the sampled postures cannot tell about each joint.
-pub(super) fn check(
-    cell: &Cell,
-    terms: &[&PostureTerms],
-    findings: &mut Vec<Finding>,
-) -> Result<Vec<JointExcitation>> {
+pub(super) fn check(cell: &Cell, terms: &[&PostureTerms], findings: &mut Vec<Finding>) -> Result<Vec<JointExcitation>> {
     let setup = &cell.setup;
     let robot = &setup.robot;
     let n = robot.spring_count();
@@ -51,11 +47,7 @@ pub(super) fn check(
     }
     drop_rounding(&mut torque);
     let undetermined = Factor::new(&psi)?.undetermined().to_vec();
-    let mut moved = cell
-        .prior
-        .as_ref()
-        .filter(|_| !measured)
-        .map(|prior| largest_displacements(&psi, prior));
+    let mut moved = cell.prior.as_ref().filter(|_| !measured).map(|prior| largest_displacements(&psi, prior));
     moved.iter_mut().for_each(|moved| drop_rounding(moved));
     let names = robot.spring_names();
     let (_, left_out) = determinable(cell.clone());
@@ -92,20 +84,11 @@ fn largest_displacements(psi: &DMatrix<f64>, prior: &[f64]) -> Vec<f64> {
 }
 
 /// The finding about a joint that no posture can determine.
-fn dark_joint(
-    cell: &Cell,
-    terms: &[&PostureTerms],
-    j: usize,
-    name: &str,
-    undetermined: &[usize],
-) -> Finding {
+fn dark_joint(cell: &Cell, terms: &[&PostureTerms], j: usize, name: &str, undetermined: &[usize]) -> Finding {
     let because = reason(cell, terms, j, undetermined);
     // A measured moment may still reach a joint that forces cannot.
     let (severity, may) = match cell.setup.load {
-        Load::Measured => (
-            Severity::Caution,
-            "no force at the loading point determines",
-        ),
+        Load::Measured => (Severity::Caution, "no force at the loading point determines"),
         _ => (Severity::Serious, "no posture within the bounds determines"),
     };
     let sentence = format!("With this cell {may} {name}: {because}.");
@@ -113,12 +96,7 @@ fn dark_joint(
 }
 
 /// Measuring points on the axis of a joint that other points do see.
-fn blind_points(
-    cell: &Cell,
-    terms: &[&PostureTerms],
-    undetermined: &[usize],
-    findings: &mut Vec<Finding>,
-) {
+fn blind_points(cell: &Cell, terms: &[&PostureTerms], undetermined: &[usize], findings: &mut Vec<Finding>) {
     let n = cell.setup.robot.joint_count();
     let near = ROUNDING * reach(cell);
     for (a, point) in cell.setup.tool.measuring_points.iter().enumerate() {
@@ -140,13 +118,7 @@ fn blind_points(
 }
 
 /// Joints whose share of a displacement drowns in the noise.
-fn weak_joints(
-    cell: &Cell,
-    moved: &[f64],
-    undetermined: &[usize],
-    names: &[String],
-    findings: &mut Vec<Finding>,
-) {
+fn weak_joints(cell: &Cell, moved: &[f64], undetermined: &[usize], names: &[String], findings: &mut Vec<Finding>) {
     let std = cell.noise.displacement_std();
     for (j, moved) in moved.iter().enumerate() {
         if undetermined.contains(&j) || *moved >= VISIBLE * std {

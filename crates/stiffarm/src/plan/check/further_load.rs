@@ -83,11 +83,7 @@ impl FurtherLoad {
             let position_m = (*setup.load.anchors().next()?).into();
             let time_s = takes(&setup.load);
             let with = with(&setup).filter(|with| *with < WORTH_A_WORD * without)?;
-            Some(FurtherAnchor {
-                position_m,
-                with,
-                time_s,
-            })
+            Some(FurtherAnchor { position_m, with, time_s })
         });
         let anchor = anchors.min_by(|a, b| a.with.total_cmp(&b.with));
         Some(FurtherLoad { anchor, ..found })
@@ -142,14 +138,11 @@ fn other_anchors(setup: &Setup) -> Vec<Setup> {
     let frames = Frames::new(&setup.robot, &vec![0.0; setup.robot.joint_count()]);
     let axis = UnitVector3::new_normalize(frames.axes()[0]);
     let origin = on_first_axis(&frames);
-    let turned = [FRAC_PI_3, -FRAC_PI_3]
-        .map(|angle| origin + Rotation3::from_axis_angle(&axis, angle) * (anchor - origin));
+    let turned =
+        [FRAC_PI_3, -FRAC_PI_3].map(|angle| origin + Rotation3::from_axis_angle(&axis, angle) * (anchor - origin));
     let is_other = |own: &Vector3<f64>| (own - anchor).norm() > NEAR_ANCHOR;
     let others = turned.into_iter().filter(is_other);
-    let under = |anchor| Setup {
-        load: Load::Rope { anchor, magnitude },
-        ..setup.clone()
-    };
+    let under = |anchor| Setup { load: Load::Rope { anchor, magnitude }, ..setup.clone() };
     others.map(under).collect()
 }
 

@@ -56,9 +56,7 @@ pub struct CellCheck {
 impl CellCheck {
     /// True when a finding makes the cell unusable as it is.
     pub fn is_serious(&self) -> bool {
-        self.findings
-            .iter()
-            .any(|f| f.severity == Severity::Serious)
+        self.findings.iter().any(|f| f.severity == Severity::Serious)
     }
 }
 
@@ -87,11 +85,7 @@ pub fn check(cell: &Cell) -> Result<CellCheck> {
     let postures_within_limits = within.len();
     reach(cell, postures_within_limits, &mut findings)?;
     // Where nothing is reachable, the load is still worth a word.
-    let looked_at = if within.is_empty() {
-        sampled.iter().collect()
-    } else {
-        within
-    };
+    let looked_at = if within.is_empty() { sampled.iter().collect() } else { within };
     let terms: Vec<&PostureTerms> = looked_at.iter().flat_map(|s| &s.terms).collect();
     let joints = excitation::check(cell, &terms, &mut findings)?;
     one_load(cell, &looked_at, &mut findings);
@@ -106,21 +100,15 @@ pub fn check(cell: &Cell) -> Result<CellCheck> {
     setup(cell, &mut findings);
     shapes(cell, &mut findings);
     findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
-    Ok(CellCheck {
-        findings,
-        postures_sampled: sampled.len(),
-        postures_within_limits,
-        joints,
-    })
+    Ok(CellCheck { findings, postures_sampled: sampled.len(), postures_within_limits, joints })
 }
 
 /// What is doubtful about a robot of the catalogue, or about the angles and rows of one's own, one finding
 /// `robot-doubt` or `dh-convention` each: whatever uses its numbers says so. How a source was read is left out.
 pub fn robot_doubts(robot: &Robot) -> Vec<Finding> {
     let doubts = robot.doubts().iter();
-    let coupling = robot
-        .controller()
-        .filter(|controller| controller.couples_joint_3() && robot.level_forearm().is_some());
+    let coupling =
+        robot.controller().filter(|controller| controller.couples_joint_3() && robot.level_forearm().is_some());
     let coupling = coupling.map(|controller| {
         let sentence = format!(
             "Pendants of {} count joint 3 by the forearm's angle to the floor, which stays while joint 2 moves alone; \
@@ -209,9 +197,7 @@ fn sampled_terms(cell: &Cell) -> Result<Vec<Sample>> {
     let middle: Vec<f64> = cell.bounds.iter().map(|b| (b[0] + b[1]) / 2.0).collect();
     check_angles(&setup.robot, &middle)?;
     let forces: Vec<(Setup, Option<Wrench>)> = match setup.load {
-        Load::Measured => (0..3)
-            .map(|axis| (setup.clone(), Some(Wrench::force(Vector3::ith(axis, 1.0)))))
-            .collect(),
+        Load::Measured => (0..3).map(|axis| (setup.clone(), Some(Wrench::force(Vector3::ith(axis, 1.0))))).collect(),
         _ => setup.cases().into_iter().map(|case| (case, None)).collect(),
     };
     let mut margins = cell.posture_margins()?;
@@ -223,11 +209,7 @@ fn sampled_terms(cell: &Cell) -> Result<Vec<Sample>> {
                 .map(|(setup, wrench)| PostureTerms::new(setup, &q, wrench.as_ref()))
                 .collect::<Result<Vec<_>>>()?;
             let is_allowed = margins.are_met(&q)?;
-            Ok(Sample {
-                q,
-                terms,
-                is_allowed,
-            })
+            Ok(Sample { q, terms, is_allowed })
         })
         .collect()
 }
@@ -265,10 +247,7 @@ fn reach(cell: &Cell, within: usize, findings: &mut Vec<Finding>) -> Result<()> 
 /// Says what a second load would bring.
 fn one_load(cell: &Cell, samples: &[&Sample], findings: &mut Vec<Finding>) {
     let allowed = samples.iter().filter(|s| s.is_allowed);
-    let some: Vec<&[f64]> = allowed
-        .take(ONE_LOAD_POSTURES)
-        .map(|s| s.q.as_slice())
-        .collect();
+    let some: Vec<&[f64]> = allowed.take(ONE_LOAD_POSTURES).map(|s| s.q.as_slice()).collect();
     let found = FurtherLoad::new(cell, &some);
     findings.extend(found.map(|found| found.finding(cell, some.len())));
 }
@@ -307,11 +286,7 @@ fn validation(cell: &Cell, findings: &mut Vec<Finding>) {
             findings.push(Finding::caution(
                 "validation-outside-limits",
                 "validation.posture",
-                format!(
-                    "Validation posture {} {}.",
-                    posture.name,
-                    margin.violation()
-                ),
+                format!("Validation posture {} {}.", posture.name, margin.violation()),
             ));
         }
     }
@@ -319,11 +294,7 @@ fn validation(cell: &Cell, findings: &mut Vec<Finding>) {
 
 /// What of the shapes is not looked at.
 fn shapes(cell: &Cell, findings: &mut Vec<Finding>) {
-    let dropped: Vec<String> = cell
-        .scene
-        .dropped_pairs()
-        .map(|(a, b)| format!("{a} and {b}"))
-        .collect();
+    let dropped: Vec<String> = cell.scene.dropped_pairs().map(|(a, b)| format!("{a} and {b}")).collect();
     if !dropped.is_empty() {
         let dropped: Vec<&str> = dropped.iter().map(String::as_str).collect();
         findings.push(Finding::note(
@@ -375,20 +346,12 @@ fn setup(cell: &Cell, findings: &mut Vec<Finding>) {
              a loaded and an unloaded reading: unless the variance is already that of a displacement, give 2.",
         ));
     }
-    for (j, (bounds, joint)) in cell
-        .bounds
-        .iter()
-        .zip(cell.setup.robot.joints())
-        .enumerate()
-    {
+    for (j, (bounds, joint)) in cell.bounds.iter().zip(cell.setup.robot.joints()).enumerate() {
         if bounds[0] < joint.limits[0] - 1e-9 || bounds[1] > joint.limits[1] + 1e-9 {
             findings.push(Finding::serious(
                 "bounds-outside-machine-limits",
                 format!("bounds.q_deg[{}]", j + 1),
-                format!(
-                    "The bounds of {} reach beyond the machine's limits.",
-                    joint.name
-                ),
+                format!("The bounds of {} reach beyond the machine's limits.", joint.name),
             ));
         }
     }

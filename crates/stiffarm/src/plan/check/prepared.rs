@@ -16,11 +16,7 @@ const POSTURES: u32 = 64;
 /// The cell of a plan, with its characteristic length, and [`determinable`] where its load is `given`; and what to
 /// distrust about it.
 pub fn prepared(cell: &Cell, given: bool) -> (Cell, Vec<Finding>) {
-    let (cell, left_out) = if given {
-        determinable(cell.clone())
-    } else {
-        (cell.clone(), Vec::new())
-    };
+    let (cell, left_out) = if given { determinable(cell.clone()) } else { (cell.clone(), Vec::new()) };
     let mut findings = robot_doubts(&cell.setup.robot);
     findings.extend(left_out);
     (with_length(cell).0, findings)
@@ -73,8 +69,7 @@ fn left_out(cell: &Cell) -> Option<(Vec<PostureTerms>, Vec<usize>)> {
     }
     let setups = cell.setup.cases();
     let states = (0..POSTURES).flat_map(|i| setups.iter().map(move |setup| (setup, i)));
-    let terms =
-        states.map(|(setup, i)| PostureTerms::new(setup, &spread(&cell.bounds, i), None).ok());
+    let terms = states.map(|(setup, i)| PostureTerms::new(setup, &spread(&cell.bounds, i), None).ok());
     let terms: Vec<PostureTerms> = terms.collect::<Option<_>>()?;
     let mut largest = vec![0.0_f64; count];
     for terms in &terms {

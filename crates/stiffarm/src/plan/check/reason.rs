@@ -22,12 +22,7 @@ pub(super) fn reach(cell: &Cell) -> f64 {
 }
 
 /// Why joint j stays unknown, as a clause.
-pub(super) fn reason(
-    cell: &Cell,
-    terms: &[&PostureTerms],
-    j: usize,
-    undetermined: &[usize],
-) -> String {
+pub(super) fn reason(cell: &Cell, terms: &[&PostureTerms], j: usize, undetermined: &[usize]) -> String {
     if cell.setup.robot.spring_mixing().is_some() {
         return "the load or the measuring points leave its elastic coordinate out".to_string();
     }

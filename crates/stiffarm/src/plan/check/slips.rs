@@ -43,13 +43,8 @@ impl Slips<'_> {
 
     /// As [`Slips::add`], of a number that is `times` as large as what is plausible.
     fn add_beyond(&mut self, times: f64, key: &str, sentence: String) {
-        let severity = if times > SERIOUS {
-            Severity::Serious
-        } else {
-            Severity::Caution
-        };
-        self.0
-            .push(Finding::new("suspicious-unit", severity, key, sentence));
+        let severity = if times > SERIOUS { Severity::Serious } else { Severity::Caution };
+        self.0.push(Finding::new("suspicious-unit", severity, key, sentence));
     }
 }
 
@@ -124,11 +119,7 @@ fn elastic(cell: &Cell, slips: &mut Slips<'_>) {
     let Ok(typical) = ElasticSizes::typical(&cell.setup, prior) else {
         return;
     };
-    let keys = [
-        "shift_std_m_per_n",
-        "turn_std_rad_per_nm",
-        "coupling_std_rad_per_n",
-    ];
+    let keys = ["shift_std_m_per_n", "turn_std_rad_per_nm", "coupling_std_rad_per_n"];
     for (class, key) in ElasticClass::ENTRIES.into_iter().zip(keys) {
         let (size, usual) = (own.of(class), typical.of(class));
         if size > ELASTIC * usual {
@@ -167,11 +158,7 @@ fn tool(cell: &Cell, slips: &mut Slips<'_>) {
             slips.add(key, format!("{what} {said}"));
         }
     };
-    point(
-        "tool.loading_point_mm",
-        "The loading point",
-        &tool.loading_point,
-    );
+    point("tool.loading_point_mm", "The loading point", &tool.loading_point);
     for (a, measuring) in tool.measuring_points.iter().enumerate() {
         let key = format!("tool.measuring_point[{}].position_mm", a + 1);
         let what = format!("Measuring point \"{}\"", measuring.name);
@@ -193,10 +180,7 @@ fn tool(cell: &Cell, slips: &mut Slips<'_>) {
             if (first.position - second.position).norm() < NEAR_TOOL {
                 slips.add(
                     &format!("tool.measuring_point[{}].position_mm", b + 1),
-                    format!(
-                        "Measuring points \"{}\" and \"{}\" are the same place.",
-                        first.name, second.name
-                    ),
+                    format!("Measuring points \"{}\" and \"{}\" are the same place.", first.name, second.name),
                 );
             }
         }
@@ -209,9 +193,7 @@ fn load(cell: &Cell, load: &Load, slips: &mut Slips<'_>) {
             let line = cell.setup.load.line();
             let distance = anchor.norm();
             if distance > FAR_ANCHOR {
-                let sentence = format!(
-                    "The {line}'s anchor lies {distance:.0} m from the robot's base: is it in mm?"
-                );
+                let sentence = format!("The {line}'s anchor lies {distance:.0} m from the robot's base: is it in mm?");
                 slips.add_beyond(distance / FAR_ANCHOR, "load.anchor_mm", sentence);
             } else if distance > 0.0 && distance < SHORT {
                 let sentence = format!(
@@ -223,16 +205,11 @@ fn load(cell: &Cell, load: &Load, slips: &mut Slips<'_>) {
             ("load.magnitude_n", magnitude.abs())
         }
         Load::Weight { magnitude, .. } => ("load.magnitude_n", *magnitude),
-        Load::Constant { wrench, .. } if wrench.moment.norm() == 0.0 => {
-            ("load.force_n", wrench.force.norm())
-        }
+        Load::Constant { wrench, .. } if wrench.moment.norm() == 0.0 => ("load.force_n", wrench.force.norm()),
         Load::Constant { .. } | Load::Measured | Load::Cases(_) => return,
     };
     if force < SMALL_FORCE {
-        slips.add(
-            key,
-            format!("The load is {force} N, too little to deflect a robot. The unit is newtons."),
-        );
+        slips.add(key, format!("The load is {force} N, too little to deflect a robot. The unit is newtons."));
         return;
     }
     match payload_weight(&cell.setup.robot) {
@@ -260,20 +237,14 @@ fn limits(cell: &Cell, slips: &mut Slips<'_>) {
         if size.max() < SHORT {
             slips.add(
                 "limits.box_max_mm",
-                format!(
-                    "The box is only {:.2} mm long: is it in metres? The unit is mm.",
-                    m_to_mm(size.max())
-                ),
+                format!("The box is only {:.2} mm long: is it in metres? The unit is mm.", m_to_mm(size.max())),
             );
         }
     }
     if let Some(radius) = limits.keep_out_radius.filter(|r| *r < SHORT) {
         slips.add(
             "limits.keep_out_radius_mm",
-            format!(
-                "The keep-out radius is {:.2} mm: is it in metres? The unit is mm.",
-                m_to_mm(radius)
-            ),
+            format!("The keep-out radius is {:.2} mm: is it in metres? The unit is mm.", m_to_mm(radius)),
         );
     }
     if let Some([_, longest]) = limits.rope_length.filter(|r| r[1] < SHORT) {

@@ -23,11 +23,7 @@ pub fn start_touches(cell: &Cell) -> Option<Finding> {
     let how = if nearest.distance < 0.0 {
         format!("overlap by {:.0} mm", m_to_mm(-nearest.distance))
     } else if nearest.distance < clearance {
-        format!(
-            "are {:.1} mm apart, and the clearance is {:.1} mm",
-            m_to_mm(nearest.distance),
-            m_to_mm(clearance)
-        )
+        format!("are {:.1} mm apart, and the clearance is {:.1} mm", m_to_mm(nearest.distance), m_to_mm(clearance))
     } else {
         return None;
     };
@@ -35,9 +31,5 @@ pub fn start_touches(cell: &Cell) -> Option<Finding> {
         "At the start of the route {a} and {b} {how}: no free move begins or ends there. Give a start that is clear of \
          everything, or correct what stands in its way."
     );
-    Some(Finding::serious(
-        codes::START_TOUCHES,
-        "route.start_deg",
-        sentence,
-    ))
+    Some(Finding::serious(codes::START_TOUCHES, "route.start_deg", sentence))
 }

@@ -31,9 +31,5 @@ pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
     } else {
         return;
     };
-    findings.push(Finding::serious(
-        "implausible-place",
-        "work.workpiece_mm",
-        sentence,
-    ));
+    findings.push(Finding::serious("implausible-place", "work.workpiece_mm", sentence));
 }

@@ -85,9 +85,7 @@ fn largest_torques(cell: &Cell, setups: &[Setup], states: &[PostureTerms]) -> Ve
     let each = each.filter_map(|(setup, terms)| cell.scene.torques(setup, terms));
     let larger = |a: Vec<f64>, b: Vec<f64>| {
         let pairs = a.iter().zip(&b);
-        pairs
-            .map(|(a, b)| if b.abs() > a.abs() { *b } else { *a })
-            .collect()
+        pairs.map(|(a, b)| if b.abs() > a.abs() { *b } else { *a }).collect()
     };
     each.reduce(larger).unwrap_or_default()
 }
@@ -129,11 +127,7 @@ pub fn violations(cell: &Cell, postures: &[Posture]) -> Result<Vec<Violation>> {
     let mut found = Vec::new();
     for posture in postures {
         check_angles(&cell.setup.robot, &posture.q)?;
-        let violation = |sentence, limit| Violation {
-            posture: posture.name.clone(),
-            sentence,
-            limit,
-        };
+        let violation = |sentence, limit| Violation { posture: posture.name.clone(), sentence, limit };
         let outside = cell.outside_bounds(&posture.q);
         found.extend(outside.map(|joint| violation(beyond_bounds(cell, joint), None)));
         let named = margins.named(&posture.q)?;
@@ -165,28 +159,17 @@ impl PostureLimits {
         let under = |setup| PostureTerms::new(setup, q, None);
         let states: Vec<PostureTerms> = setups.iter().map(under).collect::<Result<_>>()?;
         let of_kind = |kind: LimitKind| {
-            let own = named
-                .iter()
-                .filter(|m| m.kind == kind && m.margin.is_finite());
+            let own = named.iter().filter(|m| m.kind == kind && m.margin.is_finite());
             own.min_by(|a, b| a.margin.total_cmp(&b.margin))
         };
         let seen = cell.scene.seen(&states[0]);
         let station = seen.as_ref().zip(cell.scene.sight());
         let points = &cell.setup.tool.measuring_points;
         Ok(PostureLimits {
-            nearest: LimitKind::ALL
-                .into_iter()
-                .filter_map(of_kind)
-                .map(NearestLimit::from)
-                .collect(),
+            nearest: LimitKind::ALL.into_iter().filter_map(of_kind).map(NearestLimit::from).collect(),
             station: station.map(|(seen, sight)| sight.stations[seen.station].name.clone()),
             visible_points: seen
-                .map(|seen| {
-                    seen.points
-                        .iter()
-                        .map(|p| points[*p].name.clone())
-                        .collect()
-                })
+                .map(|seen| seen.points.iter().map(|p| points[*p].name.clone()).collect())
                 .unwrap_or_default(),
             torques_nm: largest_torques(cell, &setups, &states),
             displacement_m: displacement(cell, &states),
@@ -201,9 +184,6 @@ impl PostureLimits {
     /// The smallest margin of a length \[m\]; displacements do not count.
     pub fn smallest_m(&self) -> Option<f64> {
         let lengths = self.nearest.iter();
-        lengths
-            .filter(|n| n.kind.unit() == MarginUnit::Length)
-            .filter_map(|n| n.margin_m)
-            .reduce(f64::min)
+        lengths.filter(|n| n.kind.unit() == MarginUnit::Length).filter_map(|n| n.margin_m).reduce(f64::min)
     }
 }

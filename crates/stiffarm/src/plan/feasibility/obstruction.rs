@@ -10,11 +10,7 @@ use std::collections::BTreeMap;
 const SAMPLES: u32 = 4096;
 
 /// Kinds of limits of which it helps to know whose they are.
-const NAMED: [LimitKind; 3] = [
-    LimitKind::Shapes,
-    LimitKind::RopeClearance,
-    LimitKind::Torque,
-];
+const NAMED: [LimitKind; 3] = [LimitKind::Shapes, LimitKind::RopeClearance, LimitKind::Torque];
 
 /// What stands in the way of postures spread over the bounds.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,28 +83,17 @@ pub(crate) fn obstruction_among(cell: &Cell, samples: u32) -> Result<Obstruction
             let left = count(allowed);
             (set, left)
         });
-        counted
-            .filter(|(_, left)| *left > 0)
-            .max_by_key(|(_, left)| *left)
+        counted.filter(|(_, left)| *left > 0).max_by_key(|(_, left)| *left)
     };
     let feasible = count(0);
     let relief = match feasible {
         0 => best(kinds.iter().map(|kind| vec![*kind]).collect()).or_else(|| {
             let pairs = kinds.iter().enumerate();
-            best(
-                pairs
-                    .flat_map(|(i, a)| kinds[i + 1..].iter().map(|b| vec![*a, *b]))
-                    .collect(),
-            )
+            best(pairs.flat_map(|(i, a)| kinds[i + 1..].iter().map(|b| vec![*a, *b])).collect())
         }),
         _ => None,
     };
-    Ok(Obstruction {
-        sampled: masks.len(),
-        feasible,
-        violated,
-        relief,
-    })
+    Ok(Obstruction { sampled: masks.len(), feasible, violated, relief })
 }
 
 fn bit(kind: LimitKind) -> u32 {
@@ -126,19 +111,13 @@ impl Obstruction {
             .take(3)
             .filter(|one| one.postures > 0)
             .map(|one| {
-                let most = one
-                    .subject
-                    .iter()
-                    .map(|name| format!(", most often {name}"));
+                let most = one.subject.iter().map(|name| format!(", most often {name}"));
                 let most: String = most.collect();
                 format!("{} ({}{most})", one.kind.describe(), share(one.postures))
             })
             .collect();
         if most.is_empty() {
-            return format!(
-                "All of {} postures spread over the bounds meet the limits.",
-                self.sampled
-            );
+            return format!("All of {} postures spread over the bounds meet the limits.", self.sampled);
         }
         let mut out = format!(
             "Of {} postures spread over the bounds {} meet every limit; violated most often: {}.",
@@ -161,9 +140,7 @@ impl Obstruction {
                     out += " Shapes drawn too large may be left out: `ignore` in [clearance] names their pairs."
                 }
             }
-            None if self.feasible == 0 => {
-                out += " Leaving out any two kinds of limits would not help."
-            }
+            None if self.feasible == 0 => out += " Leaving out any two kinds of limits would not help.",
             None => {}
         }
         out
@@ -172,8 +149,7 @@ impl Obstruction {
 
 /// The error where no posture meets the limits after `tried` attempts.
 pub(crate) fn nothing_meets(cell: &Cell, tried: usize) -> Error {
-    let tried =
-        format!("None of {tried} random postures within the bounds meets the cell's limits.");
+    let tried = format!("None of {tried} random postures within the bounds meets the cell's limits.");
     let message = match obstruction(cell) {
         Ok(found) => format!("{tried} {}", found.words()),
         Err(_) => tried,

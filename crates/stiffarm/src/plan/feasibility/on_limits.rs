@@ -17,11 +17,7 @@ const MOST_NAMES: usize = 12;
 pub fn on_machine_limits(cell: &Cell, postures: &[Posture]) -> Vec<Finding> {
     let mut findings = Vec::new();
     let robot = &cell.setup.robot;
-    let known = robot
-        .joints()
-        .iter()
-        .enumerate()
-        .filter(|_| !robot.limits_are_unknown());
+    let known = robot.joints().iter().enumerate().filter(|_| !robot.limits_are_unknown());
     for (j, joint) in known {
         for limit in joint.limits {
             let is_near = |p: &&Posture| (p.q[j] - limit).abs() <= deg_to_rad(NEAR_DEG);
@@ -62,11 +58,7 @@ pub fn on_limits(cell: &Cell, postures: &[Posture], limits: &[PostureLimits]) ->
             have(&tight, postures.len()),
             m_to_mm(TO_SPARE),
         );
-        findings.push(Finding::note(
-            codes::NO_ROOM_TO_SPARE,
-            "clearance",
-            sentence,
-        ));
+        findings.push(Finding::note(codes::NO_ROOM_TO_SPARE, "clearance", sentence));
     }
     findings.extend(hidden(cell, postures));
     findings
@@ -91,17 +83,9 @@ fn hidden(cell: &Cell, postures: &[Posture]) -> Option<Finding> {
         "The tracker does not see {}{}: sheet and page to print leave {} out.",
         list(&each),
         more(of.len().saturating_sub(MOST_NAMES)),
-        if of.len() == 1 && first.len() == 1 {
-            "it"
-        } else {
-            "them"
-        }
+        if of.len() == 1 && first.len() == 1 { "it" } else { "them" }
     );
-    Some(Finding::note(
-        codes::HIDDEN_POINTS,
-        "tracker.station",
-        sentence,
-    ))
+    Some(Finding::note(codes::HIDDEN_POINTS, "tracker.station", sentence))
 }
 
 /// `Posture 3 has`, `4 of 12 postures (1, 2, 3 and 4) have`.

@@ -24,10 +24,7 @@ impl Value {
 
     /// Without anything to smooth.
     pub(crate) const fn plain(value: f64) -> Self {
-        Value {
-            smooth: value,
-            exact: value,
-        }
+        Value { smooth: value, exact: value }
     }
 }
 
@@ -239,9 +236,7 @@ impl Criterion {
             least = if *v < least { *v } else { least };
             most = if *v > most { *v } else { most };
         }
-        if least.partial_cmp(&(n as f64 * GRAM_ROUNDING * most))
-            != Some(std::cmp::Ordering::Greater)
-        {
+        if least.partial_cmp(&(n as f64 * GRAM_ROUNDING * most)) != Some(std::cmp::Ordering::Greater) {
             return Value::INFINITE;
         }
         let slopes = &mut self.slopes[..n];
@@ -261,28 +256,9 @@ impl Criterion {
             Value::plain(value)
         } else {
             slopes.fill(0.0);
-            let high = add_extreme(
-                values,
-                most,
-                1.0,
-                self.sharpness,
-                shares.0,
-                slopes,
-                &mut self.off,
-            );
-            let low = add_extreme(
-                values,
-                least,
-                -1.0,
-                self.sharpness,
-                shares.1,
-                slopes,
-                &mut self.off,
-            );
-            Value {
-                smooth: high.smooth + low.smooth,
-                exact: high.exact + low.exact,
-            }
+            let high = add_extreme(values, most, 1.0, self.sharpness, shares.0, slopes, &mut self.off);
+            let low = add_extreme(values, least, -1.0, self.sharpness, shares.1, slopes, &mut self.off);
+            Value { smooth: high.smooth + low.smooth, exact: high.exact + low.exact }
         };
         // Σ slope_i v_i v_iᵀ with the vectors in rows.
         let (vectors, adjoint) = (&self.scratch[..n * n], &mut self.adjoint[..n * n]);
@@ -350,27 +326,17 @@ fn add_extreme(
     let Some(p) = sharpness else {
         let at = values.iter().position(|v| *v == extreme).unwrap_or(0);
         slopes[at] += share / extreme;
-        return Value {
-            smooth: exact,
-            exact,
-        };
+        return Value { smooth: exact, exact };
     };
     // Weights of the eigenvalues; what lies below e⁻⁴⁰ changes nothing.
     let mut sum = 0.0;
     for (weight, v) in weights.iter_mut().zip(values) {
         let exponent = sign * p * (v / extreme).ln();
-        *weight = if exponent < -40.0 {
-            0.0
-        } else {
-            exponent.exp()
-        };
+        *weight = if exponent < -40.0 { 0.0 } else { exponent.exp() };
         sum += *weight;
     }
     for ((slope, weight), v) in slopes.iter_mut().zip(&*weights).zip(values) {
         *slope += share * weight / (sum * v);
     }
-    Value {
-        smooth: exact + share * sign * sum.ln() / p,
-        exact,
-    }
+    Value { smooth: exact + share * sign * sum.ln() / p, exact }
 }

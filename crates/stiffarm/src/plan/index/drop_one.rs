@@ -25,9 +25,7 @@ impl Each {
         match (&cell.prior, many) {
             (None, _) => Each::Nothing,
             (_, false) => Each::Rows(Vec::new()),
-            (Some(prior), true) => {
-                Each::Information(prior.iter().map(|k| 1.0 / k).collect(), Vec::new())
-            }
+            (Some(prior), true) => Each::Information(prior.iter().map(|k| 1.0 / k).collect(), Vec::new()),
         }
     }
 
@@ -48,21 +46,14 @@ impl Each {
     }
 
     /// Largest error of all but one posture.
-    pub fn drop_one_error(
-        &self,
-        whitened: &DMatrix<f64>,
-        prior: &[f64],
-        std: f64,
-    ) -> Result<Option<f64>> {
+    pub fn drop_one_error(&self, whitened: &DMatrix<f64>, prior: &[f64], std: f64) -> Result<Option<f64>> {
         let n = prior.len();
         let postures = match self {
             Each::Nothing => return Ok(None),
             Each::Information(_, all) => {
                 let each = all.chunks_exact(n * n);
                 let each = each.map(|own| DMatrix::from_column_slice(n, n, own));
-                let total = each
-                    .clone()
-                    .fold(DMatrix::zeros(n, n), |sum, own| sum + own);
+                let total = each.clone().fold(DMatrix::zeros(n, n), |sum, own| sum + own);
                 return Ok(drop_one_by_information(&total, each, std));
             }
             Each::Rows(postures) => postures,
@@ -92,11 +83,7 @@ impl Each {
 
 /// The same for large groups, where one posture more or less hardly
 /// changes the information, from the information matrices.
-fn drop_one_by_information(
-    total: &DMatrix<f64>,
-    each: impl Iterator<Item = DMatrix<f64>>,
-    std: f64,
-) -> Option<f64> {
+fn drop_one_by_information(total: &DMatrix<f64>, each: impl Iterator<Item = DMatrix<f64>>, std: f64) -> Option<f64> {
     let mut worst = 0.0_f64;
     for own in each {
         let (values, _) = symmetric_eigen(total - own)?;
@@ -112,12 +99,7 @@ fn drop_one_by_information(
 
 /// σ k_j sqrt([(ΨᵀΨ)⁻¹]_jj) per joint.
 pub(super) fn relative_errors(factor: &Factor, prior: &[f64], std: f64) -> Vec<Option<f64>> {
-    factor
-        .standard_errors()
-        .iter()
-        .zip(prior)
-        .map(|(e, k)| e.map(|e| std * k * e))
-        .collect()
+    factor.standard_errors().iter().zip(prior).map(|(e, k)| e.map(|e| std * k * e)).collect()
 }
 
 /// Root of the mean square; `None` where one is missing.

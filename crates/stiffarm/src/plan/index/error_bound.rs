@@ -32,14 +32,8 @@ pub struct ErrorBound {
 ///
 /// # Errors
 /// A negative or non-finite argument, or a condition number below 1.
-pub fn error_bound(
-    condition_psi: f64,
-    relative_omega: f64,
-    relative_lambda: f64,
-) -> Result<ErrorBound> {
-    let finite = [condition_psi, relative_omega, relative_lambda]
-        .iter()
-        .all(|v| v.is_finite());
+pub fn error_bound(condition_psi: f64, relative_omega: f64, relative_lambda: f64) -> Result<ErrorBound> {
+    let finite = [condition_psi, relative_omega, relative_lambda].iter().all(|v| v.is_finite());
     if !finite || condition_psi < 1.0 || relative_omega < 0.0 || relative_lambda < 0.0 {
         return Err(Error::invalid(
             "Eq. (19) needs a condition number of at least 1 and relative errors of at least 0.",
@@ -48,11 +42,6 @@ pub fn error_bound(
     let condition_omega = condition_psi * condition_psi;
     let validity = condition_omega * relative_omega;
     // Eq. (19)
-    let bound = (validity < 1.0)
-        .then(|| condition_omega / (1.0 - validity) * (relative_lambda + relative_omega));
-    Ok(ErrorBound {
-        bound,
-        validity,
-        condition_omega,
-    })
+    let bound = (validity < 1.0).then(|| condition_omega / (1.0 - validity) * (relative_lambda + relative_omega));
+    Ok(ErrorBound { bound, validity, condition_omega })
 }

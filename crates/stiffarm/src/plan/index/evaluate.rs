@@ -197,11 +197,7 @@ impl GroupEvaluation {
 /// # Errors
 /// An empty group, angles (of postures or tasks) of the wrong length or not
 /// finite, or a load that only a measurement gives.
-pub fn evaluate<Q: AsRef<[f64]>>(
-    cell: &Cell,
-    name: &str,
-    postures: &[Q],
-) -> Result<GroupEvaluation> {
+pub fn evaluate<Q: AsRef<[f64]>>(cell: &Cell, name: &str, postures: &[Q]) -> Result<GroupEvaluation> {
     // The cell may lack what the index prediction needs.
     let model = PredictionModel::of_cell(cell).ok();
     let terms = terms_of_each(cell, postures);
@@ -228,18 +224,12 @@ pub(crate) fn evaluate_for<Q: AsRef<[f64]>>(
 ///
 /// # Errors
 /// As [`PostureTerms::new`].
-pub(crate) fn posture_terms<Q: AsRef<[f64]>>(
-    cell: &Cell,
-    postures: &[Q],
-) -> Result<Vec<Vec<PostureTerms>>> {
+pub(crate) fn posture_terms<Q: AsRef<[f64]>>(cell: &Cell, postures: &[Q]) -> Result<Vec<Vec<PostureTerms>>> {
     terms_of_each(cell, postures).collect()
 }
 
 /// The same one after the other: they are large.
-fn terms_of_each<Q: AsRef<[f64]>>(
-    cell: &Cell,
-    postures: &[Q],
-) -> impl Iterator<Item = Result<Vec<PostureTerms>>> {
+fn terms_of_each<Q: AsRef<[f64]>>(cell: &Cell, postures: &[Q]) -> impl Iterator<Item = Result<Vec<PostureTerms>>> {
     let setups = cell.setup.cases();
     postures.iter().map(move |q| {
         let under = |setup| PostureTerms::new(setup, q.as_ref(), None);
@@ -258,13 +248,7 @@ pub(crate) fn evaluate_terms<T: AsRef<[PostureTerms]>>(
     postures: &[T],
     prediction: Option<&PredictionModel>,
 ) -> Result<GroupEvaluation> {
-    evaluate_each(
-        cell,
-        name,
-        postures.len(),
-        postures.iter().map(Ok),
-        prediction,
-    )
+    evaluate_each(cell, name, postures.len(), postures.iter().map(Ok), prediction)
 }
 
 /// The same of `count` postures whose terms are looked at once, one after the other.
@@ -276,10 +260,7 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
     prediction: Option<&PredictionModel>,
 ) -> Result<GroupEvaluation> {
     if count == 0 {
-        return Err(Error::new(
-            Code::TooFewData,
-            format!("The group \"{name}\" has no postures."),
-        ));
+        return Err(Error::new(Code::TooFewData, format!("The group \"{name}\" has no postures.")));
     }
     let setup = &cell.setup;
     let robot = &setup.robot;
@@ -307,33 +288,26 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
         each.add(&rows);
         whitened.push(rows);
         let terms = &own.as_ref()[0];
-        k_jn.push(cell.characteristic_length.and_then(|length| {
-            dexterity::condition_number(terms.frames(), &terms.measuring_points()[0], length)
-        }));
+        k_jn.push(
+            cell.characteristic_length
+                .and_then(|length| dexterity::condition_number(terms.frames(), &terms.measuring_points()[0], length)),
+        );
     }
     let (psi, whitened) = (psi.into_matrix(), whitened.into_matrix());
     let factor = Factor::new(&psi)?;
     let full = factor.undetermined().is_empty();
     let sigma = factor.singular_values(|_| 1.0)?;
-    let ratio =
-        |s: &nalgebra::DVector<f64>| full.then(|| s[0] / s[n - 1]).filter(|c| c.is_finite());
+    let ratio = |s: &nalgebra::DVector<f64>| full.then(|| s[0] / s[n - 1]).filter(|c| c.is_finite());
     let condition = ratio(&sigma);
     // k(J_N)_max exists only where every posture has one.
-    let classical = k_jn
-        .iter()
-        .copied()
-        .try_fold(0.0_f64, |max, k| k.map(|k| max.max(k)));
+    let classical = k_jn.iter().copied().try_fold(0.0_f64, |max, k| k.map(|k| max.max(k)));
 
     let std = cell.noise.displacement_std();
     let mut relative = vec![None; n];
     let (mut scaled_condition, mut d, mut drop_one) = (None, None, None);
     let mut scaled_sigma = Vec::new();
     // Without a posture-common part the whitened Ψ is Ψ.
-    let weighted = if rho > 0.0 {
-        Factor::new(&whitened)?
-    } else {
-        factor.clone()
-    };
+    let weighted = if rho > 0.0 { Factor::new(&whitened)? } else { factor.clone() };
     if let Some(prior) = &cell.prior {
         scaled_condition = ratio(&factor.singular_values(|j| 1.0 / prior[j])?);
         relative = relative_errors(&weighted, prior, std);
@@ -355,10 +329,7 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
         }
     };
     let rms = rms(&relative);
-    let worst = relative
-        .iter()
-        .copied()
-        .try_fold(0.0_f64, |max, e| e.map(|e| max.max(e)));
+    let worst = relative.iter().copied().try_fold(0.0_f64, |max, e| e.map(|e| max.max(e)));
     let times = |a: Option<f64>, b: Option<f64>| Some(a? * b?);
     let observability = |f: &dyn Fn() -> f64| full.then(f).filter(|v| v.is_finite());
     let log_sum = || sigma.iter().map(|s| s.ln()).sum::<f64>();
@@ -398,11 +369,7 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
         correlation: correlation(&weighted),
         expected_deviation: relative.iter().map(|e| e.map(expected_deviation)).collect(),
         relative_standard_error: relative,
-        undetermined_joints: factor
-            .undetermined()
-            .iter()
-            .map(|&j| robot.spring_names()[j].clone())
-            .collect(),
+        undetermined_joints: factor.undetermined().iter().map(|&j| robot.spring_names()[j].clone()).collect(),
         forecast: None,
     })
 }
@@ -421,13 +388,7 @@ fn correlation(factor: &Factor) -> Vec<Vec<f64>> {
     let n = covariance.nrows();
     let one = |i: usize, j: usize| {
         let size = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
-        if i == j {
-            1.0
-        } else {
-            (covariance[(i, j)] / size).clamp(-1.0, 1.0)
-        }
+        if i == j { 1.0 } else { (covariance[(i, j)] / size).clamp(-1.0, 1.0) }
     };
-    (0..n)
-        .map(|i| (0..n).map(|j| one(i, j)).collect())
-        .collect()
+    (0..n).map(|i| (0..n).map(|j| one(i, j)).collect()).collect()
 }

@@ -82,12 +82,7 @@ pub(super) struct Facts {
     pub needs_prior: bool,
 }
 
-const fn facts(
-    index: Index,
-    name: &'static str,
-    meaning: &'static str,
-    says: &'static str,
-) -> Facts {
+const fn facts(index: Index, name: &'static str, meaning: &'static str, says: &'static str) -> Facts {
     Facts {
         index,
         name,
@@ -236,44 +231,24 @@ pub(super) const FACTS: [Facts; 16] = [
         origin: Origin::Literature,
         kind: Kind::Observability,
         has_extreme_singular_values: true,
-        ..facts(
-            Index::O2,
-            "o2",
-            "smallest over largest singular value; larger is better",
-            OBSERVABILITY,
-        )
+        ..facts(Index::O2, "o2", "smallest over largest singular value; larger is better", OBSERVABILITY)
     },
     Facts {
         origin: Origin::Literature,
         kind: Kind::Observability,
         has_extreme_singular_values: true,
-        ..facts(
-            Index::O3,
-            "o3",
-            "smallest singular value; larger is better",
-            OBSERVABILITY,
-        )
+        ..facts(Index::O3, "o3", "smallest singular value; larger is better", OBSERVABILITY)
     },
     Facts {
         origin: Origin::Literature,
         kind: Kind::Observability,
         has_extreme_singular_values: true,
-        ..facts(
-            Index::O4,
-            "o4",
-            "its square over the largest one; larger is better",
-            OBSERVABILITY,
-        )
+        ..facts(Index::O4, "o4", "its square over the largest one; larger is better", OBSERVABILITY)
     },
     Facts {
         origin: Origin::Literature,
         kind: Kind::Observability,
         has_kinks: false,
-        ..facts(
-            Index::O5,
-            "o5",
-            "one over the sum of their inverses; larger is better",
-            OBSERVABILITY,
-        )
+        ..facts(Index::O5, "o5", "one over the sum of their inverses; larger is better", OBSERVABILITY)
     },
 ];

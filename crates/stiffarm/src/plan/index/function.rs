@@ -60,12 +60,7 @@ impl IndexFunction {
     ///
     /// # Errors
     /// As [`new`](Self::new); given angles of the wrong number or not finite.
-    pub fn with_given<Q: AsRef<[f64]>>(
-        cell: &Cell,
-        index: Index,
-        posture_count: usize,
-        given: &[Q],
-    ) -> Result<Self> {
+    pub fn with_given<Q: AsRef<[f64]>>(cell: &Cell, index: Index, posture_count: usize, given: &[Q]) -> Result<Self> {
         IndexFunction::build(cell, index, posture_count, given, false)
     }
 
@@ -144,9 +139,7 @@ impl IndexFunction {
     pub fn component_count(&self) -> usize {
         let free = self.kernel.posture_count();
         match self.index {
-            Index::Classical | Index::Novel | Index::Scaled => {
-                free + usize::from(self.given.count > 0)
-            }
+            Index::Classical | Index::Novel | Index::Scaled => free + usize::from(self.given.count > 0),
             Index::DropOne => free + self.given.count,
             Index::WorstJoint => self.criterion.unknowns(),
             _ => 0,
@@ -215,8 +208,7 @@ impl IndexFunction {
                 let square = self.adjoint.len();
                 self.adjoint.fill(0.0);
                 for (c, row) in out.component_gradients.chunks_exact_mut(size).enumerate() {
-                    self.kernel
-                        .set_adjoint(None, &self.adjoints[c * square..(c + 1) * square]);
+                    self.kernel.set_adjoint(None, &self.adjoints[c * square..(c + 1) * square]);
                     if let Some(p) = c.checked_sub(self.given.count) {
                         self.kernel.set_adjoint(Some(p), &self.adjoint);
                     }
@@ -256,9 +248,7 @@ impl IndexFunction {
         let largest = self.largest_component();
         let of_part = (self.index == Index::DropOne).then_some(largest);
         let is_far = !self.index.uses_dexterity() || 2.0 * largest < SOUND.ln();
-        is_far
-            && (!self.index.uses_observation()
-                || self.criterion.condition(&self.total, of_part) < SOUND)
+        is_far && (!self.index.uses_observation() || self.criterion.condition(&self.total, of_part) < SOUND)
     }
 
     /// ln of the index (of its reciprocal for O1 to O5) at `q` \[rad\] and its gradient \[1/rad\]: at kinks that
@@ -282,10 +272,7 @@ impl IndexFunction {
         let exact = value.exact + largest;
         if !exact.is_finite() {
             gradient.fill(0.0);
-            return Smoothed {
-                objective: f64::INFINITY,
-                exact: f64::INFINITY,
-            };
+            return Smoothed { objective: f64::INFINITY, exact: f64::INFINITY };
         }
         let mut smooth = value.smooth;
         if !self.components.is_empty() {
@@ -297,10 +284,7 @@ impl IndexFunction {
         if let Some(prediction) = &self.prediction {
             prediction.add_gradient(gradient);
         }
-        Smoothed {
-            objective: smooth + self.kernel.penalty(),
-            exact,
-        }
+        Smoothed { objective: smooth + self.kernel.penalty(), exact }
     }
 
     /// Derivatives of the smoothed index by information and k(J_N).
@@ -315,8 +299,7 @@ impl IndexFunction {
             Index::WorstJoint => {
                 self.adjoint.fill(0.0);
                 for (j, weight) in self.weights.iter().enumerate() {
-                    self.criterion
-                        .add_joint_adjoint(j, *weight, &mut self.adjoint);
+                    self.criterion.add_joint_adjoint(j, *weight, &mut self.adjoint);
                 }
                 self.kernel.set_adjoint(None, &self.adjoint);
             }
@@ -400,17 +383,13 @@ impl IndexFunction {
                         return Value::INFINITE;
                     }
                     self.components[c] = value.exact;
-                    self.adjoints[c * square..(c + 1) * square]
-                        .copy_from_slice(&self.criterion.adjoint);
+                    self.adjoints[c * square..(c + 1) * square].copy_from_slice(&self.criterion.adjoint);
                 }
                 constant
             }
             _ => {
                 let value = self.criterion.evaluate(&self.total);
-                Value {
-                    smooth: value.smooth + self.log_factor,
-                    exact: value.exact + self.log_factor,
-                }
+                Value { smooth: value.smooth + self.log_factor, exact: value.exact + self.log_factor }
             }
         }
     }

@@ -43,10 +43,8 @@ pub fn evaluate_groups<G: AsRef<[Q]> + Sync, Q: AsRef<[f64]> + Sync>(
     };
     // What the cell lacks leaves an index out, or is said here.
     exactly(0, first)?;
-    let functions: Vec<IndexFunction> = wanted
-        .iter()
-        .filter_map(|index| IndexFunction::new(cell, *index, first.len()).ok())
-        .collect();
+    let functions: Vec<IndexFunction> =
+        wanted.iter().filter_map(|index| IndexFunction::new(cell, *index, first.len()).ok()).collect();
     let fits = |group: &[Q]| {
         let robot = &cell.setup.robot;
         let mut angles = group.iter().map(|q| check_angles(robot, q.as_ref()));

@@ -39,11 +39,8 @@ impl Inputs {
         } else {
             vec![1.0; robot.spring_count()]
         };
-        let common_weight = if index.is_error() {
-            cell.noise.common_weight(cell.setup.tool.point_count())
-        } else {
-            0.0
-        };
+        let common_weight =
+            if index.is_error() { cell.noise.common_weight(cell.setup.tool.point_count()) } else { 0.0 };
         Ok(Inputs {
             dexterity,
             information: (index.uses_observation() && index != Index::Prediction)
@@ -89,22 +86,11 @@ impl Given {
     /// # Errors
     /// As [`Kernel::new`].
     pub fn new<Q: AsRef<[f64]>>(cell: &Cell, wanted: Wanted<'_>, given: &[Q]) -> Result<Self> {
-        let mut fixed = Given {
-            count: given.len(),
-            each: Vec::new(),
-            log_dexterity: f64::NEG_INFINITY,
-        };
+        let mut fixed = Given { count: given.len(), each: Vec::new(), log_dexterity: f64::NEG_INFINITY };
         if given.is_empty() {
             return Ok(fixed);
         }
-        let mut kernel = Kernel::new(
-            cell,
-            Wanted {
-                limits: false,
-                ..wanted
-            },
-            given.len(),
-        )?;
+        let mut kernel = Kernel::new(cell, Wanted { limits: false, ..wanted }, given.len())?;
         let q: Vec<f64> = given.iter().flat_map(|q| q.as_ref().to_vec()).collect();
         kernel.forward(&q);
         for p in 0..given.len() {

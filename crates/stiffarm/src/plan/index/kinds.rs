@@ -63,19 +63,11 @@ impl Index {
     /// Unknown name; the hint has the nearest.
     pub fn from_name(name: &str) -> Result<Self> {
         let wanted = name.trim().to_lowercase().replace('-', "_");
-        Index::ALL
-            .into_iter()
-            .find(|i| i.as_str() == wanted)
-            .ok_or_else(|| {
-                let hint =
-                    did_you_mean(&wanted, Index::ALL.map(Index::as_str)).unwrap_or_else(|| {
-                        format!(
-                            "known indices: {}",
-                            Index::ALL.map(Index::as_str).join(", ")
-                        )
-                    });
-                Error::new(Code::UnknownName, format!("There is no index \"{name}\".")).hint(hint)
-            })
+        Index::ALL.into_iter().find(|i| i.as_str() == wanted).ok_or_else(|| {
+            let hint = did_you_mean(&wanted, Index::ALL.map(Index::as_str))
+                .unwrap_or_else(|| format!("known indices: {}", Index::ALL.map(Index::as_str).join(", ")));
+            Error::new(Code::UnknownName, format!("There is no index \"{name}\".")).hint(hint)
+        })
     }
 
     /// True when a larger value is better (O1 to O5).
@@ -134,11 +126,7 @@ impl Index {
     /// The index from the logarithm that searches minimise (of its reciprocal
     /// for O1 to O5).
     pub fn of_log(self, log: f64) -> f64 {
-        if self.larger_is_better() {
-            (-log).exp()
-        } else {
-            log.exp()
-        }
+        if self.larger_is_better() { (-log).exp() } else { log.exp() }
     }
 
     /// True when it has kinks and with them many local minima: a search for the

@@ -55,21 +55,12 @@ pub struct Smoothed {
 /// ln(Σ exp(p·(component − largest)))/p with p = `sharpness`: what the smoothed maximum
 /// lies above the `largest` component; `weights` become the components' shares in its
 /// derivative.
-pub(super) fn log_sum(
-    components: &[f64],
-    largest: f64,
-    sharpness: f64,
-    weights: &mut [f64],
-) -> f64 {
+pub(super) fn log_sum(components: &[f64], largest: f64, sharpness: f64, weights: &mut [f64]) -> f64 {
     let mut sum = 0.0;
     for (weight, component) in weights.iter_mut().zip(components) {
         // Weights that count for nothing are zero, not slow tiny numbers.
         let exponent = sharpness * (component - largest);
-        *weight = if exponent < -40.0 {
-            0.0
-        } else {
-            exponent.exp()
-        };
+        *weight = if exponent < -40.0 { 0.0 } else { exponent.exp() };
         sum += *weight;
     }
     for weight in weights.iter_mut() {

@@ -15,9 +15,7 @@ pub(crate) mod minimax;
 pub(crate) mod prediction;
 
 pub use error_bound::{ErrorBound, error_bound};
-pub use evaluate::{
-    FIRST_ORDER_LIMIT, Forecast, GroupEvaluation, Indices, evaluate, expected_deviation,
-};
+pub use evaluate::{FIRST_ORDER_LIMIT, Forecast, GroupEvaluation, Indices, evaluate, expected_deviation};
 pub(crate) use evaluate::{evaluate_for, evaluate_terms, posture_terms};
 pub use function::IndexFunction;
 pub use groups::evaluate_groups;

@@ -21,21 +21,12 @@ pub(super) struct Approach {
 
 /// The end of the move from `from` to the stop `to`: `turn` \[rad\] beyond it in as many joints as find room
 /// for it. Straight to there where that is free, else over the stop itself.
-pub(super) fn approach(
-    cell: &Cell,
-    ways: &mut Moves<'_>,
-    from: &[f64],
-    to: &[f64],
-    turn: f64,
-) -> Result<Approach> {
+pub(super) fn approach(cell: &Cell, ways: &mut Moves<'_>, from: &[f64], to: &[f64], turn: f64) -> Result<Approach> {
     let robot = &cell.setup.robot;
     let standing = robot.serial_angles(to);
     let sides = cell.sides_of_load(to)?;
     let mut beyond = standing.clone();
-    let mut found = Approach {
-        via: Vec::new(),
-        joints: Vec::new(),
-    };
+    let mut found = Approach { via: Vec::new(), joints: Vec::new() };
     ways.begin(to, to)?;
     for (joint, side) in sides.into_iter().enumerate() {
         let Some(side) = side.filter(|side| *side != 0.0) else {

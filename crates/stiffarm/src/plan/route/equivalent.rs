@@ -89,9 +89,7 @@ impl<'a> Equivalents<'a> {
         (0..frames.joint_count()).all(|j| {
             let (a, b) = (frames.axes()[j], other.axes()[j]);
             let (moved, moves) = (frames.column(j, &at), other.column(j, &at));
-            let same = |sign: f64| {
-                (a - b * sign).norm() < SAME_AXIS && (moved - moves * sign).norm() < SAME_AXIS
-            };
+            let same = |sign: f64| (a - b * sign).norm() < SAME_AXIS && (moved - moves * sign).norm() < SAME_AXIS;
             same(1.0) || (!self.keep_wrist && same(-1.0))
         })
     }

@@ -34,12 +34,7 @@ enum Exchange {
     /// The stops behind the first up to the second, the other way round.
     Turn(usize, usize),
     /// The stops `from` to `to` between `behind` and the next.
-    Move {
-        from: usize,
-        to: usize,
-        behind: usize,
-        reversed: bool,
-    },
+    Move { from: usize, to: usize, behind: usize, reversed: bool },
 }
 
 impl<'p> Exchanges<'p> {
@@ -184,16 +179,13 @@ impl<'p> Exchanges<'p> {
             }
         }
         for length in 1..=STRETCH.min(count.saturating_sub(1)) {
-            let at_end = (length > 1)
-                .then(|| (stop + 1).checked_sub(length))
-                .flatten();
+            let at_end = (length > 1).then(|| (stop + 1).checked_sub(length)).flatten();
             for from in [Some(stop), at_end].into_iter().flatten() {
                 let to = from + length - 1;
                 if from == 0 || to > count {
                     continue;
                 }
-                let freed =
-                    self.step(from - 1, from) + self.step(to, to + 1) - self.step(from - 1, to + 1);
+                let freed = self.step(from - 1, from) + self.step(to, to + 1) - self.step(from - 1, to + 1);
                 if freed <= most {
                     continue;
                 }
@@ -206,12 +198,7 @@ impl<'p> Exchanges<'p> {
                     if gain > most {
                         most = gain;
                         let reversed = back < along;
-                        best = Some(Exchange::Move {
-                            from,
-                            to,
-                            behind,
-                            reversed,
-                        });
+                        best = Some(Exchange::Move { from, to, behind, reversed });
                     }
                 }
             }
@@ -227,12 +214,7 @@ impl<'p> Exchanges<'p> {
                 self.look_again(low, low + 1);
                 self.look_again(high, high + 1);
             }
-            Exchange::Move {
-                from,
-                to,
-                behind,
-                reversed,
-            } => {
+            Exchange::Move { from, to, behind, reversed } => {
                 let length = to - from + 1;
                 let (first, low, high) = if behind > to {
                     self.order[from - 1..behind].rotate_left(length);

@@ -43,11 +43,7 @@ const MOST_PLACES: usize = 1200;
 ///
 /// # Errors
 /// A step that is not above zero; angles that do not fit the robot; a rope without a direction.
-pub fn rounded<Q: AsRef<[f64]>>(
-    cell: &Cell,
-    postures: &[Q],
-    step_deg: f64,
-) -> Result<Vec<Vec<f64>>> {
+pub fn rounded<Q: AsRef<[f64]>>(cell: &Cell, postures: &[Q], step_deg: f64) -> Result<Vec<Vec<f64>>> {
     let mut rounding = Rounding::new(cell, step_deg)?;
     let each = postures.iter().map(|q| {
         let q = q.as_ref();
@@ -117,11 +113,7 @@ fn standing_places(
     let (mut stands, mut of) = (Vec::new(), Vec::new());
     for (posture, q) in plan.iter().enumerate() {
         control.check()?;
-        let own = if options.keep_angles {
-            vec![q.clone()]
-        } else {
-            equivalents.of(q)?
-        };
+        let own = if options.keep_angles { vec![q.clone()] } else { equivalents.of(q)? };
         of.extend(std::iter::repeat_n(posture, own.len()));
         stands.extend(own);
     }
@@ -159,14 +151,7 @@ fn repeated(order: &[usize], alike: &[usize]) -> Vec<Vec<usize>> {
 }
 
 /// The places with the times of the joint moves between them.
-fn places(
-    ways: &Moves<'_>,
-    cell: &Cell,
-    count: usize,
-    stands: &[Vec<f64>],
-    of: Vec<usize>,
-    same: &[usize],
-) -> Places {
+fn places(ways: &Moves<'_>, cell: &Cell, count: usize, stands: &[Vec<f64>], of: Vec<usize>, same: &[usize]) -> Places {
     let row = |a: &Vec<f64>| stands.iter().map(|b| ways.seconds(a, b)).collect();
     let mut cost: Vec<Vec<f64>> = stands.iter().map(row).collect();
     let dearest = cost.iter().flatten().fold(0.0, |most: f64, c| most.max(*c));

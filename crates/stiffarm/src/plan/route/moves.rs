@@ -59,19 +59,10 @@ pub(super) struct Moves<'a> {
 }
 
 impl<'a> Moves<'a> {
-    pub fn new(
-        way_cell: &'a Cell,
-        speeds: Vec<f64>,
-        seed: u64,
-        control: Control<'a>,
-    ) -> Result<Self> {
+    pub fn new(way_cell: &'a Cell, speeds: Vec<f64>, seed: u64, control: Control<'a>) -> Result<Self> {
         let margins = way_cell.posture_margins()?;
         // Both ends of the rope's distances move.
-        let both = if way_cell.route.load_stays_on {
-            2.0
-        } else {
-            1.0
-        };
+        let both = if way_cell.route.load_stays_on { 2.0 } else { 1.0 };
         let reach = way_cell.scene.reach(&way_cell.setup);
         Ok(Moves {
             values: vec![0.0; margins.count()],
@@ -100,10 +91,7 @@ impl<'a> Moves<'a> {
     /// Time along several postures \[s\].
     pub fn seconds_along<'q>(&self, postures: impl IntoIterator<Item = &'q Vec<f64>>) -> f64 {
         let postures: Vec<&Vec<f64>> = postures.into_iter().collect();
-        postures
-            .windows(2)
-            .map(|pair| self.seconds(pair[0], pair[1]))
-            .sum()
+        postures.windows(2).map(|pair| self.seconds(pair[0], pair[1])).sum()
     }
 
     /// What each margin at a posture is about.
@@ -114,8 +102,7 @@ impl<'a> Moves<'a> {
     /// The margins at a posture \[m\]; those of `enough` and more may be told too small, but not below it.
     pub fn margins(&mut self, q: &[f64], enough: f64) -> Result<&[f64]> {
         self.control.check()?;
-        self.margins
-            .evaluate(q, enough, &mut self.values, Slopes::default())?;
+        self.margins.evaluate(q, enough, &mut self.values, Slopes::default())?;
         Ok(&self.values)
     }
 

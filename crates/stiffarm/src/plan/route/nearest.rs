@@ -41,16 +41,8 @@ pub(super) fn nearest(
     let Some(margin) = about.get(least.which) else {
         return Ok(None);
     };
-    let left_out = if free {
-        0.0
-    } else {
-        allowance(cell, ways.cell, margin.kind) - added[least.which]
-    };
-    Ok(Some(NearestOnTheWay {
-        kind: margin.kind,
-        subject: margin.point.clone(),
-        distance_m: least.bound + left_out,
-    }))
+    let left_out = if free { 0.0 } else { allowance(cell, ways.cell, margin.kind) - added[least.which] };
+    Ok(Some(NearestOnTheWay { kind: margin.kind, subject: margin.point.clone(), distance_m: least.bound + left_out }))
 }
 
 /// What a margin of the way's cell leaves out of the distance itself.
@@ -90,15 +82,8 @@ impl Least {
         if !added.iter().any(|added| added.is_finite()) {
             return Ok(None);
         }
-        let mut least = Least {
-            seen: f64::INFINITY,
-            which: 0,
-            bound: f64::INFINITY,
-        };
-        let travels: Vec<f64> = legs
-            .windows(2)
-            .map(|leg| ways.travel(&leg[0], &leg[1]))
-            .collect();
+        let mut least = Least { seen: f64::INFINITY, which: 0, bound: f64::INFINITY };
+        let travels: Vec<f64> = legs.windows(2).map(|leg| ways.travel(&leg[0], &leg[1])).collect();
         let mut open = VecDeque::new();
         for (leg, ends) in legs.windows(2).enumerate() {
             let turn = largest_change(&ends[0], &ends[1]);
@@ -130,15 +115,8 @@ impl Least {
             let middle = 0.5 * (shares[0] + shares[1]);
             let q = between(&legs[leg], &legs[leg + 1], middle);
             let at = least.look(ways, &q, added, 0.5 * length)?;
-            let halves = [
-                (shares[0], middle, seen[0], at),
-                (middle, shares[1], at, seen[1]),
-            ];
-            open.extend(halves.map(|(a, b, at_a, at_b)| Stretch {
-                leg,
-                shares: [a, b],
-                seen: [at_a, at_b],
-            }));
+            let halves = [(shares[0], middle, seen[0], at), (middle, shares[1], at, seen[1])];
+            open.extend(halves.map(|(a, b, at_a, at_b)| Stretch { leg, shares: [a, b], seen: [at_a, at_b] }));
         }
         least.bound = least.bound.min(least.seen);
         Ok(Some(least))
@@ -148,11 +126,7 @@ impl Least {
     fn look(&mut self, ways: &mut Moves<'_>, q: &[f64], added: &[f64], near: f64) -> Result<f64> {
         let smallest = added.iter().fold(f64::INFINITY, |least, a| least.min(*a));
         let values = ways.margins(q, self.seen - smallest + 2.0 * near)?;
-        let each = values
-            .iter()
-            .zip(added)
-            .map(|(value, added)| value + added)
-            .enumerate();
+        let each = values.iter().zip(added).map(|(value, added)| value + added).enumerate();
         let Some((which, value)) = each.min_by(|a, b| a.1.total_cmp(&b.1)) else {
             return Ok(f64::INFINITY);
         };

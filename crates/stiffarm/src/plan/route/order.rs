@@ -27,22 +27,12 @@ impl Places {
     /// The shortest order, place by place, for certain where [`is_small`](Self::is_small); a stop ends the
     /// exchanges with the best so far.
     pub fn shortest(&self, seed: u64, control: Control<'_>) -> Vec<usize> {
-        if self.is_small() {
-            self.by_recursion()
-        } else {
-            self.by_exchanges(None, MOST_KICKS, seed, control)
-        }
+        if self.is_small() { self.by_recursion() } else { self.by_exchanges(None, MOST_KICKS, seed, control) }
     }
 
     /// The same where `known` was found before some moves became dearer: soon, or with all effort where that is
     /// `thorough`.
-    pub fn again(
-        &self,
-        known: &[usize],
-        thorough: bool,
-        seed: u64,
-        control: Control<'_>,
-    ) -> Vec<usize> {
+    pub fn again(&self, known: &[usize], thorough: bool, seed: u64, control: Control<'_>) -> Vec<usize> {
         match (self.is_small(), thorough) {
             (true, _) => self.by_recursion(),
             (false, true) => self.by_exchanges(Some(known), MOST_KICKS, seed, control),
@@ -99,13 +89,7 @@ impl Places {
     }
 
     /// A short order, by exchanges: from many starts, or on from a `known` order.
-    pub fn by_exchanges(
-        &self,
-        known: Option<&[usize]>,
-        kicks: usize,
-        seed: u64,
-        control: Control<'_>,
-    ) -> Vec<usize> {
+    pub fn by_exchanges(&self, known: Option<&[usize]>, kicks: usize, seed: u64, control: Control<'_>) -> Vec<usize> {
         let mut rng = route_rng(seed, 1);
         let starts: Vec<Vec<usize>> = match known {
             Some(known) => vec![known.to_vec()],
@@ -143,8 +127,7 @@ impl Places {
         while order.len() < self.count {
             let at = order[order.len() - 1];
             let left = (0..self.posture.len()).filter(|place| !seen[self.posture[*place]]);
-            let Some(next) = left.min_by(|a, b| self.cost[at][*a].total_cmp(&self.cost[at][*b]))
-            else {
+            let Some(next) = left.min_by(|a, b| self.cost[at][*a].total_cmp(&self.cost[at][*b])) else {
                 break;
             };
             seen[self.posture[next]] = true;
@@ -156,9 +139,7 @@ impl Places {
     /// An order of postures with the best equivalents.
     pub fn best_equivalents(&self, postures: Vec<usize>) -> Vec<usize> {
         let own = self.of_postures();
-        let order = postures
-            .into_iter()
-            .filter_map(|posture| own[posture].first().copied());
+        let order = postures.into_iter().filter_map(|posture| own[posture].first().copied());
         Exchanges::new(self).with_equivalents(order.collect())
     }
 }

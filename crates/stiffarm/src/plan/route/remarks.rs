@@ -45,9 +45,7 @@ pub fn route_findings(cell: &Cell, stops: &[Posture], route: &Route) -> Result<V
     let start = start_touches(cell);
     let is_told = |each: &RouteMove| start.is_some() && (each.from.is_none() || each.to.is_none());
     let blocked = route.moves.iter();
-    let blocked: Vec<&RouteMove> = blocked
-        .filter(|each| !each.free && !is_told(each))
-        .collect();
+    let blocked: Vec<&RouteMove> = blocked.filter(|each| !each.free && !is_told(each)).collect();
     // Moves with one reason are one finding.
     let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
     for each in blocked {
@@ -57,9 +55,7 @@ pub fn route_findings(cell: &Cell, stops: &[Posture], route: &Route) -> Result<V
             None => reasons.push((reason, vec![each.name(stops)])),
         }
     }
-    let blocked = reasons
-        .iter()
-        .map(|(reason, moves)| blocked_moves(reason, moves));
+    let blocked = reasons.iter().map(|(reason, moves)| blocked_moves(reason, moves));
     let mut findings: Vec<Finding> = start.into_iter().chain(blocked).collect();
     findings.extend(not_approached(cell, stops, route)?);
     Ok(findings)
@@ -108,9 +104,7 @@ pub fn not_approached(cell: &Cell, stops: &[Posture], route: &Route) -> Result<O
     for one in route.moves.iter().filter(|one| one.free) {
         let Some(stop) = one.to else { continue };
         let sides = cell.sides_of_load(&route.postures[stop])?;
-        let is_left = |joint: usize| {
-            sides[joint].is_some_and(|side| side != 0.0) && !one.approached.contains(&joint)
-        };
+        let is_left = |joint: usize| sides[joint].is_some_and(|side| side != 0.0) && !one.approached.contains(&joint);
         let names = (0..joints.len()).filter(|joint| is_left(*joint));
         let names: Vec<&str> = names.map(|joint| &*joints[joint].name).collect();
         let posture = stops.get(stop).map_or("?", |posture| &posture.name);

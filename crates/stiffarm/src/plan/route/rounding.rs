@@ -30,11 +30,7 @@ fn on_step(q: f64, step_deg: f64, up: bool) -> f64 {
         number.floor()
     };
     let each = (1.0 / step_deg).round();
-    let deg = if (each * step_deg - 1.0).abs() < 1e-9 {
-        number / each
-    } else {
-        number * step_deg
-    };
+    let deg = if (each * step_deg - 1.0).abs() < 1e-9 { number / each } else { number * step_deg };
     // No minus before zero.
     deg_to_rad(deg + 0.0)
 }
@@ -61,11 +57,7 @@ impl<'a> Rounding<'a> {
             let message = format!("Angles cannot be rounded to steps of {step_deg}°.");
             return Err(Error::invalid(message).hint("give a step above zero, such as 0.01"));
         }
-        Ok(Rounding {
-            cell,
-            margins: cell.posture_margins()?,
-            step_deg,
-        })
+        Ok(Rounding { cell, margins: cell.posture_margins()?, step_deg })
     }
 
     fn is_allowed(&mut self, q: &[f64]) -> Result<bool> {
@@ -101,14 +93,10 @@ impl<'a> Rounding<'a> {
     /// Of the postures of whole steps around `centre`, the allowed one nearest to `q`.
     fn around(&mut self, centre: &[f64], q: &[f64]) -> Result<Option<Vec<f64>>> {
         let step = self.step_deg;
-        let sides: Vec<[f64; 2]> = centre
-            .iter()
-            .map(|angle| [on_step(*angle, step, false), on_step(*angle, step, true)])
-            .collect();
+        let sides: Vec<[f64; 2]> =
+            centre.iter().map(|angle| [on_step(*angle, step, false), on_step(*angle, step, true)]).collect();
         // Only joints between two steps have two sides.
-        let free: Vec<usize> = (0..q.len())
-            .filter(|j| sides[*j][0] != sides[*j][1])
-            .collect();
+        let free: Vec<usize> = (0..q.len()).filter(|j| sides[*j][0] != sides[*j][1]).collect();
         let mut corners: Vec<(f64, Vec<f64>)> = (0_u32..1 << free.len().min(10))
             .map(|choice| {
                 let mut corner: Vec<f64> = nearest(centre, step);
@@ -137,10 +125,7 @@ impl<'a> Rounding<'a> {
         let mut slopes = vec![0.0; count * n];
         let wanted = vec![true; count];
         for _ in 0..STEPS {
-            let all = Slopes {
-                rows: &mut slopes,
-                wanted: &wanted,
-            };
+            let all = Slopes { rows: &mut slopes, wanted: &wanted };
             self.margins.evaluate(&q, 1.0, &mut values, all)?;
             let worst = (0..count).min_by(|a, b| values[*a].total_cmp(&values[*b]));
             let Some(worst) = worst.filter(|at| values[*at] < room) else {
@@ -148,9 +133,8 @@ impl<'a> Rounding<'a> {
             };
             // By θ; the controller's angles are C⁻¹ of it, so their slope is Cᵀ's.
             let by_theta = &slopes[worst * n..(worst + 1) * n];
-            let slope: Vec<f64> = (0..n)
-                .map(|k| (0..n).map(|i| robot.coupling()[(i, k)] * by_theta[i]).sum())
-                .collect();
+            let slope: Vec<f64> =
+                (0..n).map(|k| (0..n).map(|i| robot.coupling()[(i, k)] * by_theta[i]).sum()).collect();
             let square: f64 = slope.iter().map(|s| s * s).sum();
             if square < 1e-18 {
                 break;

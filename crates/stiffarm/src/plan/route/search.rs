@@ -24,10 +24,7 @@ struct Tree {
 
 impl Tree {
     fn new(root: &[f64]) -> Self {
-        Tree {
-            postures: vec![root.to_vec()],
-            parents: vec![0],
-        }
+        Tree { postures: vec![root.to_vec()], parents: vec![0] }
     }
 
     /// Grows from its nearest posture towards `goal` by one branch: the posture reached.
@@ -102,11 +99,7 @@ pub(super) fn connect(
 }
 
 /// Leaves out postures of a way while the rest stays free; the ends are not given back.
-fn shortened(
-    ways: &mut Moves<'_>,
-    mut way: Vec<Vec<f64>>,
-    rng: &mut impl RngExt,
-) -> Result<Vec<Vec<f64>>> {
+fn shortened(ways: &mut Moves<'_>, mut way: Vec<Vec<f64>>, rng: &mut impl RngExt) -> Result<Vec<Vec<f64>>> {
     for _ in 0..SHORTCUTS {
         if way.len() <= 2 {
             break;

@@ -110,12 +110,7 @@ impl<'a> Tour<'a> {
 
     /// Finds the places at which something is touched; an equivalent that touches nothing is cheaper.
     fn find_touching(&mut self, ways: &mut Moves<'_>) -> Result<()> {
-        let dearest = self
-            .places
-            .cost
-            .iter()
-            .flatten()
-            .fold(1.0, |most: f64, c| most.max(*c));
+        let dearest = self.places.cost.iter().flatten().fold(1.0, |most: f64, c| most.max(*c));
         let start = self.start.map(|_| None);
         for place in (0..self.stands.len()).map(Some).chain(start) {
             let q = self.at(place).to_vec();
@@ -206,9 +201,7 @@ impl<'a> Tour<'a> {
         order: &[usize],
         options: &RouteOptions,
     ) -> Result<Route> {
-        let stop_of = |place: Option<usize>| {
-            place.and_then(|place| order.iter().position(|other| *other == place))
-        };
+        let stop_of = |place: Option<usize>| place.and_then(|place| order.iter().position(|other| *other == place));
         let rules = &cell.route;
         let mut moves = Vec::new();
         for (a, b) in self.pairs(order) {
@@ -233,34 +226,24 @@ impl<'a> Tour<'a> {
                 free: known.is_some(),
                 time_s: (known.is_some() && rules.joint_speeds.is_some())
                     .then(|| ways.seconds_along(&legs) / rules.speed_share),
-                turn: legs
-                    .windows(2)
-                    .map(|leg| largest_change(&leg[0], &leg[1]))
-                    .sum(),
+                turn: legs.windows(2).map(|leg| largest_change(&leg[0], &leg[1])).sum(),
                 nearest: nearest(cell, ways, &legs, known.is_some())?,
                 via,
                 approached,
             });
         }
         let posture = |place: &usize| self.places.posture[*place];
-        let postures: Vec<Vec<f64>> = order
-            .iter()
-            .map(|place| self.stands[*place].clone())
-            .collect();
+        let postures: Vec<Vec<f64>> = order.iter().map(|place| self.stands[*place].clone()).collect();
         let numbered = order.iter().zip(&postures).enumerate();
         Ok(Route {
             repeats: Vec::new(),
-            turned: numbered
-                .filter(|(_, (place, q))| plan[posture(place)] != **q)
-                .map(|(stop, _)| stop)
-                .collect(),
+            turned: numbered.filter(|(_, (place, q))| plan[posture(place)] != **q).map(|(stop, _)| stop).collect(),
             order: order.iter().map(posture).collect(),
             travel_s: moves.iter().map(|m| m.time_s).sum(),
             turn: moves.iter().map(|m| m.turn).sum::<f64>() + 0.0,
             checked: ways.cell.limit_kinds(),
             // Ways are weighed without their approach.
-            shortest: (!options.keep_order)
-                .then(|| self.places.is_small() && rules.approach.is_none()),
+            shortest: (!options.keep_order).then(|| self.places.is_small() && rules.approach.is_none()),
             postures,
             moves,
         })

@@ -64,10 +64,8 @@ impl Moves<'_> {
             vias.push(spread(&bounds, i));
         }
         vias.extend(self.cell.route.start.clone());
-        let mut timed: Vec<(f64, Vec<f64>)> = vias
-            .into_iter()
-            .map(|via| (self.seconds(from, &via) + self.seconds(&via, to), via))
-            .collect();
+        let mut timed: Vec<(f64, Vec<f64>)> =
+            vias.into_iter().map(|via| (self.seconds(from, &via) + self.seconds(&via, to), via)).collect();
         sort_by_number(&mut timed, |a| a.0);
         for (_, via) in timed {
             // Typed like every other posture.
@@ -86,10 +84,7 @@ impl Moves<'_> {
         joints
             .map(|(joint, (from, to))| {
                 let [low, high] = joint.limits;
-                [
-                    low.max(from.min(*to) - PI).min(from.min(*to)),
-                    high.min(from.max(*to) + PI).max(from.max(*to)),
-                ]
+                [low.max(from.min(*to) - PI).min(from.min(*to)), high.min(from.max(*to) + PI).max(from.max(*to))]
             })
             .collect()
     }
@@ -98,8 +93,6 @@ impl Moves<'_> {
     fn bounds(&self, from: &[f64], to: &[f64]) -> Vec<[f64; 2]> {
         let ends = from.iter().zip(to);
         let bounds = self.cell.bounds.iter().zip(ends);
-        bounds
-            .map(|(b, (from, to))| [b[0].min(*from).min(*to), b[1].max(*from).max(*to)])
-            .collect()
+        bounds.map(|(b, (from, to))| [b[0].min(*from).min(*to), b[1].max(*from).max(*to)]).collect()
     }
 }

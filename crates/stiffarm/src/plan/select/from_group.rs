@@ -48,19 +48,13 @@ pub fn select_from<Q: AsRef<[f64]>>(
     let n = setup.robot.joint_count();
     let count = initial.len();
     if count == 0 {
-        return Err(Error::new(
-            Code::TooFewData,
-            "The initial group has no postures.",
-        ));
+        return Err(Error::new(Code::TooFewData, "The initial group has no postures."));
     }
     for q in initial {
         check_angles(&setup.robot, q.as_ref())?;
     }
     check_bounds(cell)?;
-    let mut start: Vec<f64> = initial
-        .iter()
-        .flat_map(|q| q.as_ref().iter().copied())
-        .collect();
+    let mut start: Vec<f64> = initial.iter().flat_map(|q| q.as_ref().iter().copied()).collect();
     for (x, b) in start.iter_mut().zip(cell.bounds.iter().cycle()) {
         *x = x.clamp(b[0], b[1]);
     }
@@ -73,28 +67,16 @@ pub fn select_from<Q: AsRef<[f64]>>(
         // there is often a way in.
         let inside = repair(cell, &start)?;
         if inside.len() == start.len() {
-            solution = search()?
-                .run(inside, SHARPNESS, options, control)?
-                .after(solution);
+            solution = search()?.run(inside, SHARPNESS, options, control)?.after(solution);
         }
     }
     if !solution.merit.is_finite() {
-        return Err(no_result(
-            cell,
-            index,
-            &start_evaluation,
-            solution.termination,
-        ));
+        return Err(no_result(cell, index, &start_evaluation, solution.termination));
     }
-    let group: Vec<Vec<f64>> = solution.x[..n * count]
-        .chunks_exact(n)
-        .map(<[f64]>::to_vec)
-        .collect();
+    let group: Vec<Vec<f64>> = solution.x[..n * count].chunks_exact(n).map(<[f64]>::to_vec).collect();
     let evaluation = evaluate(cell, index.as_str(), &group)?;
-    let value = evaluation
-        .indices
-        .get(index)
-        .ok_or_else(|| no_result(cell, index, &evaluation, solution.termination))?;
+    let value =
+        evaluation.indices.get(index).ok_or_else(|| no_result(cell, index, &evaluation, solution.termination))?;
     let limits = limits_of(cell, &group)?;
     Ok(Selection {
         index,

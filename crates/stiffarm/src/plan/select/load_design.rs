@@ -55,9 +55,7 @@ impl DesignedLoad {
     pub fn applied(&self, cell: &Cell) -> Cell {
         let mut cell = cell.clone();
         cell.setup.tool.loading_point = self.loading_point_m.into();
-        let sized = self
-            .magnitude_n
-            .and_then(|size| cell.setup.load.with_size(size));
+        let sized = self.magnitude_n.and_then(|size| cell.setup.load.with_size(size));
         cell.setup.load = sized.unwrap_or(cell.setup.load);
         if let (Load::Rope { anchor, .. }, Some(to)) = (&mut cell.setup.load, self.anchor_m) {
             *anchor = to.into();
@@ -103,34 +101,25 @@ impl LoadDesign {
                 .key("load.case")
                 .hint("put one of the loads alone into [load] and choose that"));
         }
-        for (what, corners) in [
-            ("anchor", &self.anchor),
-            ("loading point", &self.loading_point),
-        ] {
+        for (what, corners) in [("anchor", &self.anchor), ("loading point", &self.loading_point)] {
             let Some([low, high]) = corners else { continue };
-            let sound =
-                (0..3).all(|i| low[i].is_finite() && high[i].is_finite() && low[i] <= high[i]);
+            let sound = (0..3).all(|i| low[i].is_finite() && high[i].is_finite() && low[i] <= high[i]);
             if !sound {
-                return Err(Error::invalid(format!(
-                    "The box for the {what} is reversed or not finite."
-                ))
-                .hint("give the lowest corner first: x, y, z, then the highest: x, y, z"));
+                return Err(Error::invalid(format!("The box for the {what} is reversed or not finite."))
+                    .hint("give the lowest corner first: x, y, z, then the highest: x, y, z"));
             }
         }
         if self.anchor.is_some() && !matches!(cell.setup.load, Load::Rope { .. }) {
-            return Err(Error::invalid(
-                "Only a rope or a cylinder has an anchor that could be moved.",
-            )
-            .hint(
-                "set load.kind to \"rope\" or \"cylinder\" with anchor_mm, or leave the anchor out",
-            ));
+            return Err(Error::invalid("Only a rope or a cylinder has an anchor that could be moved.")
+                .hint("set load.kind to \"rope\" or \"cylinder\" with anchor_mm, or leave the anchor out"));
         }
         if let Some(wanted) = self.magnitude {
             if !(wanted.is_finite() && wanted > 0.0) {
                 return Err(Error::invalid("The largest load must be above zero."));
             }
             cell.setup.load = cell.setup.load.with_size(wanted).ok_or_else(|| {
-                let message = "Only a rope, a cylinder with an anchor or a weight has a magnitude that could be chosen.";
+                let message =
+                    "Only a rope, a cylinder with an anchor or a weight has a magnitude that could be chosen.";
                 Error::invalid(message)
             })?;
         }
@@ -154,9 +143,7 @@ impl LoadDesign {
             _ => Vector3::zeros(),
         };
         let inside = |p: Vector3<f64>, [low, high]: &[Vector3<f64>; 2]| {
-            (0..3)
-                .map(|i| p[i].clamp(low[i], high[i]))
-                .collect::<Vec<f64>>()
+            (0..3).map(|i| p[i].clamp(low[i], high[i])).collect::<Vec<f64>>()
         };
         let mut out = Vec::new();
         if let Some(corners) = &self.anchor {

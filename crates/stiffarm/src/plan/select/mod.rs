@@ -29,9 +29,7 @@ pub use load_design::{DesignedLoad, LoadDesign};
 pub use posture_value::{Dropped, PostureValue, drop_postures, evaluations as drop_evaluations};
 pub use price::{LimitPrice, limit_prices};
 pub use selection::{RoundReport, Selection, different, limits_of, repeats, smallest_margin};
-pub use sensitivity::{
-    PriorCase, Sensitivity, SensitivityOptions, Spread, WORTH_CHANGING, sensitivity,
-};
+pub use sensitivity::{PriorCase, Sensitivity, SensitivityOptions, Spread, WORTH_CHANGING, sensitivity};
 pub use space_filling::{SpaceFilling, joint_distance, smallest_distance, space_filling};
 
 /// Most postures of one plan: more is a slip.

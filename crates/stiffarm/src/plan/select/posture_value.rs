@@ -82,10 +82,7 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
     if count >= postures.len() {
         return Err(Error::new(
             Code::TooFewData,
-            format!(
-                "{count} of {} postures cannot be left out: at least one must stay.",
-                postures.len()
-            ),
+            format!("{count} of {} postures cannot be left out: at least one must stay.", postures.len()),
         ));
     }
     // Missing tasks, prior or length are errors, not missing values.
@@ -104,25 +101,17 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
     };
     let all: Vec<usize> = (0..postures.len()).collect();
     let before = value_of(&all)?.ok_or_else(|| {
-        Error::new(
-            Code::NotIdentifiable,
-            format!("{} does not exist for the given postures.", index.as_str()),
-        )
-        .hint("`stiffarm evaluate` names the joints they cannot determine")
+        Error::new(Code::NotIdentifiable, format!("{} does not exist for the given postures.", index.as_str()))
+            .hint("`stiffarm evaluate` names the joints they cannot determine")
     })?;
     // Smaller is better from here on.
     let sign = if index.larger_is_better() { -1.0 } else { 1.0 };
-    let without = |from: &[usize], out: &[usize]| -> Vec<usize> {
-        from.iter().copied().filter(|p| !out.contains(p)).collect()
-    };
+    let without =
+        |from: &[usize], out: &[usize]| -> Vec<usize> { from.iter().copied().filter(|p| !out.contains(p)).collect() };
     let mut values = Vec::with_capacity(postures.len());
     for p in &all {
         let value = value_of(&without(&all, &[*p]))?;
-        values.push(PostureValue {
-            posture: *p,
-            value,
-            loss: value.map(|v| sign * (v - before) / before),
-        });
+        values.push(PostureValue { posture: *p, value, loss: value.map(|v| sign * (v - before) / before) });
     }
     let loss = |w: &PostureValue| w.loss.unwrap_or(f64::INFINITY);
     sort_by_number(&mut values, loss);
@@ -170,15 +159,7 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
         )
     })?;
     dropped.sort_unstable();
-    Ok(Dropped {
-        index,
-        before,
-        value,
-        kept: without(&all, &dropped),
-        dropped,
-        exhaustive,
-        values,
-    })
+    Ok(Dropped { index, before, value, kept: without(&all, &dropped), dropped, exhaustive, values })
 }
 
 /// Groups that [`drop_postures`] evaluates to leave `count` of `of` postures out, beside

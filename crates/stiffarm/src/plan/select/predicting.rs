@@ -37,11 +37,7 @@ pub(super) struct PredictionJudge {
 
 impl PredictionJudge {
     /// Of candidates with these readings under `model`, beside readings that are taken in any case.
-    pub(super) fn new(
-        model: &PredictionModel,
-        each: &[DMatrix<f64>],
-        base: Option<DMatrix<f64>>,
-    ) -> Self {
+    pub(super) fn new(model: &PredictionModel, each: &[DMatrix<f64>], base: Option<DMatrix<f64>>) -> Self {
         let mut from = 0;
         let of = each.iter().map(|rows| {
             from += rows.nrows();

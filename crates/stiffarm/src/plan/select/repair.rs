@@ -11,21 +11,13 @@ use crate::plan::index::kernel::{Kernel, Wanted};
 /// As [`Kernel::new`].
 pub(super) fn repair(cell: &Cell, angles: &[f64]) -> Result<Vec<f64>> {
     let n = cell.setup.robot.joint_count();
-    let wanted = Wanted {
-        dexterity: None,
-        information: None,
-        limits: true,
-    };
+    let wanted = Wanted { dexterity: None, information: None, limits: true };
     let mut kernel = Kernel::new(cell, wanted, 1)?;
     // Aim a little inside, or the end is never quite inside.
     kernel.reset_penalty(1.0, 1e-3);
     let lower: Vec<f64> = cell.bounds.iter().map(|b| b[0]).collect();
     let upper: Vec<f64> = cell.bounds.iter().map(|b| b[1]).collect();
-    let options = SmoothOptions {
-        max_iterations: 200,
-        optimality: 1e-9,
-        reduction: 1e-12,
-    };
+    let options = SmoothOptions { max_iterations: 200, optimality: 1e-9, reduction: 1e-12 };
     let mut inside = Vec::new();
     for q in angles.chunks_exact(n) {
         let solution = minimise_smooth(

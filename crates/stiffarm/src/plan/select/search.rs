@@ -24,8 +24,7 @@ const WATCH_DISTANCE: f64 = 0.5;
 const WATCH_ROUNDS: usize = 12;
 /// Stages of the smoothing of coalescing singular values; the last is off by
 /// at most ln(6)/p = 3·10⁻⁵ of the index.
-pub(super) const SHARPNESS: &[Option<f64>] =
-    &[Some(30.0), Some(300.0), Some(3e3), Some(3e4), Some(6e4)];
+pub(super) const SHARPNESS: &[Option<f64>] = &[Some(30.0), Some(300.0), Some(3e3), Some(3e4), Some(6e4)];
 /// The last of them.
 pub(super) const LAST: &[Option<f64>] = &[Some(3e3), Some(3e4), Some(6e4)];
 
@@ -46,32 +45,15 @@ impl<'a> Search<'a> {
     ///
     /// # Errors
     /// The cell lacks what the index needs.
-    pub(super) fn new<Q: AsRef<[f64]>>(
-        cell: &'a Cell,
-        index: Index,
-        count: usize,
-        given: &[Q],
-    ) -> Result<Self> {
+    pub(super) fn new<Q: AsRef<[f64]>>(cell: &'a Cell, index: Index, count: usize, given: &[Q]) -> Result<Self> {
         let function = IndexFunction::with_given(cell, index, count, given)?;
         let components = function.component_count();
         let n = cell.setup.robot.joint_count();
-        let mut bounds: Vec<[f64; 2]> = cell
-            .bounds
-            .iter()
-            .copied()
-            .cycle()
-            .take(n * count)
-            .collect();
+        let mut bounds: Vec<[f64; 2]> = cell.bounds.iter().copied().cycle().take(n * count).collect();
         if components > 0 {
             bounds.push(EPIGRAPH_RANGE);
         }
-        Ok(Search {
-            function,
-            bounds,
-            angles: n * count,
-            components,
-            limits: ActiveLimits::new(cell, WATCH_DISTANCE)?,
-        })
+        Ok(Search { function, bounds, angles: n * count, components, limits: ActiveLimits::new(cell, WATCH_DISTANCE)? })
     }
 
     /// Searches from the controller angles `start`, posture by posture \[rad\], through the stages [`SHARPNESS`], or
@@ -93,11 +75,7 @@ impl<'a> Search<'a> {
         // Where singular values coalesce the gradient of cond(Ψ) jumps, as that
         // of max k(J_N) does: the first is smoothed ever more sharply, the
         // second has its epigraph variable.
-        let stages: &[Option<f64>] = if self.function.has_extreme_singular_values() {
-            sharpness
-        } else {
-            &[None]
-        };
+        let stages: &[Option<f64>] = if self.function.has_extreme_singular_values() { sharpness } else { &[None] };
         let mut solution: Option<Minimum> = None;
         for sharpness in stages {
             self.function.set_sharpness(*sharpness);
@@ -107,12 +85,8 @@ impl<'a> Search<'a> {
             if Some(sharpness) != stages.last() {
                 options.restarts = 0;
             }
-            let budget = |used: u64| Options {
-                max_iterations: options.max_iterations.saturating_sub(used),
-                ..options
-            };
-            let after =
-                minimise_within_limits(&mut self, &start, solution, WATCH_ROUNDS, budget, control)?;
+            let budget = |used: u64| Options { max_iterations: options.max_iterations.saturating_sub(used), ..options };
+            let after = minimise_within_limits(&mut self, &start, solution, WATCH_ROUNDS, budget, control)?;
             solution = Some(after.or_as_optimal_as(before, options.optimality));
         }
         solution.ok_or_else(|| Error::new(Code::Internal, "A selection without a stage."))
@@ -198,17 +172,7 @@ impl Problem for Search<'_> {
         }
         // The smallest feasible t at these postures.
         let (q, t) = x.split_at_mut(self.angles);
-        let largest = self
-            .function
-            .evaluate(q)
-            .components
-            .iter()
-            .copied()
-            .fold(f64::NEG_INFINITY, f64::max);
-        t[0] = if largest.is_finite() {
-            largest
-        } else {
-            EPIGRAPH_RANGE[1]
-        };
+        let largest = self.function.evaluate(q).components.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        t[0] = if largest.is_finite() { largest } else { EPIGRAPH_RANGE[1] };
     }
 }

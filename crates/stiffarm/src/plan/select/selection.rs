@@ -23,11 +23,7 @@ pub struct Selection {
     /// any group inside them.
     pub start_value: Option<f64>,
     /// Every index of the selected postures. A selection that was read from JSON has the indices alone.
-    #[serde(
-        rename = "indices",
-        serialize_with = "indices_of",
-        deserialize_with = "indices_alone"
-    )]
+    #[serde(rename = "indices", serialize_with = "indices_of", deserialize_with = "indices_alone")]
     #[cfg_attr(feature = "schema", schemars(with = "crate::plan::index::Indices"))]
     pub evaluation: GroupEvaluation,
     /// Selected postures, controller angles \[rad\].
@@ -85,13 +81,8 @@ fn indices_of<S: serde::Serializer>(
 }
 
 /// The evaluation behind indices that were read: nothing but them.
-fn indices_alone<'de, D: Deserializer<'de>>(
-    deserializer: D,
-) -> std::result::Result<GroupEvaluation, D::Error> {
-    Ok(GroupEvaluation {
-        indices: Indices::deserialize(deserializer)?,
-        ..GroupEvaluation::default()
-    })
+fn indices_alone<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<GroupEvaluation, D::Error> {
+    Ok(GroupEvaluation { indices: Indices::deserialize(deserializer)?, ..GroupEvaluation::default() })
 }
 
 impl Selection {
@@ -106,27 +97,14 @@ impl Selection {
     ///
     /// # Errors
     /// Angles that do not fit the robot, or at which the index does not exist.
-    pub fn with_group<Q: AsRef<[f64]>>(
-        self,
-        cell: &Cell,
-        given: &[Q],
-        group: Vec<Vec<f64>>,
-    ) -> Result<Self> {
+    pub fn with_group<Q: AsRef<[f64]>>(self, cell: &Cell, given: &[Q], group: Vec<Vec<f64>>) -> Result<Self> {
         let before = given.iter().map(AsRef::as_ref);
         let all: Vec<&[f64]> = before.chain(group.iter().map(Vec::as_slice)).collect();
         let evaluation = evaluate(cell, self.index.as_str(), &all)?;
         let value = evaluation.indices.get(self.index);
-        let value =
-            value.ok_or_else(|| no_result(cell, self.index, &evaluation, self.termination))?;
+        let value = value.ok_or_else(|| no_result(cell, self.index, &evaluation, self.termination))?;
         let limits = limits_of(cell, &group)?;
-        Ok(Selection {
-            value,
-            evaluation,
-            smallest_margin_m: smallest_length(&limits),
-            limits,
-            group,
-            ..self
-        })
+        Ok(Selection { value, evaluation, smallest_margin_m: smallest_length(&limits), limits, group, ..self })
     }
 }
 
@@ -151,9 +129,7 @@ pub fn repeats<Q: AsRef<[f64]>>(group: &[Q]) -> Vec<Vec<usize>> {
     let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_POSTURE);
     let mut out: Vec<Vec<usize>> = Vec::new();
     for (p, q) in group.iter().enumerate() {
-        let known = out
-            .iter_mut()
-            .find(|known| same(group[known[0]].as_ref(), q.as_ref()));
+        let known = out.iter_mut().find(|known| same(group[known[0]].as_ref(), q.as_ref()));
         match known {
             Some(known) => known.push(p),
             None => out.push(vec![p]),
@@ -174,10 +150,7 @@ pub(super) fn check_bounds(cell: &Cell) -> Result<()> {
     let reversed = |b: &[f64; 2]| b[0].is_nan() || b[1].is_nan() || b[0] > b[1];
     match cell.bounds.iter().position(reversed) {
         None => Ok(()),
-        Some(j) => Err(Error::invalid(format!(
-            "The bounds of {} are reversed.",
-            cell.setup.robot.joints()[j].name
-        ))),
+        Some(j) => Err(Error::invalid(format!("The bounds of {} are reversed.", cell.setup.robot.joints()[j].name))),
     }
 }
 
@@ -189,18 +162,12 @@ pub fn limits_of<Q: AsRef<[f64]>>(cell: &Cell, group: &[Q]) -> Result<Vec<Postur
     if cell.is_unlimited() {
         return Ok(Vec::new());
     }
-    group
-        .iter()
-        .map(|q| PostureLimits::new(cell, q.as_ref()))
-        .collect()
+    group.iter().map(|q| PostureLimits::new(cell, q.as_ref())).collect()
 }
 
 /// The smallest margin of a length among them \[m\].
 pub(super) fn smallest_length(limits: &[PostureLimits]) -> Option<f64> {
-    limits
-        .iter()
-        .filter_map(PostureLimits::smallest_m)
-        .reduce(f64::min)
+    limits.iter().filter_map(PostureLimits::smallest_m).reduce(f64::min)
 }
 
 /// Smallest margin of a group to the cell's limits \[m; rad for angles, share of the limit for torques\],
@@ -232,17 +199,9 @@ pub fn smallest_margin<Q: AsRef<[f64]>>(cell: &Cell, postures: &[Q]) -> Result<O
 }
 
 /// Why a search ended without a group.
-pub(super) fn no_result(
-    cell: &Cell,
-    index: Index,
-    at: &GroupEvaluation,
-    termination: Termination,
-) -> Error {
+pub(super) fn no_result(cell: &Cell, index: Index, at: &GroupEvaluation, termination: Termination) -> Error {
     if termination == Termination::Interrupted {
-        return Error::new(
-            Code::Interrupted,
-            "Stopped before any posture group met the cell's limits.",
-        );
+        return Error::new(Code::Interrupted, "Stopped before any posture group met the cell's limits.");
     }
     if index.uses_observation() && !at.undetermined_joints.is_empty() {
         return Error::new(
@@ -256,35 +215,22 @@ pub(super) fn no_result(
                 list(&at.undetermined_joints)
             ),
         )
-        .hint(
-            "add postures that differ, or measuring points, or move the load off the joint's axis",
-        );
+        .hint("add postures that differ, or measuring points, or move the load off the joint's axis");
     }
     if index == Index::DropOne && at.indices.drop_one.is_none() {
         return Error::new(
             Code::NotIdentifiable,
-            format!(
-                "{} postures less one cannot determine every joint, so drop_one does not exist.",
-                at.posture_count
-            ),
+            format!("{} postures less one cannot determine every joint, so drop_one does not exist.", at.posture_count),
         )
         .hint("give more postures, or choose expected_error");
     }
     if index.uses_dexterity() && at.k_jn.iter().any(Option::is_none) {
         let message = "k(J_N) does not exist at some posture of the initial group: the Jacobian is singular there.";
-        return Error::invalid(message)
-            .hint("start from other postures, for example with the wrist bent");
+        return Error::invalid(message).hint("start from other postures, for example with the wrist bent");
     }
-    let limits = if cell.is_unlimited() {
-        "the joint bounds"
-    } else {
-        "the cell's limits"
-    };
-    Error::invalid(format!(
-        "No group of {} postures that meets {limits} was found from this start.",
-        at.posture_count
-    ))
-    .hint("start from postures inside the limits, or relax [limits] and [bounds]")
+    let limits = if cell.is_unlimited() { "the joint bounds" } else { "the cell's limits" };
+    Error::invalid(format!("No group of {} postures that meets {limits} was found from this start.", at.posture_count))
+        .hint("start from postures inside the limits, or relax [limits] and [bounds]")
 }
 
 /// Why `postures` that are all unlike were not found.

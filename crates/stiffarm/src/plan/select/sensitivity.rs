@@ -129,9 +129,8 @@ pub fn sensitivity<Q: AsRef<[f64]>>(
     control: Control<'_>,
 ) -> Result<Sensitivity> {
     let flat: Vec<f64> = plan.iter().flat_map(|q| q.as_ref().to_vec()).collect();
-    let value_in = |cell: &Cell, q: &[f64]| -> Result<f64> {
-        Ok(IndexFunction::new(cell, index, plan.len())?.value(q))
-    };
+    let value_in =
+        |cell: &Cell, q: &[f64]| -> Result<f64> { Ok(IndexFunction::new(cell, index, plan.len())?.value(q)) };
     let value = value_in(cell, &flat)?;
     let mut priors = Vec::new();
     if let (Some(prior), true) = (&cell.prior, index.needs_prior()) {
@@ -153,9 +152,7 @@ pub fn sensitivity<Q: AsRef<[f64]>>(
                     repeats: options.repeats,
                     ..GlobalOptions::default()
                 };
-                let best = select(&changed, index, plan.len(), &search, control.quiet())
-                    .ok()
-                    .map(|s| s.value);
+                let best = select(&changed, index, plan.len(), &search, control.quiet()).ok().map(|s| s.value);
                 let own = own.is_finite().then(|| index.of_log(own));
                 priors.push(PriorCase {
                     joint: joint.clone(),
@@ -163,11 +160,7 @@ pub fn sensitivity<Q: AsRef<[f64]>>(
                     value: own,
                     best,
                     loss: own.zip(best).map(|(own, best)| {
-                        if index.larger_is_better() {
-                            (best / own - 1.0).max(0.0)
-                        } else {
-                            (own / best - 1.0).max(0.0)
-                        }
+                        if index.larger_is_better() { (best / own - 1.0).max(0.0) } else { (own / best - 1.0).max(0.0) }
                     }),
                 });
                 control.report("changed priors", priors.len(), of);
@@ -200,9 +193,7 @@ pub fn sensitivity<Q: AsRef<[f64]>>(
         }
         value_in(&moved, &flat)
     })?;
-    let would_change = priors
-        .iter()
-        .any(|case| case.loss.is_none_or(|loss| loss > WORTH_CHANGING));
+    let would_change = priors.iter().any(|case| case.loss.is_none_or(|loss| loss > WORTH_CHANGING));
     Ok(Sensitivity {
         index,
         value: index.of_log(value),
@@ -215,11 +206,7 @@ pub fn sensitivity<Q: AsRef<[f64]>>(
 }
 
 /// Mean and worst of the index under errors, relative to ln of the index `value`.
-fn spread(
-    samples: usize,
-    value: f64,
-    mut draw: impl FnMut(usize) -> Result<f64>,
-) -> Result<Option<Spread>> {
+fn spread(samples: usize, value: f64, mut draw: impl FnMut(usize) -> Result<f64>) -> Result<Option<Spread>> {
     let (mut sum, mut worst) = (0.0, 0.0_f64);
     for run in 0..samples {
         // Reciprocal indices are logarithms with the sign turned: larger is worse.
@@ -230,8 +217,5 @@ fn spread(
         sum += ratio;
         worst = worst.max(ratio);
     }
-    Ok((samples > 0).then(|| Spread {
-        mean: sum / samples as f64,
-        worst,
-    }))
+    Ok((samples > 0).then(|| Spread { mean: sum / samples as f64, worst }))
 }

@@ -70,16 +70,9 @@ pub struct SpaceFilling {
 /// No posture or more than 5,000 wanted; bounds that are reversed or not
 /// finite; fewer feasible postures than wanted among half a million random ones,
 /// or all in one place; stopped before there was a group.
-pub fn space_filling(
-    cell: &Cell,
-    count: usize,
-    seed: u64,
-    control: Control<'_>,
-) -> Result<SpaceFilling> {
+pub fn space_filling(cell: &Cell, count: usize, seed: u64, control: Control<'_>) -> Result<SpaceFilling> {
     if count == 0 || count > MOST {
-        return Err(Error::invalid(format!(
-            "A space-filling group has 1 to {MOST} postures, not {count}."
-        )));
+        return Err(Error::invalid(format!("A space-filling group has 1 to {MOST} postures, not {count}.")));
     }
     let candidates = candidates(cell, count, seed, control)?;
     let chosen = farthest_first(&cell.bounds, &candidates, count, control)?;
@@ -88,15 +81,11 @@ pub fn space_filling(
     let chosen = spread.chosen.iter();
     let postures: Vec<Vec<f64>> = chosen.map(|c| candidates[*c].clone()).collect();
     if smallest_distance(&cell.bounds, &postures) == Some(0.0) {
-        return Err(Error::invalid(
-            "The bounds leave room for fewer different postures than wanted.",
-        )
-        .key("bounds.q_deg"));
+        return Err(
+            Error::invalid("The bounds leave room for fewer different postures than wanted.").key("bounds.q_deg")
+        );
     }
-    Ok(SpaceFilling {
-        postures,
-        termination,
-    })
+    Ok(SpaceFilling { postures, termination })
 }
 
 /// Distance of two postures (controller angles, rad) relative to the bounds
@@ -111,9 +100,7 @@ pub fn joint_distance(bounds: &[[f64; 2]], a: &[f64], b: &[f64]) -> f64 {
 /// Smallest [`joint_distance`] between two postures of a group; `None` for
 /// fewer than two.
 pub fn smallest_distance<Q: AsRef<[f64]>>(bounds: &[[f64; 2]], group: &[Q]) -> Option<f64> {
-    pairs(group.len())
-        .map(|(i, j)| joint_distance(bounds, group[i].as_ref(), group[j].as_ref()))
-        .reduce(f64::min)
+    pairs(group.len()).map(|(i, j)| joint_distance(bounds, group[i].as_ref(), group[j].as_ref())).reduce(f64::min)
 }
 
 fn squared_distance(bounds: &[[f64; 2]], a: &[f64], b: &[f64]) -> f64 {
@@ -123,11 +110,7 @@ fn squared_distance(bounds: &[[f64; 2]], a: &[f64], b: &[f64]) -> f64 {
         if range > 0.0 {
             // The remainder is slow, and mostly there is nothing to take off.
             let apart = (a - b).abs();
-            let turn = if apart < TAU {
-                apart
-            } else {
-                apart.rem_euclid(TAU)
-            };
+            let turn = if apart < TAU { apart } else { apart.rem_euclid(TAU) };
             sum += (turn.min(TAU - turn) / range).powi(2);
         }
     }
@@ -144,10 +127,7 @@ fn candidates(cell: &Cell, count: usize, seed: u64, control: Control<'_>) -> Res
     let setup = &cell.setup;
     let usable = |b: &[f64; 2]| b[0].is_finite() && b[1].is_finite() && b[0] <= b[1];
     if let Some(j) = cell.bounds.iter().position(|b| !usable(b)) {
-        let message = format!(
-            "The bounds of {} are reversed or not finite.",
-            setup.robot.joints()[j].name
-        );
+        let message = format!("The bounds of {} are reversed or not finite.", setup.robot.joints()[j].name);
         return Err(Error::invalid(message).key("bounds.q_deg"));
     }
     let wanted = (CANDIDATES_EACH * count).clamp(CANDIDATES[0], CANDIDATES[1]);
@@ -189,9 +169,7 @@ fn farthest_first(
     control: Control<'_>,
 ) -> Result<Vec<usize>> {
     // Something at the border to begin with: what is farthest from any one candidate.
-    let from_first = candidates
-        .iter()
-        .map(|c| squared_distance(bounds, c, &candidates[0]));
+    let from_first = candidates.iter().map(|c| squared_distance(bounds, c, &candidates[0]));
     let mut chosen = vec![largest(from_first)];
     let mut nearest = vec![f64::INFINITY; candidates.len()];
     while chosen.len() < count {
@@ -240,17 +218,10 @@ struct Exchange<'a> {
 
 impl<'a> Exchange<'a> {
     fn new(bounds: &'a [[f64; 2]], candidates: &'a [Vec<f64>], chosen: Vec<usize>) -> Self {
-        let mut out = Exchange {
-            bounds,
-            candidates,
-            chosen,
-            nearest: Vec::with_capacity(candidates.len()),
-            after: Vec::new(),
-        };
+        let mut out =
+            Exchange { bounds, candidates, chosen, nearest: Vec::with_capacity(candidates.len()), after: Vec::new() };
         out.nearest = (0..candidates.len()).map(|c| out.nearest_to(c)).collect();
-        out.after = (0..out.chosen.len())
-            .map(|place| out.nearest_after(place))
-            .collect();
+        out.after = (0..out.chosen.len()).map(|place| out.nearest_after(place)).collect();
         out
     }
 
@@ -260,11 +231,7 @@ impl<'a> Exchange<'a> {
     }
 
     fn nearest_to(&self, candidate: usize) -> Nearest {
-        let mut out = Nearest {
-            first: (f64::INFINITY, 0),
-            second: f64::INFINITY,
-            second_at: 0,
-        };
+        let mut out = Nearest { first: (f64::INFINITY, 0), second: f64::INFINITY, second_at: 0 };
         for place in 0..self.chosen.len() {
             out.add(self.distance(candidate, place), place);
         }
@@ -310,11 +277,7 @@ impl<'a> Exchange<'a> {
         let mut best = (*smallest, None);
         for leaving in [a, *b] {
             for (candidate, nearest) in self.nearest.iter().enumerate() {
-                let distance = if nearest.first.1 == leaving {
-                    nearest.second
-                } else {
-                    nearest.first.0
-                };
+                let distance = if nearest.first.1 == leaving { nearest.second } else { nearest.first.0 };
                 if distance > best.0 {
                     best = (distance, Some((leaving, candidate)));
                 }
@@ -336,11 +299,7 @@ impl<'a> Exchange<'a> {
             };
         }
         for place in 0..self.chosen.len() {
-            let new = if place < leaving {
-                self.distance(self.chosen[place], leaving)
-            } else {
-                f64::INFINITY
-            };
+            let new = if place < leaving { self.distance(self.chosen[place], leaving) } else { f64::INFINITY };
             let before = self.after[place];
             if place == leaving || before.1 == leaving {
                 self.after[place] = self.nearest_after(place);

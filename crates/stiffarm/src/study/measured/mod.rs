@@ -60,20 +60,10 @@ pub fn measured_study(
     control: Control<'_>,
 ) -> Result<MeasuredStudy> {
     let cell = &with_characteristic_length(cell.clone())?;
-    let fit = Fit::watched(
-        cell,
-        measured.into(),
-        &IdentifyOptions::default(),
-        Default::default(),
-    )?;
+    let fit = Fit::watched(cell, measured.into(), &IdentifyOptions::default(), Default::default())?;
     let study = Setting::new(cell, fit, options)?;
     let numbers: Vec<u64> = (0..options.splits as u64).collect();
-    let splits = as_far_as(
-        &numbers,
-        "splitting the experiment",
-        control,
-        |(_, number)| study.split(*number, control),
-    )?;
+    let splits = as_far_as(&numbers, "splitting the experiment", control, |(_, number)| study.split(*number, control))?;
     let splits: Vec<Vec<Outcome>> = splits.into_iter().flatten().collect();
     if splits.is_empty() {
         control.check()?;
@@ -108,9 +98,7 @@ impl<'a> Setting<'a> {
         let pool = options.pool.unwrap_or((7 * count).div_ceil(10));
         let most = options.counts.iter().copied().max().unwrap_or(0);
         if options.splits == 0 || most == 0 || options.counts.contains(&0) {
-            return Err(Error::invalid(
-                "The study needs at least one split and numbers of postures above zero.",
-            ));
+            return Err(Error::invalid("The study needs at least one split and numbers of postures above zero."));
         }
         if pool >= count || most > pool {
             return Err(Error::new(
@@ -123,9 +111,7 @@ impl<'a> Setting<'a> {
             .hint("choose fewer, or make the pool smaller than the experiment"));
         }
         if !(options.size_factor > 0.0 && options.size_factor.is_finite()) {
-            return Err(Error::invalid(
-                "The factor of the sizes must be above zero.",
-            ));
+            return Err(Error::invalid("The factor of the sizes must be above zero."));
         }
         let mut cell = cell.clone();
         cell.tasks.clear();
@@ -145,15 +131,7 @@ impl<'a> Setting<'a> {
             each.map(|choice| (*count, choice)).collect::<Vec<_>>()
         });
         let ways = ways.chain([(pool, Choice::Pool)]).collect();
-        Ok(Setting {
-            mixed: MixedFit::new(&fit)?,
-            cell,
-            options,
-            candidates,
-            pool,
-            guessed,
-            ways,
-        })
+        Ok(Setting { mixed: MixedFit::new(&fit)?, cell, options, candidates, pool, guessed, ways })
     }
 
     fn split(&self, number: u64, control: Control<'_>) -> Result<Vec<Outcome>> {
@@ -192,11 +170,7 @@ impl<'a> Setting<'a> {
             };
             out.push(match chosen {
                 Some(chosen) => self.outcome(&chosen, test)?,
-                None => Outcome {
-                    axes: None,
-                    mixed: None,
-                    fell_back: false,
-                },
+                None => Outcome { axes: None, mixed: None, fell_back: false },
             });
         }
         Ok(out)
@@ -216,15 +190,8 @@ impl<'a> Setting<'a> {
             (squares / rows as f64).sqrt()
         };
         let axes = found.axes.as_ref().map(|values| rms(fit.system(), values));
-        let mixed = found
-            .mixed
-            .as_ref()
-            .map(|c| rms(self.mixed.system(), &c.values));
-        Ok(Outcome {
-            axes,
-            mixed: mixed.or(axes),
-            fell_back: mixed.is_none() && axes.is_some(),
-        })
+        let mixed = found.mixed.as_ref().map(|c| rms(self.mixed.system(), &c.values));
+        Ok(Outcome { axes, mixed: mixed.or(axes), fell_back: mixed.is_none() && axes.is_some() })
     }
 
     fn gathered(&self, splits: &[Vec<Outcome>]) -> MeasuredStudy {
@@ -236,14 +203,9 @@ impl<'a> Setting<'a> {
             };
             for (w, (postures, choice)) in self.ways.iter().enumerate() {
                 let errors: Vec<Option<f64>> = splits.iter().map(|s| error(&s[w])).collect();
-                let chance = self
-                    .ways
-                    .iter()
-                    .position(|way| *way == (*postures, Choice::Random));
+                let chance = self.ways.iter().position(|way| *way == (*postures, Choice::Random));
                 let better = chance.filter(|_| *choice != Choice::Random).map(|chance| {
-                    let both = splits
-                        .iter()
-                        .filter_map(|s| error(&s[w]).zip(error(&s[chance])));
+                    let both = splits.iter().filter_map(|s| error(&s[w]).zip(error(&s[chance])));
                     share(both.map(|(own, random)| own < random))
                 });
                 let (mean_m, standard_error_m) = mean(&errors);

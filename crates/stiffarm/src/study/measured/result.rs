@@ -128,15 +128,8 @@ fn null_as_nan<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Err
 
 impl MeasuredStudy {
     /// One way to choose with one model.
-    pub fn get(
-        &self,
-        postures: usize,
-        choice: Choice,
-        model: ElasticChoice,
-    ) -> Option<&MeasuredChoice> {
-        self.choices
-            .iter()
-            .find(|c| (c.postures, c.choice, c.model) == (postures, choice, model))
+    pub fn get(&self, postures: usize, choice: Choice, model: ElasticChoice) -> Option<&MeasuredChoice> {
+        self.choices.iter().find(|c| (c.postures, c.choice, c.model) == (postures, choice, model))
     }
 }
 
@@ -160,10 +153,7 @@ pub(super) fn findings(study: &MeasuredStudy) -> Vec<Finding> {
             // Chance itself may be best.
             let beyond = chance.is_some_and(|chance| is_more(chance, best));
             let (code, begin) = if beyond {
-                (
-                    "best-choice",
-                    format!("{count} postures predict best chosen by"),
-                )
+                ("best-choice", format!("{count} postures predict best chosen by"))
             } else {
                 (
                     "no-choice",
@@ -212,9 +202,7 @@ pub(super) fn findings(study: &MeasuredStudy) -> Vec<Finding> {
         add(
             "guessed-prior",
             Severity::Note,
-            format!(
-                "The cell has no prior stiffness: to choose, every joint counted as {GUESS:.0e} N·m/rad."
-            ),
+            format!("The cell has no prior stiffness: to choose, every joint counted as {GUESS:.0e} N·m/rad."),
         );
     }
     out

@@ -55,20 +55,12 @@ pub fn command(arm: &LoadedArm, nominal: &[f64], wrench: &Wrench) -> Result<Comm
     }
     // θ_command = θ_loaded − K_θ⁻¹ Γ(θ_loaded)
     let give = arm.compliance() * DVector::from_column_slice(terms.torque());
-    let q = robot.controller_angles(&(theta - give)).ok_or_else(|| {
-        Error::new(
-            Code::Internal,
-            "The coupling of the robot cannot be undone.",
-        )
-    })?;
+    let q = robot
+        .controller_angles(&(theta - give))
+        .ok_or_else(|| Error::new(Code::Internal, "The coupling of the robot cannot be undone."))?;
     let q: Vec<f64> = q.iter().copied().collect();
     let bent = arm.deflect(&q, wrench)?;
-    Ok(Command {
-        q,
-        nominal: target,
-        unloaded: bent.before,
-        loaded: bent.after,
-    })
+    Ok(Command { q, nominal: target, unloaded: bent.before, loaded: bent.after })
 }
 
 /// Moves the joints until the loaded tip, with all that gives way beyond them,
@@ -122,20 +114,11 @@ fn inverse_jacobian(terms: &PostureTerms) -> Result<DMatrix<f64>> {
     } else {
         DMatrix::from_fn(6, n, |i, j| jacobian[(i, j)])
     };
-    let parts = svd(matrix)
-        .ok_or_else(|| Error::new(Code::Numerical, "The Jacobian could not be decomposed."))?;
-    let (from, to) = if wide {
-        (&parts.v, &parts.u)
-    } else {
-        (&parts.u, &parts.v)
-    };
+    let parts = svd(matrix).ok_or_else(|| Error::new(Code::Numerical, "The Jacobian could not be decomposed."))?;
+    let (from, to) = if wide { (&parts.v, &parts.u) } else { (&parts.u, &parts.v) };
     let mut along = from.transpose();
     for (mut row, value) in along.row_iter_mut().zip(parts.values.iter()) {
-        row *= if *value > STUCK * parts.values[0] {
-            1.0 / value
-        } else {
-            0.0
-        };
+        row *= if *value > STUCK * parts.values[0] { 1.0 / value } else { 0.0 };
     }
     Ok(to * along)
 }

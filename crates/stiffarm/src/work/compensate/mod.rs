@@ -179,10 +179,7 @@ pub(crate) fn compensate_on(
     control: Control<'_>,
 ) -> Result<Compensation> {
     if postures.is_empty() {
-        return Err(Error::new(
-            Code::TooFewData,
-            "There is no point to compensate.",
-        ));
+        return Err(Error::new(Code::TooFewData, "There is no point to compensate."));
     }
     let bands = Bands::new(predictor, options.load_uncertainty)?;
     let points = with_bands(
@@ -248,11 +245,7 @@ fn point(arm: &LoadedArm, posture: &LoadedPosture) -> Result<PointCompensation> 
     })
 }
 
-fn summarise(
-    points: Vec<PointCompensation>,
-    options: &CompensateOptions,
-    confidence: Option<f64>,
-) -> Compensation {
+fn summarise(points: Vec<PointCompensation>, options: &CompensateOptions, confidence: Option<f64>) -> Compensation {
     // Rapid moves, which carry no load, do not dilute the path.
     let loaded = || points.iter().filter(|p| p.is_loaded());
     let of = |pick: fn(&PointCompensation) -> f64| loaded().map(pick).collect::<Vec<f64>>();
@@ -260,12 +253,7 @@ fn summarise(
     let (before, after) = (of(|p| p.uncompensated_m), of(|p| p.residual_m));
     let errors: Option<Vec<f64>> = loaded().map(|p| p.band.map(|b| b.rms_m)).collect();
     let error = errors.map(|e| rms(&e));
-    let beyond: Option<usize> = loaded()
-        .map(|p| {
-            p.band
-                .map(|b| usize::from(p.correction_size_m > b.size_m[3]))
-        })
-        .sum();
+    let beyond: Option<usize> = loaded().map(|p| p.band.map(|b| usize::from(p.correction_size_m > b.size_m[3]))).sum();
     let mut out = Compensation {
         confidence,
         uncompensated_rms_m: rms(&before),
@@ -315,13 +303,8 @@ fn findings(result: &Compensation, options: &CompensateOptions) -> Vec<Finding> 
         )),
     }
     let points = result.points.iter();
-    let points: Vec<(f64, f64)> = points
-        .map(|p| (p.uncompensated_m, Vector3::from(p.force_n).norm()))
-        .collect();
-    let seen = Seen {
-        displacement: options.measured_up_to,
-        force: options.loaded_up_to,
-    };
+    let points: Vec<(f64, f64)> = points.map(|p| (p.uncompensated_m, Vector3::from(p.force_n).norm())).collect();
+    let seen = Seen { displacement: options.measured_up_to, force: options.loaded_up_to };
     out.extend(beyond_data("correction", &points, seen));
     out
 }

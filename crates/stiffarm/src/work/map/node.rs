@@ -61,13 +61,7 @@ pub struct MapNode {
 impl MapNode {
     /// A node that nobody waited for.
     pub(super) fn not_computed(position_m: [f64; 3]) -> Self {
-        MapNode {
-            position_m,
-            status: Status::NotComputed,
-            reason: None,
-            distance_m: None,
-            values: None,
-        }
+        MapNode { position_m, status: Status::NotComputed, reason: None, distance_m: None, values: None }
     }
 }
 
@@ -101,10 +95,7 @@ pub(super) fn evaluate(
             let terms = reach.arm.terms(&q, &options.wrench)?;
             let size = reach.arm.linear(&terms).fixed_rows::<3>(0).norm();
             let strain = reach.strain(&q);
-            if best
-                .as_ref()
-                .is_none_or(|(than, ..)| is_better(size, strain, *than))
-            {
+            if best.as_ref().is_none_or(|(than, ..)| is_better(size, strain, *than)) {
                 best = Some(((size, strain), *turn, q));
             }
         }
@@ -123,13 +114,7 @@ pub(super) fn evaluate(
     })
 }
 
-fn values(
-    reach: &Reach<'_>,
-    bands: Option<&Bands>,
-    options: &MapOptions,
-    turn: f64,
-    q: &[f64],
-) -> Result<NodeValues> {
+fn values(reach: &Reach<'_>, bands: Option<&Bands>, options: &MapOptions, turn: f64, q: &[f64]) -> Result<NodeValues> {
     let (arm, wrench) = (reach.arm, &options.wrench);
     let bent = arm.deflect(q, wrench)?;
     let terms = arm.terms(q, wrench)?;

@@ -64,10 +64,7 @@ impl MapOptions {
 
     /// Orientations to try at each node, with the turn about the tool axis \[rad\].
     pub(super) fn rotations(&self) -> Vec<(f64, UnitQuaternion<f64>)> {
-        turns(self.free_turn)
-            .into_iter()
-            .map(|turn| (turn, self.rotation * about_tool_axis(turn)))
-            .collect()
+        turns(self.free_turn).into_iter().map(|turn| (turn, self.rotation * about_tool_axis(turn))).collect()
     }
 }
 
@@ -86,10 +83,8 @@ pub(super) fn check_turns(turns: usize) -> Result<()> {
     if (1..=MOST_TURNS).contains(&turns) {
         Ok(())
     } else {
-        Err(Error::invalid(format!(
-            "1 to {MOST_TURNS} turns about the tool axis can be tried, not {turns}."
-        ))
-        .key("free_turn"))
+        Err(Error::invalid(format!("1 to {MOST_TURNS} turns about the tool axis can be tried, not {turns}."))
+            .key("free_turn"))
     }
 }
 
@@ -116,24 +111,15 @@ pub(super) fn grid(lower: [f64; 3], upper: [f64; 3], steps: [usize; 3]) -> Resul
             );
         }
         if count == 0 {
-            return fault(
-                format!("The number of nodes along {name} must be at least 1, got 0."),
-                "steps",
-            );
+            return fault(format!("The number of nodes along {name} must be at least 1, got 0."), "steps");
         }
         if count > 1 && low == high {
-            return fault(
-                format!("{count} nodes along {name} need a lower and an upper end that differ."),
-                "steps",
-            );
+            return fault(format!("{count} nodes along {name} need a lower and an upper end that differ."), "steps");
         }
     }
     let nodes = steps.iter().try_fold(1_usize, |n, s| n.checked_mul(*s));
     if nodes.is_none_or(|n| n > MapOptions::MOST) {
-        return fault(
-            format!("The grid has more than {} nodes.", MapOptions::MOST),
-            "steps",
-        );
+        return fault(format!("The grid has more than {} nodes.", MapOptions::MOST), "steps");
     }
     Ok(std::array::from_fn(|axis| {
         let (low, high, count) = (lower[axis], upper[axis], steps[axis]);

@@ -77,26 +77,17 @@ pub fn place(
         return Err(Error::new(Code::TooFewData, "The path has no points."));
     }
     if options.yaws.is_empty() || options.yaws.iter().any(|yaw| !yaw.is_finite()) {
-        return Err(Error::invalid(
-            "The turns of the workpiece must be finite numbers, at least one.",
-        )
-        .key("yaw_deg"));
+        return Err(Error::invalid("The turns of the workpiece must be finite numbers, at least one.").key("yaw_deg"));
     }
     check_turns(options.free_turns)?;
     let arm = LoadedArm::new(cell, predictor)?;
     let search = Search::new(cell, &arm, points, options)?;
     let mut candidates: Vec<PlacementCandidate> = Vec::new();
-    let mut region = Region {
-        lower: options.lower,
-        upper: options.upper,
-        steps: options.steps,
-        yaws: options.yaws.clone(),
-    };
+    let mut region =
+        Region { lower: options.lower, upper: options.upper, steps: options.steps, yaws: options.yaws.clone() };
     for round in 0..=options.refinements {
         let places = region.places()?;
-        let found = as_far_as(&places, "placing", control, |(_, place)| {
-            search.candidate(round, place, control)
-        })?;
+        let found = as_far_as(&places, "placing", control, |(_, place)| search.candidate(round, place, control))?;
         candidates.extend(found.into_iter().flatten());
         if control.stopped() {
             break;
@@ -109,21 +100,18 @@ pub fn place(
             None => break,
         }
     }
-    let (part, (given, best)) =
-        match given_and_best(cell, &search, &candidates, Part::Whole, control) {
-            Err(error) if error.code() == Code::Interrupted => {
-                let part = Part::Searched;
-                let unstopped = Control::default();
-                let both = given_and_best(cell, &search, &candidates, part, unstopped)?;
-                (part, both)
-            }
-            both => (Part::Whole, both?),
-        };
+    let (part, (given, best)) = match given_and_best(cell, &search, &candidates, Part::Whole, control) {
+        Err(error) if error.code() == Code::Interrupted => {
+            let part = Part::Searched;
+            let unstopped = Control::default();
+            let both = given_and_best(cell, &search, &candidates, part, unstopped)?;
+            (part, both)
+        }
+        both => (Part::Whole, both?),
+    };
     let size = |placed: Option<&Placed>| placed.and_then(|p| p.deflection_rms_m);
-    let gain = size(Some(&given))
-        .zip(size(best.as_ref()))
-        .filter(|(_, best)| *best > 0.0)
-        .map(|(given, best)| given / best);
+    let gain =
+        size(Some(&given)).zip(size(best.as_ref())).filter(|(_, best)| *best > 0.0).map(|(given, best)| given / best);
     let mut out = Placement {
         point_count: points.len(),
         searched_points: search.kept.len(),
@@ -143,10 +131,7 @@ pub fn place(
     out.findings.extend(cell.work.tip_assumed(&cell.setup.tool));
     let own = points.iter().filter_map(|point| {
         let load = point.load?;
-        let wrench = Wrench {
-            force: load.force,
-            moment: load.moment,
-        };
+        let wrench = Wrench { force: load.force, moment: load.moment };
         Some((&*point.name, wrench))
     });
     let own: Vec<(&str, Wrench)> = own.collect();
@@ -168,10 +153,7 @@ fn given_and_best(
     // A path that thinned goes along may not do so whole.
     for i in ranked(candidates).into_iter().take(TRIED) {
         let candidate = &candidates[i];
-        let place = Place {
-            position: candidate.position_m,
-            yaw: candidate.yaw,
-        };
+        let place = Place { position: candidate.position_m, yaw: candidate.yaw };
         let placed = search.placed(&place, part, control)?;
         if placed.status == Status::Reachable {
             return Ok((given, Some(placed)));
@@ -195,10 +177,7 @@ impl Region {
         for yaw in &self.yaws {
             for x in &x {
                 for y in &y {
-                    places.extend(z.iter().map(|z| Place {
-                        position: [*x, *y, *z],
-                        yaw: *yaw,
-                    }));
+                    places.extend(z.iter().map(|z| Place { position: [*x, *y, *z], yaw: *yaw }));
                 }
             }
         }
@@ -207,12 +186,7 @@ impl Region {
 
     /// A finer grid about `best`: to the neighbours of this one, within the box.
     fn about(&self, best: &PlacementCandidate, options: &PlaceOptions) -> Option<Region> {
-        let mut finer = Region {
-            lower: best.position_m,
-            upper: best.position_m,
-            steps: [1; 3],
-            yaws: vec![best.yaw],
-        };
+        let mut finer = Region { lower: best.position_m, upper: best.position_m, steps: [1; 3], yaws: vec![best.yaw] };
         for axis in 0..3 {
             let count = self.steps[axis];
             if count < 2 {
@@ -231,9 +205,7 @@ impl Region {
 /// Candidates that work, the best first; of equals the earlier.
 fn ranked(candidates: &[PlacementCandidate]) -> Vec<usize> {
     let size = |i: &usize| candidates[*i].deflection_rms_m;
-    let mut order: Vec<usize> = (0..candidates.len())
-        .filter(|i| size(i).is_some())
-        .collect();
+    let mut order: Vec<usize> = (0..candidates.len()).filter(|i| size(i).is_some()).collect();
     sort_by_number(&mut order, |i| size(i).unwrap_or(f64::INFINITY));
     order
 }
@@ -253,9 +225,7 @@ fn findings(cell: &Cell, predictor: &IdentifiedCompliance, result: &Placement) -
         out.push(Finding::caution(
             "given-place-fails",
             "workpiece",
-            format!(
-                "At the given place the arm cannot go along the path: at point {point}, {reason}."
-            ),
+            format!("At the given place the arm cannot go along the path: at point {point}, {reason}."),
         ));
     }
     match &result.best {
@@ -294,16 +264,8 @@ fn nowhere(result: &Placement) -> Finding {
         .iter()
         .find(|c| c.status == Status::Forbidden)
         .or(result.candidates.first())
-        .and_then(|c| {
-            Some((
-                place_words(c.position_m),
-                c.point.as_ref()?,
-                c.reason.as_ref()?,
-            ))
-        })
-        .map_or_else(String::new, |(place, point, reason)| {
-            format!(" At {place}, for one, point {point}: {reason}.")
-        });
+        .and_then(|c| Some((place_words(c.position_m), c.point.as_ref()?, c.reason.as_ref()?)))
+        .map_or_else(String::new, |(place, point, reason)| format!(" At {place}, for one, point {point}: {reason}."));
     Finding::serious(
         codes::NOWHERE,
         "workpiece",

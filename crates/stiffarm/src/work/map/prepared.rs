@@ -33,12 +33,7 @@ impl Prepared {
     ///
     /// # Errors
     /// A load in the axes of the path where it does not move across the tool axis.
-    pub(super) fn new(
-        cell: &Cell,
-        arm: &LoadedArm,
-        points: &[PathPoint],
-        turn: f64,
-    ) -> Result<Self> {
+    pub(super) fn new(cell: &Cell, arm: &LoadedArm, points: &[PathPoint], turn: f64) -> Result<Self> {
         let poses = poses(arm, points, turn);
         let process = cell.work.process.as_ref().map(|p| p.load());
         let workpiece = &cell.work.workpiece;
@@ -50,10 +45,7 @@ impl Prepared {
                 Some(_) => PlacedLoad::Turning(wrench.map(|v| back.rotation * v)),
             }
         });
-        Ok(Prepared {
-            loads: loads.collect(),
-            poses: poses.iter().map(|pose| back * pose).collect(),
-        })
+        Ok(Prepared { loads: loads.collect(), poses: poses.iter().map(|pose| back * pose).collect() })
     }
 
     /// Tip poses and wrenches with the workpiece at `workpiece`, base frame.
@@ -62,10 +54,7 @@ impl Prepared {
             PlacedLoad::Fixed(wrench) => *wrench,
             PlacedLoad::Turning(wrench) => wrench.map(|v| workpiece.rotation * v),
         };
-        (
-            self.poses.iter().map(|pose| workpiece * pose).collect(),
-            self.loads.iter().map(wrench).collect(),
-        )
+        (self.poses.iter().map(|pose| workpiece * pose).collect(), self.loads.iter().map(wrench).collect())
     }
 
     /// These points of it alone.
@@ -115,10 +104,8 @@ fn poses(arm: &LoadedArm, points: &[PathPoint], turn: f64) -> Vec<Isometry3<f64>
                 PathTarget::Angles(q) => arm.tip_pose(q),
                 PathTarget::Pose(pose) => *pose,
                 PathTarget::Axis { position, axis } => {
-                    let frame = before.map_or_else(
-                        || any_frame(axis) * about_tool_axis(turn),
-                        |before| carried(&before, axis),
-                    );
+                    let frame =
+                        before.map_or_else(|| any_frame(axis) * about_tool_axis(turn), |before| carried(&before, axis));
                     Isometry3::from_parts(Translation3::from(*position), frame)
                 }
             };

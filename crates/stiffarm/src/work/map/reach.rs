@@ -16,11 +16,7 @@ const EQUAL: f64 = 1e-9;
 /// The better of two: what bends less, of equals what is farther from the limits.
 pub(super) fn is_better(size: f64, strain: f64, than: (f64, f64)) -> bool {
     let (least, least_strain) = than;
-    if (size - least).abs() <= EQUAL * least {
-        strain < least_strain
-    } else {
-        size < least
-    }
+    if (size - least).abs() <= EQUAL * least { strain < least_strain } else { size < least }
 }
 
 /// The first value that is the smallest but for rounding.
@@ -69,8 +65,7 @@ impl Refusal {
     pub(super) fn discontinuous() -> Self {
         Refusal {
             status: Status::Discontinuous,
-            reason: "the posture cannot be followed: a singular posture, or another branch, lies between"
-                .to_string(),
+            reason: "the posture cannot be followed: a singular posture, or another branch, lies between".to_string(),
             distance: None,
             excess: 0.0,
         }
@@ -102,10 +97,7 @@ impl<'a> Reach<'a> {
 
     /// The postures with the tip at `tip`, within their bounds or not, or
     /// why there are none.
-    pub(super) fn postures(
-        &self,
-        tip: &Isometry3<f64>,
-    ) -> Result<std::result::Result<Vec<Vec<f64>>, Refusal>> {
+    pub(super) fn postures(&self, tip: &Isometry3<f64>) -> Result<std::result::Result<Vec<Vec<f64>>, Refusal>> {
         Ok(match self.inverse.solve(&self.flange(tip))? {
             Outcome::Reachable(branches) => Ok(branches.into_iter().map(|b| b.q).collect()),
             Outcome::Unreachable(away) => Err(Refusal {
@@ -135,11 +127,7 @@ impl<'a> Reach<'a> {
         let share = joints.zip(q).map(|(joint, q)| {
             let [low, high] = joint.limits;
             let half = 0.5 * (high - low);
-            if half.is_finite() && half > 0.0 {
-                (q - 0.5 * (low + high)).abs() / half
-            } else {
-                0.0
-            }
+            if half.is_finite() && half > 0.0 { (q - 0.5 * (low + high)).abs() / half } else { 0.0 }
         });
         share.fold(0.0, f64::max)
     }

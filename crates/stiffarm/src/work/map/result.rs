@@ -126,11 +126,7 @@ pub(super) fn summarise(
     // The first of mirrored places, which differ by rounding.
     let best = first_smallest(sizes());
     let worst = first_smallest(sizes().map(|(i, size)| (i, -size)));
-    let extremes = best.zip(worst).map(|(best, worst)| MapExtremes {
-        best,
-        worst,
-        principal: None,
-    });
+    let extremes = best.zip(worst).map(|(best, worst)| MapExtremes { best, worst, principal: None });
     let matrix = options.rotation.to_rotation_matrix();
     let [x_m, y_m, z_m] = axes;
     let mut map = StiffnessMap {
@@ -162,9 +158,7 @@ pub(super) fn summarise(
 /// A position in words.
 pub(super) fn place_words(position: [f64; 3]) -> String {
     let named = AXES.iter().zip(position);
-    let words: Vec<String> = named
-        .map(|(name, v)| format!("{name} = {:.0}", m_to_mm(v) + 0.0))
-        .collect();
+    let words: Vec<String> = named.map(|(name, v)| format!("{name} = {:.0}", m_to_mm(v) + 0.0)).collect();
     format!("{} mm", words.join(", "))
 }
 
@@ -252,11 +246,7 @@ fn nothing_reachable(map: &StiffnessMap) -> Finding {
     };
     let far = |n: &MapNode| n.distance_m.unwrap_or(0.0);
     let computed = map.nodes.iter().filter(|n| n.status != Status::NotComputed);
-    let nearest = computed.min_by(|a, b| {
-        rank(a.status)
-            .cmp(&rank(b.status))
-            .then(far(a).total_cmp(&far(b)))
-    });
+    let nearest = computed.min_by(|a, b| rank(a.status).cmp(&rank(b.status)).then(far(a).total_cmp(&far(b))));
     let closest = nearest.map_or_else(String::new, |node| {
         format!(
             " Closest comes {}: {}.",

@@ -74,33 +74,18 @@ impl<'a> Search<'a> {
             let thinned = whole.thinned(&kept);
             turned.push((turn, whole, thinned));
         }
-        Ok(Search {
-            reach: Reach::new(cell, arm),
-            given: &cell.work.workpiece,
-            points,
-            turned,
-            kept,
-            has_free_turn,
-        })
+        Ok(Search { reach: Reach::new(cell, arm), given: &cell.work.workpiece, points, turned, kept, has_free_turn })
     }
 
     /// Pose of the workpiece at `place`.
     fn workpiece(&self, place: &Place) -> Isometry3<f64> {
         let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), place.yaw);
-        Isometry3::from_parts(
-            Translation3::from(place.position),
-            yaw * self.given.rotation,
-        )
+        Isometry3::from_parts(Translation3::from(place.position), yaw * self.given.rotation)
     }
 
     /// The branch that bends least at `place`, or what stops the one that gets
     /// farthest.
-    fn along(
-        &self,
-        place: &Place,
-        part: Part,
-        control: Control<'_>,
-    ) -> Result<std::result::Result<Along, Stopped>> {
+    fn along(&self, place: &Place, part: Part, control: Control<'_>) -> Result<std::result::Result<Along, Stopped>> {
         let workpiece = self.workpiece(place);
         let mut best: Option<((f64, f64), Along)> = None;
         let mut farthest: Option<Stopped> = None;
@@ -136,16 +121,8 @@ impl<'a> Search<'a> {
                 let size = rms(&sizes);
                 let strains = path.iter().map(|q| self.reach.strain(q));
                 let strain = strains.fold(0.0, f64::max);
-                if best
-                    .as_ref()
-                    .is_none_or(|(than, _)| is_better(size, strain, *than))
-                {
-                    let along = Along {
-                        turn: *turn,
-                        path,
-                        wrenches: wrenches.clone(),
-                        sizes,
-                    };
+                if best.as_ref().is_none_or(|(than, _)| is_better(size, strain, *than)) {
+                    let along = Along { turn: *turn, path, wrenches: wrenches.clone(), sizes };
                     best = Some(((size, strain), along));
                 }
             }
@@ -154,10 +131,7 @@ impl<'a> Search<'a> {
             (Some((_, along)), _) => Ok(along),
             (None, Some(stopped)) => Err(stopped),
             // A pose has postures or a refusal.
-            (None, None) => Err(Stopped {
-                at: 0,
-                refusal: Refusal::discontinuous(),
-            }),
+            (None, None) => Err(Stopped { at: 0, refusal: Refusal::discontinuous() }),
         })
     }
 
@@ -174,12 +148,7 @@ impl<'a> Search<'a> {
     }
 
     /// The thinned path at `place`.
-    pub(super) fn candidate(
-        &self,
-        round: usize,
-        place: &Place,
-        control: Control<'_>,
-    ) -> Result<PlacementCandidate> {
+    pub(super) fn candidate(&self, round: usize, place: &Place, control: Control<'_>) -> Result<PlacementCandidate> {
         let along = self.along(place, Part::Searched, control)?;
         let mut out = PlacementCandidate {
             round,

@@ -52,12 +52,7 @@ struct Node {
 
 impl Node {
     fn new(search: &Search<'_>, q: Vec<f64>, turn: f64, load: &Wrench) -> Result<Self> {
-        Ok(Node {
-            missing: search.counted(&q)?,
-            cost: search.deflection(&q, load)?.powi(2),
-            q,
-            turn,
-        })
+        Ok(Node { missing: search.counted(&q)?, cost: search.deflection(&q, load)?.powi(2), q, turn })
     }
 }
 
@@ -113,13 +108,7 @@ fn through(
     // The feed does not depend on the turn.
     let wrench = |i: usize, tip: &Isometry3<f64>| {
         let (process, workpiece) = (search.options.process.as_ref(), &search.options.workpiece);
-        tip_wrench(
-            &search.points[i],
-            tip,
-            feeds[i].as_ref(),
-            process,
-            workpiece,
-        )
+        tip_wrench(&search.points[i], tip, feeds[i].as_ref(), process, workpiece)
     };
     let count = search.options.turns.max(1);
     let spacing = TAU / count as f64;
@@ -130,10 +119,8 @@ fn through(
             for k in 0..count {
                 let turn = wrapped(k as f64 * spacing);
                 let tip = turned(&poses[i], turn);
-                if let Outcome::Reachable(branches) = search
-                    .inverse
-                    .solve(&search.flange(&tip))
-                    .map_err(|e| search.at(i, e))?
+                if let Outcome::Reachable(branches) =
+                    search.inverse.solve(&search.flange(&tip)).map_err(|e| search.at(i, e))?
                 {
                     let load = wrench(i, &tip)?;
                     for branch in branches {
@@ -155,9 +142,7 @@ fn through(
     if let Some((_, &i)) = layers.iter().zip(knots).find(|(layer, _)| layer.is_empty()) {
         return Err(blocked(search, poses, i));
     }
-    let least = layers
-        .iter()
-        .map(|l| l.iter().map(|n| n.cost).fold(f64::INFINITY, f64::min));
+    let least = layers.iter().map(|l| l.iter().map(|n| n.cost).fold(f64::INFINITY, f64::min));
     let smooth = SMOOTH * least.sum::<f64>() / layers.len() as f64;
     let mut way = cheapest(search, &layers, knots, smooth, control)?;
     let mut finer = spacing;
@@ -221,13 +206,7 @@ fn knots(poses: &[Isometry3<f64>]) -> Vec<usize> {
 }
 
 /// Adds the full turns of `q` that are within the limits.
-fn add(
-    search: &Search<'_>,
-    layer: &mut Vec<Node>,
-    q: &[f64],
-    turn: f64,
-    load: &Wrench,
-) -> Result<()> {
+fn add(search: &Search<'_>, layer: &mut Vec<Node>, q: &[f64], turn: f64, load: &Wrench) -> Result<()> {
     let mut turns = search.inverse.turns_within_limits(q);
     if turns.is_empty() {
         return Ok(());
@@ -238,11 +217,7 @@ fn add(
     let beyond = |q: &[f64]| search.beyond_bounds_along(&[q.to_vec()]);
     let room = first.missing - beyond(&first.q);
     for q in turns.into_iter().take(FULL_TURNS) {
-        layer.push(Node {
-            missing: room + beyond(&q),
-            q,
-            ..first
-        });
+        layer.push(Node { missing: room + beyond(&q), q, ..first });
     }
     Ok(())
 }
@@ -309,10 +284,7 @@ fn cheapest(
     control: Control<'_>,
 ) -> Result<Vec<Node>> {
     // What is missing first, then the deflections.
-    let mut sums: Vec<(f64, f64)> = layers[0]
-        .iter()
-        .map(|n| (n.missing + from_start(search, n), n.cost))
-        .collect();
+    let mut sums: Vec<(f64, f64)> = layers[0].iter().map(|n| (n.missing + from_start(search, n), n.cost)).collect();
     let mut back: Vec<Vec<u32>> = vec![Vec::new()];
     for (k, pair) in layers.windows(2).enumerate() {
         if control.stopped() {
@@ -329,10 +301,7 @@ fn cheapest(
             let node = &to[b];
             let begin = order.partition_point(|a| first(a) < node.q[0] - reach);
             let mut best = (NO_WAY, u32::MAX);
-            for &a in order[begin..]
-                .iter()
-                .take_while(|a| first(a) <= node.q[0] + reach)
-            {
+            for &a in order[begin..].iter().take_while(|a| first(a) <= node.q[0] + reach) {
                 let sum = sums[a as usize];
                 if sum >= best.0 {
                     continue;
@@ -341,11 +310,7 @@ fn cheapest(
                 if change(before, &node.q).1 > reach {
                     continue;
                 }
-                let way: f64 = before
-                    .iter()
-                    .zip(&node.q)
-                    .map(|(a, b)| (a - b).powi(2))
-                    .sum();
+                let way: f64 = before.iter().zip(&node.q).map(|(a, b)| (a - b).powi(2)).sum();
                 let total = (sum.0, sum.1 + smooth * way);
                 if total < best.0 {
                     best = (total, a);
@@ -362,8 +327,7 @@ fn cheapest(
                 "From point {} to {} every posture jumps, whatever the turn about the tool axis.",
                 search.points[before].name, search.points[i].name
             );
-            let error = Error::invalid(message)
-                .hint("give more points between these two, or allow larger steps");
+            let error = Error::invalid(message).hint("give more points between these two, or allow larger steps");
             return Err(search.at(i, error));
         }
     }
@@ -391,12 +355,7 @@ fn from_start(search: &Search<'_>, node: &Node) -> f64 {
 }
 
 /// All points: turns interpolated between the knots, postures followed.
-fn between(
-    search: &Search<'_>,
-    poses: &[Isometry3<f64>],
-    knots: &[usize],
-    way: &[Node],
-) -> Result<Found> {
+fn between(search: &Search<'_>, poses: &[Isometry3<f64>], knots: &[usize], way: &[Node]) -> Result<Found> {
     let pairs: Vec<_> = knots.windows(2).zip(way.windows(2)).collect();
     let parts = in_order(&pairs, |(_, (pair, nodes))| {
         let (start, end) = (pair[0], pair[1]);
@@ -411,9 +370,7 @@ fn between(
                 .inverse
                 .follow(&search.flange(&turned(&poses[i], turn)), last)
                 .map_err(|e| search.named(i, &e))?;
-            if search.arm.robot().outside_limits(&q).is_some()
-                || change(last, &q).1 > search.largest_step(i - 1, i)
-            {
+            if search.arm.robot().outside_limits(&q).is_some() || change(last, &q).1 > search.largest_step(i - 1, i) {
                 let error = Error::new(
                     Code::OutsideLimits,
                     "between two points with postures that suit, the arm meets a limit or jumps.",

@@ -41,10 +41,7 @@ impl Search<'_> {
         if !self.keeps {
             return Ok(0.0);
         }
-        let some: Vec<&Vec<f64>> = q
-            .iter()
-            .step_by(q.len().div_ceil(RANKED_BY).max(1))
-            .collect();
+        let some: Vec<&Vec<f64>> = q.iter().step_by(q.len().div_ceil(RANKED_BY).max(1)).collect();
         let each = in_order(&some, |(_, q)| self.arm.at_work().lacks_room(q))?;
         Ok(each.iter().sum())
     }
@@ -91,22 +88,16 @@ impl Search<'_> {
             .iter()
             .enumerate()
             .filter(|(_, missing)| **missing > 0.0)
-            .map(|(point, missing)| Lacking {
-                point,
-                missing: *missing,
-            })
+            .map(|(point, missing)| Lacking { point, missing: *missing })
             .collect();
         lacking.sort_by(|a, b| b.missing.total_cmp(&a.missing));
         lacking.truncate(LOOKED_AT);
         let Some(worst) = lacking.first() else {
             return Ok(None);
         };
-        let least = in_order_watched(
-            &lacking,
-            "limits and shapes",
-            Control::default(),
-            |(_, l)| self.least_missing(&poses[l.point], free, &way.q[l.point]),
-        )?;
+        let least = in_order_watched(&lacking, "limits and shapes", Control::default(), |(_, l)| {
+            self.least_missing(&poses[l.point], free, &way.q[l.point])
+        })?;
         let mut nothing: Vec<(usize, f64, Vec<f64>)> = lacking
             .iter()
             .zip(least)
@@ -114,11 +105,8 @@ impl Search<'_> {
             .map(|(lacking, (missing, q))| (lacking.point, missing, q))
             .collect();
         nothing.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let whatever = if free {
-            "whatever the branch and the turn about the tool axis"
-        } else {
-            "whatever the branch"
-        };
+        let whatever =
+            if free { "whatever the branch and the turn about the tool axis" } else { "whatever the branch" };
         let sentence = match nothing.first() {
             Some((point, _, q)) => format!(
                 "At point {}{} nothing is free, {whatever}: at best, {}.",
@@ -134,22 +122,14 @@ impl Search<'_> {
                     None => "",
                 },
                 self.place(worst.point),
-                self.arm
-                    .at_work()
-                    .why_not(&way.q[worst.point])?
-                    .unwrap_or_default()
+                self.arm.at_work().why_not(&way.q[worst.point])?.unwrap_or_default()
             ),
         };
         Ok(Some(Finding::caution("nothing-free", "path", sentence)))
     }
 
     /// The least that is missing among the postures of a pose, and the posture, beside `known`.
-    fn least_missing(
-        &self,
-        pose: &Isometry3<f64>,
-        free: bool,
-        known: &[f64],
-    ) -> Result<(f64, Vec<f64>)> {
+    fn least_missing(&self, pose: &Isometry3<f64>, free: bool, known: &[f64]) -> Result<(f64, Vec<f64>)> {
         let mut least = (self.missing(known)?, known.to_vec());
         if self.inverse.method() == Method::Numeric {
             return Ok(least);

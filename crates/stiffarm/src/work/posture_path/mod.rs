@@ -70,10 +70,7 @@ pub struct PosturePathSummary {
     /// Where the postures come from.
     pub origin: Origin,
     /// Largest change of a joint from one point to the next \[rad\].
-    #[serde(
-        rename = "largest_step_deg",
-        with = "crate::units::degrees::all_digits"
-    )]
+    #[serde(rename = "largest_step_deg", with = "crate::units::degrees::all_digits")]
     #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     pub largest_step: f64,
     /// RMS of the deflections, linear model \[m\].
@@ -152,16 +149,8 @@ pub fn posture_path(
     if points.is_empty() {
         return Err(Error::new(Code::TooFewData, "The path has no points."));
     }
-    let mut search = Search {
-        arm,
-        inverse,
-        points,
-        options,
-        keeps: false,
-    };
-    let axis_only = points
-        .iter()
-        .any(|p| matches!(p.target, PathTarget::Axis { .. }));
+    let mut search = Search { arm, inverse, points, options, keeps: false };
+    let axis_only = points.iter().any(|p| matches!(p.target, PathTarget::Axis { .. }));
     let free = options.free_turn || axis_only;
     let given: Option<Vec<Vec<f64>>> = points
         .iter()
@@ -203,12 +192,7 @@ pub fn posture_path(
             about_limits.extend(search.nothing_free(&poses, free, &way, &missing)?);
         }
     }
-    let Way {
-        q,
-        turn,
-        rms,
-        given_rms,
-    } = way;
+    let Way { q, turn, rms, given_rms } = way;
     let tips = arm.tip_poses(&q)?;
     let wrenches = search.wrenches(&tips)?;
     let mut summary = PosturePathSummary {
@@ -247,9 +231,7 @@ fn poses(arm: &LoadedArm, points: &[PathPoint]) -> Vec<Isometry3<f64>> {
             let pose = match &point.target {
                 PathTarget::Angles(q) => arm.tip_pose(q),
                 PathTarget::Pose(pose) => *pose,
-                PathTarget::Axis { position, axis } => {
-                    Isometry3::from_parts((*position).into(), about(axis, &last))
-                }
+                PathTarget::Axis { position, axis } => Isometry3::from_parts((*position).into(), about(axis, &last)),
             };
             last = pose.rotation * Vector3::x();
             pose
@@ -275,18 +257,13 @@ fn turned(pose: &Isometry3<f64>, turn: f64) -> Isometry3<f64> {
 fn largest_step(q: &[Vec<f64>], points: &[PathPoint]) -> f64 {
     let pairs = q.windows(2).zip(&points[1..]);
     let pairs = pairs.filter(|(_, to)| !to.rapid);
-    pairs
-        .map(|(pair, _)| change(&pair[0], &pair[1]).1)
-        .fold(0.0, f64::max)
+    pairs.map(|(pair, _)| change(&pair[0], &pair[1]).1).fold(0.0, f64::max)
 }
 
 /// The joint that changes most, and by how much \[rad\].
 fn change(from: &[f64], to: &[f64]) -> (usize, f64) {
     let changes = from.iter().zip(to).map(|(a, b)| (b - a).abs());
-    changes.enumerate().fold(
-        (0, 0.0),
-        |most, (j, c)| if c > most.1 { (j, c) } else { most },
-    )
+    changes.enumerate().fold((0, 0.0), |most, (j, c)| if c > most.1 { (j, c) } else { most })
 }
 
 impl Search<'_> {
@@ -334,12 +311,7 @@ impl Search<'_> {
     fn bent(&self, q: Vec<Vec<f64>>, turn: Option<Vec<f64>>) -> Result<Way> {
         let wrenches = self.wrenches(&self.arm.tip_poses(&q)?)?;
         let rms = self.rms(&self.deflections(&q, &wrenches)?);
-        Ok(Way {
-            q,
-            turn,
-            rms,
-            given_rms: None,
-        })
+        Ok(Way { q, turn, rms, given_rms: None })
     }
 
     /// What ways are compared by: what is missing, where it counts, then the deflection.
@@ -357,10 +329,7 @@ impl Search<'_> {
 
     /// Largest change of a joint on the way to point `i` from the one before, or from `from` \[rad\].
     fn largest_step(&self, from: usize, i: usize) -> f64 {
-        if self.points[(from + 1).min(i)..=i]
-            .iter()
-            .any(|point| point.rapid)
-        {
+        if self.points[(from + 1).min(i)..=i].iter().any(|point| point.rapid) {
             f64::INFINITY
         } else {
             self.options.largest_step
@@ -368,12 +337,7 @@ impl Search<'_> {
     }
 
     fn wrenches(&self, tips: &[Isometry3<f64>]) -> Result<Vec<Wrench>> {
-        tip_wrenches(
-            self.points,
-            tips,
-            self.options.process.as_ref(),
-            &self.options.workpiece,
-        )
+        tip_wrenches(self.points, tips, self.options.process.as_ref(), &self.options.workpiece)
     }
 
     /// RMS of deflections; rapid moves, which carry no load, do not dilute it.
@@ -398,11 +362,7 @@ impl Search<'_> {
 
     /// Postures of point `i` at the tip pose `tip`, inside and outside the limits.
     fn branches(&self, i: usize, tip: &Isometry3<f64>) -> Result<Vec<Vec<f64>>> {
-        match self
-            .inverse
-            .solve(&self.flange(tip))
-            .map_err(|e| self.at(i, e))?
-        {
+        match self.inverse.solve(&self.flange(tip)).map_err(|e| self.at(i, e))? {
             Outcome::Reachable(branches) => Ok(branches.into_iter().map(|b| b.q).collect()),
             Outcome::Unreachable(far) => Err(self.named(i, &far.error(self.arm.robot()))),
         }
@@ -411,9 +371,7 @@ impl Search<'_> {
     /// How far the joint that is farthest from the middle of its limits is from it \[rad\].
     fn off_centre(&self, q: &[f64]) -> f64 {
         let ranges = q.iter().zip(self.arm.robot().joints());
-        ranges
-            .map(|(a, j)| (a - 0.5 * (j.limits[0] + j.limits[1])).abs())
-            .fold(0.0, f64::max)
+        ranges.map(|(a, j)| (a - 0.5 * (j.limits[0] + j.limits[1])).abs()).fold(0.0, f64::max)
     }
 
     /// `error` with the line of point `i`.

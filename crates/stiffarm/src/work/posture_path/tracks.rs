@@ -35,11 +35,7 @@ struct Layers {
 
 impl Layers {
     fn new(joints: usize) -> Self {
-        Layers {
-            joints,
-            angles: Vec::new(),
-            ends: Vec::new(),
-        }
+        Layers { joints, angles: Vec::new(), ends: Vec::new() }
     }
 
     fn push(&mut self, branches: &[Vec<f64>]) {
@@ -55,11 +51,7 @@ impl Layers {
 }
 
 /// Postures with the tip at `poses`.
-pub(super) fn postures(
-    search: &Search<'_>,
-    poses: &[Isometry3<f64>],
-    control: Control<'_>,
-) -> Result<Vec<Vec<f64>>> {
+pub(super) fn postures(search: &Search<'_>, poses: &[Isometry3<f64>], control: Control<'_>) -> Result<Vec<Vec<f64>>> {
     let closed = search.inverse.method() == Method::ClosedForm;
     // All branches of all poses, or of the first one.
     let solved = if closed { poses } else { &poses[..1] };
@@ -75,18 +67,12 @@ pub(super) fn postures(
     each_in_order(solved, "inverse kinematics", control, solve, |branches| {
         layers.push(&branches);
     })?;
-    let mut starts: Vec<Vec<Vec<f64>>> = layers
-        .of(0)
-        .map(|q| search.inverse.turns_within_limits(q))
-        .filter(|turns| !turns.is_empty())
-        .collect();
+    let mut starts: Vec<Vec<Vec<f64>>> =
+        layers.of(0).map(|q| search.inverse.turns_within_limits(q)).filter(|turns| !turns.is_empty()).collect();
     if starts.is_empty() {
         let error = search
             .inverse
-            .nearest(
-                &search.flange(&poses[0]),
-                layers.of(0).next().unwrap_or(&[]),
-            )
+            .nearest(&search.flange(&poses[0]), layers.of(0).next().unwrap_or(&[]))
             .err()
             .unwrap_or_else(|| Error::new(Code::OutsideLimits, "No posture is within the limits."));
         return Err(search.named(0, &error));
@@ -133,13 +119,9 @@ pub(super) fn postures(
                     }
                     let cost = rms(&search.deflections(&track, &wrenches)?);
                     // Flipped wrists bend alike: rounding does not choose between them.
-                    let is_better =
-                        |than: &Track| (missing, cost) < (than.rank.0, than.rank.1 * (1.0 - 1e-9));
+                    let is_better = |than: &Track| (missing, cost) < (than.rank.0, than.rank.1 * (1.0 - 1e-9));
                     if best.as_ref().is_none_or(is_better) {
-                        best = Some(Track {
-                            q: track,
-                            rank: (missing, cost),
-                        });
+                        best = Some(Track { q: track, rank: (missing, cost) });
                     }
                     // Other turns of the same branch bend alike.
                     if beyond == 0.0 {
@@ -195,11 +177,7 @@ fn follow(
 }
 
 /// The posture among `branches`, with turns within the limits, nearest to `last`.
-fn nearest<'b>(
-    search: &Search<'_>,
-    branches: impl Iterator<Item = &'b [f64]>,
-    last: &[f64],
-) -> Option<Vec<f64>> {
+fn nearest<'b>(search: &Search<'_>, branches: impl Iterator<Item = &'b [f64]>, last: &[f64]) -> Option<Vec<f64>> {
     let near = branches.filter_map(|q| search.inverse.turns_near(q, last));
     near.min_by(|a, b| change(last, a).1.total_cmp(&change(last, b).1))
 }
@@ -219,8 +197,7 @@ fn jump(search: &Search<'_>, i: usize, j: usize, step: f64) -> Error {
         search.points[i].name,
         rad_to_deg(step)
     );
-    let error = Error::invalid(message).hint(
-        "give more points between these two, leave the turn about the tool axis free, or allow larger steps",
-    );
+    let error = Error::invalid(message)
+        .hint("give more points between these two, leave the turn about the tool axis free, or allow larger steps");
     search.at(i, error)
 }

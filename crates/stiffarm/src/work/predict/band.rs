@@ -98,10 +98,7 @@ impl Common {
         }
         let spread = &moved * &self.errors.covariance * moved.transpose();
         let mean = &moved * &self.errors.mean;
-        (
-            Vector3::new(mean[0], mean[1], mean[2]),
-            spread.fixed_view::<3, 3>(0, 0).into_owned(),
-        )
+        (Vector3::new(mean[0], mean[1], mean[2]), spread.fixed_view::<3, 3>(0, 0).into_owned())
     }
 }
 
@@ -165,11 +162,7 @@ impl Bands {
 
     /// The bands of shifts (m) of the tip of `arm`, each at the posture and under the load of
     /// its terms.
-    pub(crate) fn of(
-        &self,
-        arm: &LoadedArm,
-        points: &[(Vector3<f64>, PostureTerms)],
-    ) -> Vec<TipBand> {
+    pub(crate) fn of(&self, arm: &LoadedArm, points: &[(Vector3<f64>, PostureTerms)]) -> Vec<TipBand> {
         let derivative = |(_, terms): &(_, PostureTerms)| arm.sensitivity(terms);
         let sensitivities: Vec<DMatrix<f64>> = points.iter().map(derivative).collect();
         // One product for all of them; with fewer than six columns it goes without vector

@@ -62,10 +62,7 @@ pub struct PathExtremes {
 impl LoadedArm {
     /// The extremes of a path with these postures and deflections \[m\]; `None` for a path without points,
     /// and where something that gives way is not determined.
-    pub(crate) fn extremes<'q>(
-        &self,
-        points: impl Iterator<Item = (&'q [f64], f64)>,
-    ) -> Result<Option<PathExtremes>> {
+    pub(crate) fn extremes<'q>(&self, points: impl Iterator<Item = (&'q [f64], f64)>) -> Result<Option<PathExtremes>> {
         let points: Vec<(&[f64], f64)> = points.collect();
         if !self.is_determined() {
             return Ok(None);
@@ -78,16 +75,10 @@ impl LoadedArm {
         };
         let stiffness = |(at, (q, _)): (usize, &(&[f64], f64))| {
             let unloaded = Wrench::force(Vector3::zeros());
-            Ok(PointStiffness {
-                at,
-                principal: self.principal(&self.terms(q, &unloaded)?),
-            })
+            Ok(PointStiffness { at, principal: self.principal(&self.terms(q, &unloaded)?) })
         };
         match (first_of(|a, b| a < b), first_of(|a, b| a > b)) {
-            (Some(best), Some(worst)) => Ok(Some(PathExtremes {
-                best: stiffness(best)?,
-                worst: stiffness(worst)?,
-            })),
+            (Some(best), Some(worst)) => Ok(Some(PathExtremes { best: stiffness(best)?, worst: stiffness(worst)? })),
             _ => Ok(None),
         }
     }
@@ -107,11 +98,7 @@ impl LoadedArm {
             let full = &jacobian * self.compliance() * jacobian.transpose();
             full.fixed_view::<6, 6>(0, 0).into_owned()
         };
-        let added = if self.has_more_than_joints() {
-            self.added_compliance(terms)
-        } else {
-            Matrix6::zeros()
-        };
+        let added = if self.has_more_than_joints() { self.added_compliance(terms) } else { Matrix6::zeros() };
         // Products in another order differ by rounding.
         let sum = joints + added;
         (sum + sum.transpose()) * 0.5
@@ -134,14 +121,9 @@ impl LoadedArm {
         let change = &jacobian * change * jacobian.transpose();
         let with_k_c = compliance + change.fixed_view::<6, 6>(0, 0);
         let regular = condition_number(terms.frames(), &terms.measuring_points()[0], 1.0).is_some();
-        let inverse =
-            |m: &Matrix6<f64>| regular.then(|| m.try_inverse()).flatten().map(|k| rows(&k));
-        let symmetric = |m: &Matrix6<f64>| {
-            regular
-                .then(|| m.try_inverse())
-                .flatten()
-                .map(|k| rows(&((k + k.transpose()) * 0.5)))
-        };
+        let inverse = |m: &Matrix6<f64>| regular.then(|| m.try_inverse()).flatten().map(|k| rows(&k));
+        let symmetric =
+            |m: &Matrix6<f64>| regular.then(|| m.try_inverse()).flatten().map(|k| rows(&((k + k.transpose()) * 0.5)));
         Ok(CartesianStiffness {
             matrix: symmetric(&compliance),
             matrix_with_k_c: inverse(&with_k_c),

@@ -69,10 +69,7 @@ impl LoadedArm {
         let springs = robot.spring_count();
         let values = &predictor.values;
         if values.len() != springs + predictor.extra.len() {
-            let message = format!(
-                "{} values for the {springs} joints of the cell.",
-                values.len()
-            );
+            let message = format!("{} values for the {springs} joints of the cell.", values.len());
             return Err(Error::new(Code::Dimension, message));
         }
         if values.iter().any(|h| !h.is_finite()) {
@@ -83,11 +80,7 @@ impl LoadedArm {
         Ok(LoadedArm {
             setup: at_tip(cell, &tip),
             compliance: compliance_of_springs(robot, values.rows(0, springs).as_slice()),
-            elements: Elements::new(
-                &predictor.extra,
-                &values.as_slice()[springs..],
-                robot.joint_count(),
-            ),
+            elements: Elements::new(&predictor.extra, &values.as_slice()[springs..], robot.joint_count()),
             extra: predictor.extra.clone(),
             undetermined: predictor.undetermined.clone(),
             at_work: AtWork::new(cell, &tip),
@@ -117,10 +110,7 @@ impl LoadedArm {
     /// # Errors
     /// As [`IdentifiedCompliance::from_stiffness`].
     pub fn from_stiffness(cell: &Cell, stiffness: &[f64]) -> Result<Self> {
-        LoadedArm::new(
-            cell,
-            &IdentifiedCompliance::from_stiffness(cell, stiffness)?,
-        )
+        LoadedArm::new(cell, &IdentifiedCompliance::from_stiffness(cell, stiffness)?)
     }
 
     /// The robot.
@@ -157,10 +147,7 @@ impl LoadedArm {
     }
 
     /// The same at many postures, on all cores.
-    pub(crate) fn tip_poses<Q: AsRef<[f64]> + Sync>(
-        &self,
-        postures: &[Q],
-    ) -> Result<Vec<Isometry3<f64>>> {
+    pub(crate) fn tip_poses<Q: AsRef<[f64]> + Sync>(&self, postures: &[Q]) -> Result<Vec<Isometry3<f64>>> {
         in_order(postures, |(_, q)| Ok(self.tip_pose(q.as_ref())))
     }
 
@@ -187,12 +174,7 @@ impl LoadedArm {
         let start = self.setup.robot.serial_angles(q);
         let found = equilibrium_from(&self.setup, &self.compliance, &start, terms, Some(wrench))?;
         let after = self.loaded_tip(&found.terms);
-        Ok(Deflection {
-            displacement: motion(&before, &after),
-            before,
-            after,
-            linear,
-        })
+        Ok(Deflection { displacement: motion(&before, &after), before, after, linear })
     }
 
     /// True where each unknown has a value.
@@ -251,26 +233,15 @@ impl LoadedArm {
     }
 
     /// Moves `terms` to the serial angles `theta`.
-    pub(crate) fn move_to(
-        &self,
-        theta: &DVector<f64>,
-        terms: &mut PostureTerms,
-        wrench: &Wrench,
-    ) -> Result<()> {
-        terms
-            .frames
-            .move_to_serial_angles(&self.setup.robot, theta.as_slice());
+    pub(crate) fn move_to(&self, theta: &DVector<f64>, terms: &mut PostureTerms, wrench: &Wrench) -> Result<()> {
+        terms.frames.move_to_serial_angles(&self.setup.robot, theta.as_slice());
         terms.fill(&self.setup, Some(wrench))
     }
 
     /// Tip pose of the loaded arm whose joints stand as in `terms`.
     pub(crate) fn loaded_tip(&self, terms: &PostureTerms) -> Isometry3<f64> {
         let tip = terms.frames().flange() * self.tip;
-        if self.has_more_than_joints() {
-            moved(&tip, &self.added(terms, true))
-        } else {
-            tip
-        }
+        if self.has_more_than_joints() { moved(&tip, &self.added(terms, true)) } else { tip }
     }
 
     /// Compliance that the series compliance and the tilts add at the tip, 6 × 6.
@@ -301,9 +272,8 @@ impl LoadedArm {
 
 fn not_determined(name: &str, why: &str) -> Error {
     let message = format!("Nothing is known of how {name} gives way, and {why}.");
-    Error::new(Code::NotIdentifiable, message).hint(
-        "measure postures that load it and identify again, or identify with --estimator prior",
-    )
+    Error::new(Code::NotIdentifiable, message)
+        .hint("measure postures that load it and identify again, or identify with --estimator prior")
 }
 
 /// The cell's robot loaded and measured at the tip.
@@ -313,10 +283,7 @@ fn at_tip(cell: &Cell, tip: &Isometry3<f64>) -> Setup {
         robot: cell.setup.robot.clone(),
         tool: Tool {
             loading_point: position,
-            measuring_points: vec![NamedPoint {
-                name: "tip".to_string(),
-                position,
-            }],
+            measuring_points: vec![NamedPoint { name: "tip".to_string(), position }],
             has_sensor: cell.setup.tool.has_sensor,
             series_compliance: cell.setup.tool.series_compliance.clone(),
         },
@@ -329,10 +296,7 @@ fn at_tip(cell: &Cell, tip: &Isometry3<f64>) -> Setup {
 pub(crate) fn moved(pose: &Isometry3<f64>, twist: &Vector6<f64>) -> Isometry3<f64> {
     let turn = UnitQuaternion::from_scaled_axis(twist.fixed_rows::<3>(3).into_owned());
     let shift: Vector3<f64> = twist.fixed_rows::<3>(0).into_owned();
-    Isometry3::from_parts(
-        (pose.translation.vector + shift).into(),
-        turn * pose.rotation,
-    )
+    Isometry3::from_parts((pose.translation.vector + shift).into(), turn * pose.rotation)
 }
 
 /// Motion from one pose to another: \[shift; rotation vector\], base axes.

@@ -169,10 +169,7 @@ pub(crate) fn predict_on(
     control: Control<'_>,
 ) -> Result<Prediction> {
     if postures.is_empty() {
-        return Err(Error::new(
-            Code::TooFewData,
-            "There is no point to predict.",
-        ));
+        return Err(Error::new(Code::TooFewData, "There is no point to predict."));
     }
     let bands = Bands::new(predictor, options.load_uncertainty)?;
     let points = with_bands(
@@ -197,21 +194,14 @@ pub(crate) fn predict_on(
     out.findings.extend(implausible::load(arm.robot(), loads));
     let forces = postures.iter().map(|p| p.wrench.force.norm());
     let sizes = out.points.iter().map(|p| p.deflection_m).zip(forces);
-    let seen = Seen {
-        displacement: options.measured_up_to,
-        force: options.loaded_up_to,
-    };
+    let seen = Seen { displacement: options.measured_up_to, force: options.loaded_up_to };
     let beyond = beyond_data("deflection", &sizes.collect::<Vec<_>>(), seen);
     out.findings.extend(beyond);
     out.findings.extend(forbidden(arm.at_work(), postures)?);
     Ok(out)
 }
 
-fn point(
-    arm: &LoadedArm,
-    posture: &LoadedPosture,
-    options: &PredictOptions,
-) -> Result<PointPrediction> {
+fn point(arm: &LoadedArm, posture: &LoadedPosture, options: &PredictOptions) -> Result<PointPrediction> {
     let wrench = &posture.wrench;
     let bent = arm.deflect(&posture.q, wrench)?;
     let twist = match options.model {
@@ -219,9 +209,7 @@ fn point(
         Model::Equilibrium => bent.displacement,
     };
     let shift: Vector3<f64> = twist.fixed_rows::<3>(0).into_owned();
-    let difference: Vector3<f64> = (bent.displacement - bent.linear)
-        .fixed_rows::<3>(0)
-        .into_owned();
+    let difference: Vector3<f64> = (bent.displacement - bent.linear).fixed_rows::<3>(0).into_owned();
     Ok(PointPrediction {
         point: posture.name.clone(),
         q: posture.q.clone(),
@@ -233,11 +221,7 @@ fn point(
         deflection_m: shift.norm(),
         linear_difference_m: difference.norm(),
         band: None,
-        stiffness: if options.stiffness {
-            Some(Box::new(arm.cartesian(&posture.q, wrench)?))
-        } else {
-            None
-        },
+        stiffness: if options.stiffness { Some(Box::new(arm.cartesian(&posture.q, wrench)?)) } else { None },
     })
 }
 
@@ -251,17 +235,11 @@ fn position(pose: &Isometry3<f64>) -> [f64; 3] {
     pose.translation.vector.into()
 }
 
-fn summarise(
-    points: Vec<PointPrediction>,
-    options: &PredictOptions,
-    confidence: Option<f64>,
-) -> Prediction {
+fn summarise(points: Vec<PointPrediction>, options: &PredictOptions, confidence: Option<f64>) -> Prediction {
     // Rapid moves, which carry no load, do not dilute the path.
     let loaded = || points.iter().filter(|p| p.is_loaded());
     let sizes: Vec<f64> = loaded().map(|p| p.deflection_m).collect();
-    let largest = points
-        .iter()
-        .max_by(|a, b| a.deflection_m.total_cmp(&b.deflection_m));
+    let largest = points.iter().max_by(|a, b| a.deflection_m.total_cmp(&b.deflection_m));
     let differences = points.iter().map(|p| p.linear_difference_m);
     let suffices = |p: &PointPrediction| {
         let allowed = match &p.band {
@@ -328,18 +306,9 @@ fn findings(result: &Prediction) -> Vec<Finding> {
         ));
     }
     if result.deflection_rms_m == 0.0 {
-        out.push(Finding::caution(
-            "no-load",
-            "load",
-            "No point has a load, so nothing bends.",
-        ));
+        out.push(Finding::caution("no-load", "load", "No point has a load, so nothing bends."));
     }
-    let dominated = result
-        .points
-        .iter()
-        .filter_map(|p| p.band.as_ref())
-        .filter(|b| b.size_m[1] > b.size_m[0])
-        .count();
+    let dominated = result.points.iter().filter_map(|p| p.band.as_ref()).filter(|b| b.size_m[1] > b.size_m[0]).count();
     if 2 * dominated > result.points.len() {
         out.push(Finding::note(
             "common-error-dominates",

@@ -22,11 +22,7 @@ impl Prediction {
         let joints = self.points.first().map_or(0, |p| p.q.len());
         let angles: String = (1..=joints).map(|j| format!("q{j}_deg,")).collect();
         let has_band = self.points.iter().any(|p| p.band.is_some());
-        let band = if has_band {
-            format!(",{BAND}")
-        } else {
-            String::new()
-        };
+        let band = if has_band { format!(",{BAND}") } else { String::new() };
         writeln!(out, "point,{angles}{COLUMNS}{band}")?;
         let mut written = Ok(());
         each_in_order(

@@ -3,14 +3,8 @@
 use super::*;
 
 /// Zhang et al. 2021, Table 1 \[deg\].
-const TABLE_1: [[f64; 2]; 6] = [
-    [-90.0, 90.0],
-    [-60.0, 40.0],
-    [-180.0, -40.0],
-    [-180.0, 180.0],
-    [-90.0, 90.0],
-    [-180.0, 180.0],
-];
+const TABLE_1: [[f64; 2]; 6] =
+    [[-90.0, 90.0], [-60.0, 40.0], [-180.0, -40.0], [-180.0, 180.0], [-90.0, 90.0], [-180.0, 180.0]];
 
 /// Zhang et al. 2021, Table 5 \[deg\].
 const TABLE_5: [[f64; 6]; 3] = [
@@ -31,12 +25,7 @@ fn check_comau(cell: &Cell) {
     assert_eq!(cell.characteristic_length, Some(0.773));
     let tool = &cell.setup.tool;
     assert_eq!(tool.loading_point.as_slice(), [0.20, 0.0, 0.25]);
-    let points = [
-        ("1", [0.15, 0.0, 0.2]),
-        ("2", [0.0, 0.15, 0.2]),
-        ("3", [-0.15, 0.0, 0.2]),
-        ("4", [0.0, -0.15, 0.2]),
-    ];
+    let points = [("1", [0.15, 0.0, 0.2]), ("2", [0.0, 0.15, 0.2]), ("3", [-0.15, 0.0, 0.2]), ("4", [0.0, -0.15, 0.2])];
     assert_eq!(tool.point_count(), points.len());
     for (point, (name, position)) in tool.measuring_points.iter().zip(points) {
         assert_eq!(point.name, name);
@@ -123,21 +112,15 @@ fn the_measured_fanuc_cell() -> Check {
 fn the_measured_readings_are_as_published() -> Check {
     let folder = common::reference_folder().join("fanuc_r2000ic");
     let read = |name: &str| std::fs::read_to_string(folder.join(name));
-    let parts = [
-        read("joint_angles.csv")?,
-        read("forces.csv")?,
-        read("deltaX.csv")?,
-    ];
+    let parts = [read("joint_angles.csv")?, read("forces.csv")?, read("deltaX.csv")?];
     let rows = parts.each_ref().map(|text| text.lines().skip(1));
     let [angles, forces, shifts] = rows;
     let published = (1..).zip(angles.zip(forces.zip(shifts)));
-    let published: Vec<String> = published
-        .map(|(i, (q, (f, d)))| format!("{i},TCP,{},{},{}", q.trim(), f.trim(), d.trim()))
-        .collect();
+    let published: Vec<String> =
+        published.map(|(i, (q, (f, d)))| format!("{i},TCP,{},{},{}", q.trim(), f.trim(), d.trim())).collect();
     let text = std::str::from_utf8(builtin::bytes("fanuc-r2000ic-readings")?)?;
     let table: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
-    let heading =
-        "posture,point,q1_rad,q2_rad,q3_rad,q4_rad,q5_rad,q6_rad,fx_n,fy_n,fz_n,dx_m,dy_m,dz_m";
+    let heading = "posture,point,q1_rad,q2_rad,q3_rad,q4_rad,q5_rad,q6_rad,fx_n,fy_n,fz_n,dx_m,dy_m,dz_m";
     assert_eq!(table[0], heading);
     assert_eq!(table[1..], published);
     Ok(())
@@ -176,11 +159,7 @@ fn copies_for_the_reader_are_the_built_in_files() -> Check {
         let file = file?;
         let name = file.file_name().into_string().map_err(|_| "no text")?;
         let known = name.trim_end_matches(".toml").trim_end_matches(".csv");
-        assert_eq!(
-            std::fs::read(file.path())?,
-            builtin::bytes(known)?,
-            "{name}"
-        );
+        assert_eq!(std::fs::read(file.path())?, builtin::bytes(known)?, "{name}");
     }
     let files = std::fs::read_dir(folder)?.count();
     assert_eq!(files, builtin::names().len(), "every copy is built in");

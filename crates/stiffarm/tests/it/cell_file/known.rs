@@ -16,11 +16,9 @@ fn a_drawing_arrives_as_compliances_with_their_uncertainty() -> Check {
     assert_eq!(cell.elastic, None);
     let known = &cell.known_elements;
     let of = |term: ExtraTerm| known.iter().find(|own| own.term == term);
-    for (term, compliance) in [
-        (ExtraTerm::BaseTilt, 1e-8),
-        (ExtraTerm::JointTilt(0), 5e-8),
-        (ExtraTerm::JointTilt(2), 1e-7),
-    ] {
+    for (term, compliance) in
+        [(ExtraTerm::BaseTilt, 1e-8), (ExtraTerm::JointTilt(0), 5e-8), (ExtraTerm::JointTilt(2), 1e-7)]
+    {
         let own = of(term).ok_or("missing")?;
         assert_close(own.compliance, compliance);
         // Half of what lies between twice and half as soft.
@@ -28,14 +26,7 @@ fn a_drawing_arrives_as_compliances_with_their_uncertainty() -> Check {
     }
     // The link behind joint 2 has one part.
     assert_eq!(known.len(), 4);
-    assert!(matches!(
-        known[3].term,
-        ExtraTerm::Beam {
-            joint: 1,
-            twist: false,
-            ..
-        }
-    ));
+    assert!(matches!(known[3].term, ExtraTerm::Beam { joint: 1, twist: false, .. }));
     assert_close(known[3].compliance, 1e-7);
     Ok(())
 }
@@ -43,41 +34,13 @@ fn a_drawing_arrives_as_compliances_with_their_uncertainty() -> Check {
 #[test]
 fn slips_in_a_drawing_are_named_with_their_place() {
     for (keys, key, said) in [
-        (
-            "bearing_tilt_nm_per_rad = [1e7]\n",
-            "elastic.bearing_tilt_nm_per_rad",
-            "6",
-        ),
-        (
-            "link_bending_nm2 = [0, 1e7, 0, 0, 1e6, 0]\n",
-            "elastic.link_bending_nm2[5]",
-            "has no length",
-        ),
-        (
-            "link_twist_nm2 = [0, -1e7, 0, 0, 0, 0]\n",
-            "elastic.link_twist_nm2[2]",
-            "0 or more",
-        ),
-        (
-            "base_tilt_nm_per_rad = 0\n",
-            "elastic.base_tilt_nm_per_rad",
-            "above 0",
-        ),
-        (
-            "base_tilt_nm_per_rad = 1e8\nstiffness_factor = 1\n",
-            "elastic.stiffness_factor",
-            "above 1",
-        ),
-        (
-            "stiffness_factor = 2\n",
-            "elastic.stiffness_factor",
-            "no stiffness",
-        ),
-        (
-            "turn_std_rad_per_nm = 1e-7\n",
-            "elastic.shift_std_m_per_n",
-            "",
-        ),
+        ("bearing_tilt_nm_per_rad = [1e7]\n", "elastic.bearing_tilt_nm_per_rad", "6"),
+        ("link_bending_nm2 = [0, 1e7, 0, 0, 1e6, 0]\n", "elastic.link_bending_nm2[5]", "has no length"),
+        ("link_twist_nm2 = [0, -1e7, 0, 0, 0, 0]\n", "elastic.link_twist_nm2[2]", "0 or more"),
+        ("base_tilt_nm_per_rad = 0\n", "elastic.base_tilt_nm_per_rad", "above 0"),
+        ("base_tilt_nm_per_rad = 1e8\nstiffness_factor = 1\n", "elastic.stiffness_factor", "above 1"),
+        ("stiffness_factor = 2\n", "elastic.stiffness_factor", "no stiffness"),
+        ("turn_std_rad_per_nm = 1e-7\n", "elastic.shift_std_m_per_n", ""),
     ] {
         let error = parse_cell(&format!("{CELL}{keys}"), "cell.toml").unwrap_err();
         assert_eq!(error.place().key.as_deref(), Some(key), "{error}");

@@ -42,9 +42,8 @@ const SHAPE: &str = "kind = \"mesh\"\nfile = \"parts/own.obj\"\nunit = \"mm\"\n\
 #[test]
 fn solids_contain_the_mesh_where_it_is_placed() -> Check {
     let (text, corners) = mesh();
-    let cell = format!(
-        "{FULL}\n[[obstacle]]\nname = \"own fixture\"\n{SHAPE}\n[[tool.shape]]\nname = \"own tool\"\n{SHAPE}"
-    );
+    let cell =
+        format!("{FULL}\n[[obstacle]]\nname = \"own fixture\"\n{SHAPE}\n[[tool.shape]]\nname = \"own tool\"\n{SHAPE}");
     let read = |file: &str| {
         assert_eq!(file, "parts/own.obj");
         Ok(text.clone().into_bytes())
@@ -60,11 +59,7 @@ fn solids_contain_the_mesh_where_it_is_placed() -> Check {
     };
     for (name, most) in [("own fixture", 24), ("own tool", 4)] {
         let solids = &part(name).solids;
-        assert!(
-            (1..=most).contains(&solids.len()),
-            "{name}: {}",
-            solids.len()
-        );
+        assert!((1..=most).contains(&solids.len()), "{name}: {}", solids.len());
         // Corners, and points between those of a triangle.
         for triangle in corners.windows(3) {
             let middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
@@ -74,12 +69,7 @@ fn solids_contain_the_mesh_where_it_is_placed() -> Check {
             }
         }
     }
-    assert!(
-        part("own tool")
-            .solids
-            .iter()
-            .all(|s| matches!(s, Solid::Capsule(_)))
-    );
+    assert!(part("own tool").solids.iter().all(|s| matches!(s, Solid::Capsule(_))));
     Ok(())
 }
 
@@ -87,17 +77,7 @@ fn solids_contain_the_mesh_where_it_is_placed() -> Check {
 fn the_text_alone_is_not_enough() {
     let text = format!("{FULL}\n[[obstacle]]\nname = \"own fixture\"\n{SHAPE}");
     let error = parse_cell(&text, "cell.toml").unwrap_err();
-    assert!(
-        error.message().starts_with("parts/own.obj: Only the text"),
-        "{error}"
-    );
-    assert!(
-        error
-            .place()
-            .key
-            .as_deref()
-            .is_some_and(|key| key.ends_with(".file")),
-        "{error:?}"
-    );
+    assert!(error.message().starts_with("parts/own.obj: Only the text"), "{error}");
+    assert!(error.place().key.as_deref().is_some_and(|key| key.ends_with(".file")), "{error:?}");
     assert!(error.hint_text().unwrap().contains("parse_cell_with"));
 }

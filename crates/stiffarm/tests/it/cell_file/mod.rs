@@ -22,9 +22,7 @@ use stiffarm::model::process::{MillingDirection, Process};
 use stiffarm::model::robot::catalogue;
 use stiffarm::model::work::Work;
 use stiffarm_files::builtin;
-use stiffarm_files::cell::{
-    measurements_template, parse_cell, parse_cell_bytes, postures_template, template,
-};
+use stiffarm_files::cell::{measurements_template, parse_cell, parse_cell_bytes, postures_template, template};
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 
@@ -32,10 +30,7 @@ type Check = Result<(), Box<dyn std::error::Error>>;
 #[track_caller]
 fn assert_close(found: f64, expected: f64) {
     let scale = expected.abs().max(1e-12);
-    assert!(
-        (found - expected).abs() <= 1e-14 * scale,
-        "{found:e} is not {expected:e}"
-    );
+    assert!((found - expected).abs() <= 1e-14 * scale, "{found:e} is not {expected:e}");
 }
 
 /// A cell with every table, on lines of known number.
@@ -64,18 +59,10 @@ fn every_key_arrives_in_si_units() -> Check {
     assert_eq!(robot.coupling()[(0, 0)], -1.0);
     assert_eq!(robot.joints()[1].limits, [-75.0, 95.0].map(f64::to_radians));
     assert_eq!(robot.joints()[0].placement.translation.z, 0.0);
-    assert_eq!(
-        robot.joints()[1].placement.translation.vector.as_slice(),
-        [0.4, 0.0, 0.83]
-    );
+    assert_eq!(robot.joints()[1].placement.translation.vector.as_slice(), [0.4, 0.0, 0.83]);
     assert_eq!(robot.gravity_direction().as_slice(), [0.0, 0.0, -1.0]);
     assert_eq!(cell.characteristic_length, Some(0.5));
-    let series = cell
-        .setup
-        .tool
-        .series_compliance
-        .as_ref()
-        .ok_or("no series")?;
+    let series = cell.setup.tool.series_compliance.as_ref().ok_or("no series")?;
     assert_eq!(series.origin.z, 0.06);
     assert_eq!(series.matrix.diagonal().as_slice()[..3], [1e-8, 1e-8, 5e-9]);
     assert_eq!(series.matrix[(5, 5)], 1.0 / 4e5);
@@ -105,10 +92,7 @@ fn every_key_arrives_in_si_units() -> Check {
     }
     let tracker = &cell.tracker;
     let base_from_tracker = tracker.base_from_tracker.ok_or("no pose")?;
-    assert_eq!(
-        base_from_tracker.translation.vector.as_slice(),
-        [3.5, -1.2, 0.9]
-    );
+    assert_eq!(base_from_tracker.translation.vector.as_slice(), [3.5, -1.2, 0.9]);
     assert_close(base_from_tracker.rotation.angle(), 150f64.to_radians());
     let accuracy = tracker.accuracy.ok_or("no accuracy")?;
     assert_eq!(accuracy.station.as_slice(), [0.0, 0.0, 0.05]);
@@ -116,10 +100,7 @@ fn every_key_arrives_in_si_units() -> Check {
     assert_close(accuracy.range_per_metre, 0.4e-6);
     assert_close(accuracy.angle, 3e-6);
     let sizes = cell.elastic.ok_or("no sizes")?;
-    assert_eq!(
-        [sizes.shift, sizes.turn, sizes.coupling],
-        [9e-8, 1.4e-7, 0.0]
-    );
+    assert_eq!([sizes.shift, sizes.turn, sizes.coupling], [9e-8, 1.4e-7, 0.0]);
     let (stated, source) = cell.elastic_sizes()?;
     assert_eq!((stated, source), (sizes, ElasticSource::Declared));
     let uncertainty = &cell.uncertainty;
@@ -183,11 +164,7 @@ fn what_may_be_left_out() -> Check {
     let cell = parse_cell(text, "cell.toml")?;
     assert_eq!(cell.name, "COMAU SMART5 NJ 165-3.0");
     assert_eq!(cell.bounds[2], [-230.0, -10.0].map(f64::to_radians));
-    assert_eq!(
-        cell.prior.as_deref(),
-        Some(&TABLE_2[..]),
-        "the catalogue's first set"
-    );
+    assert_eq!(cell.prior.as_deref(), Some(&TABLE_2[..]), "the catalogue's first set");
     assert_eq!(cell.characteristic_length, None);
     assert_eq!(cell.elastic, None);
     assert_eq!(cell.elastic_sizes()?.1, ElasticSource::Typical);
@@ -197,11 +174,7 @@ fn what_may_be_left_out() -> Check {
     assert_eq!(cell.columns, Columns::default());
     assert_eq!(cell.work, Work::default());
     assert_close(cell.noise.reading_variance, 9.23e-11);
-    let Load::Weight {
-        magnitude,
-        direction,
-    } = cell.setup.load
-    else {
+    let Load::Weight { magnitude, direction } = cell.setup.load else {
         panic!("the load is a weight");
     };
     assert_eq!((magnitude, direction.z), (300.0, -1.0));
@@ -211,44 +184,30 @@ fn what_may_be_left_out() -> Check {
 #[test]
 fn loads_and_bases() -> Check {
     let rope = "kind = \"rope\"\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]";
-    let no_rope = FULL
-        .replace("rope_length_mm = [800, 3400]\n", "")
-        .replace("anchor_mm = 5\n", "");
+    let no_rope = FULL.replace("rope_length_mm = [800, 3400]\n", "").replace("anchor_mm = 5\n", "");
     let wrench = "kind = \"wrench\"\nforce_n = [1, 2, 3]\nmoment_nm = [4, 5, 6]\naxes = \"tool\"";
     let cell = parse_cell(&no_rope.replace(rope, wrench), "cell.toml")?;
-    let Load::Constant {
-        wrench,
-        axes: Axes::Tool,
-    } = cell.setup.load
-    else {
+    let Load::Constant { wrench, axes: Axes::Tool } = cell.setup.load else {
         panic!("the load is a wrench in tool axes");
     };
     assert_eq!(wrench.force.as_slice(), [1.0, 2.0, 3.0]);
     assert_eq!(wrench.moment.as_slice(), [4.0, 5.0, 6.0]);
 
     // Gravity of a wall-mounted robot.
-    let weight = no_rope
-        .replace(rope, "kind = \"weight\"\nmagnitude_n = 300")
-        .replace("down = [0, 0, -2]", "down = [3, 0, 0]");
+    let weight =
+        no_rope.replace(rope, "kind = \"weight\"\nmagnitude_n = 300").replace("down = [0, 0, -2]", "down = [3, 0, 0]");
     let Load::Weight { direction, .. } = parse_cell(&weight, "cell.toml")?.setup.load else {
         panic!("the load is a weight");
     };
     assert_eq!(direction.as_slice(), [1.0, 0.0, 0.0]);
 
     // A base frame turned by 90° about z and raised by 1 m.
-    let based = FULL.replace(
-        "down = [0, 0, -2]",
-        "base_xyz_mm = [100, 0, 1000]\nbase_rpy_deg = [0, 0, 90]",
-    );
+    let based = FULL.replace("down = [0, 0, -2]", "base_xyz_mm = [100, 0, 1000]\nbase_rpy_deg = [0, 0, 90]");
     let straight = parse_cell(FULL, "cell.toml")?.setup;
     let turned = parse_cell(&based, "cell.toml")?.setup;
     let q = [0.3, -0.2];
-    let p = PostureTerms::new(&straight, &q, None)?
-        .loading_point()
-        .to_owned();
-    let p_turned = PostureTerms::new(&turned, &q, None)?
-        .loading_point()
-        .to_owned();
+    let p = PostureTerms::new(&straight, &q, None)?.loading_point().to_owned();
+    let p_turned = PostureTerms::new(&turned, &q, None)?.loading_point().to_owned();
     let expected = [0.1 - p.y, p.x, 1.0 + p.z];
     for (found, expected) in p_turned.iter().zip(expected) {
         assert!((found - expected).abs() < 1e-14);

@@ -50,24 +50,11 @@ fn tilts_need_rows_and_one_number_each() {
     for (keys, code) in [
         (format!("{ROWS}\ntilts_deg = [1]"), Code::Dimension),
         (format!("{ROWS}\ntilts_deg = [0, nan]"), Code::NotFinite),
-        (
-            format!(
-                "{}\ntilts_deg = [0, 0]",
-                ROWS.replace("modified", "standard")
-            ),
-            Code::Conflict,
-        ),
-        (
-            "catalogue = 'ur5e'\ntilts_deg = [0]".to_string(),
-            Code::Conflict,
-        ),
+        (format!("{}\ntilts_deg = [0, 0]", ROWS.replace("modified", "standard")), Code::Conflict),
+        ("catalogue = 'ur5e'\ntilts_deg = [0]".to_string(), Code::Conflict),
         (format!("{ROWS}\nflange_rpy_deg = [1, 2]"), Code::Dimension),
     ] {
         let error = with_keys(&keys).unwrap_err();
-        assert_eq!(
-            (error.code(), error.place().line),
-            (code, Some(4)),
-            "{error}"
-        );
+        assert_eq!((error.code(), error.place().line), (code, Some(4)), "{error}");
     }
 }

@@ -12,9 +12,7 @@ type Check = Result<(), Box<dyn std::error::Error>>;
 /// The schema of the value `schema` stands for, references followed.
 fn resolve<'s>(root: &'s Value, schema: &'s Value) -> &'s Value {
     match schema.get("$ref").and_then(Value::as_str) {
-        Some(path) => root
-            .pointer(path.trim_start_matches('#'))
-            .expect("a valid reference"),
+        Some(path) => root.pointer(path.trim_start_matches('#')).expect("a valid reference"),
         None => schema,
     }
 }
@@ -23,13 +21,8 @@ fn resolve<'s>(root: &'s Value, schema: &'s Value) -> &'s Value {
 fn check(root: &Value, schema: &Value, value: &toml::Value, path: &str) {
     let described = schema.get("description").is_some() || path.ends_with(']');
     let schema = resolve(root, schema);
-    assert!(
-        described || schema.get("description").is_some(),
-        "{path} has no description"
-    );
-    let kind = schema["type"]
-        .as_str()
-        .unwrap_or_else(|| panic!("{path}: {schema}"));
+    assert!(described || schema.get("description").is_some(), "{path} has no description");
+    let kind = schema["type"].as_str().unwrap_or_else(|| panic!("{path}: {schema}"));
     match value {
         toml::Value::Table(table) => {
             assert_eq!(kind, "object", "{path}");

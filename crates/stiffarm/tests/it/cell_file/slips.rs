@@ -24,10 +24,7 @@ fn byte_order_mark_and_carriage_returns_leave_the_places_right() {
     let error = parse_cell(&first_line, "cell.toml").unwrap_err();
     assert_eq!(error.place().column, Some(11), "{error}");
     let marked = format!("\u{feff}{}", FULL.replace('\n', "\r\n"));
-    assert_eq!(
-        parse_cell(&marked, "a").unwrap(),
-        parse_cell(FULL, "b").unwrap()
-    );
+    assert_eq!(parse_cell(&marked, "a").unwrap(), parse_cell(FULL, "b").unwrap());
 }
 
 /// What is said of each row of a table of slips in `base`, which `whole` makes a cell.
@@ -64,9 +61,7 @@ fn every_slip_in_load_cases_is_reported_with_its_place() {
     let (_, after) = rest.split_once("[limits]").unwrap();
     let base = include_str!("../../cells/load-cases.toml");
     let table = include_str!("load_case_slips.txt");
-    let report = slips(table, base, |load| {
-        format!("{before}{load}\n[limits]{after}")
-    });
+    let report = slips(table, base, |load| format!("{before}{load}\n[limits]{after}"));
     insta::assert_snapshot!("load_case_slips", report);
 }
 
@@ -81,23 +76,14 @@ fn numbers_too_large_and_too_small_are_said_shortly() {
     let small = error("magnitude_n = 1e-320");
     assert!(small.contains("1e-320 is too small to be meant"), "{small}");
     // Where zero is a number as any other, it is that.
-    let text = FULL.replacen(
-        "anchor_mm = [1800, 0, 0]",
-        "anchor_mm = [1800, 1e-320, 0]",
-        1,
-    );
+    let text = FULL.replacen("anchor_mm = [1800, 0, 0]", "anchor_mm = [1800, 1e-320, 0]", 1);
     assert_ne!(text, FULL);
-    assert_eq!(
-        parse_cell(&text, "a").unwrap(),
-        parse_cell(FULL, "b").unwrap()
-    );
+    assert_eq!(parse_cell(&text, "a").unwrap(), parse_cell(FULL, "b").unwrap());
 }
 
 #[test]
 fn a_tool_in_metres_is_told_where_a_shape_swallows_it() {
-    let mut text = stiffarm_files::builtin::cell_text("comau-shapes")
-        .unwrap()
-        .to_string();
+    let mut text = stiffarm_files::builtin::cell_text("comau-shapes").unwrap().to_string();
     for (mm, m) in [
         ("[150, 0, 200]", "[0.15, 0, 0.2]"),
         ("[0, 150, 200]", "[0, 0.15, 0.2]"),
@@ -110,19 +96,13 @@ fn a_tool_in_metres_is_told_where_a_shape_swallows_it() {
     let error = parse_cell(&text, "cell.toml").unwrap_err();
     assert!(error.message().contains("inside \"spindle\""), "{error}");
     let hint = error.hint_text().unwrap();
-    assert_eq!(
-        hint,
-        "the point lies 0.250 mm from the flange: is it in metres? The unit is mm."
-    );
+    assert_eq!(hint, "the point lies 0.250 mm from the flange: is it in metres? The unit is mm.");
 }
 
 #[test]
 fn bytes_that_are_not_utf8() {
     let mut report = String::new();
-    for bytes in [
-        &b"format = 1\nname = \"Pr\xfcfstand\"\n"[..],
-        b"\xff\xfef\0o\0\x00\xdc",
-    ] {
+    for bytes in [&b"format = 1\nname = \"Pr\xfcfstand\"\n"[..], b"\xff\xfef\0o\0\x00\xdc"] {
         let error = parse_cell_bytes(bytes, "cell.toml").unwrap_err();
         report += &format!("[{}] {error}\n\n", error.code().as_str());
     }
@@ -166,18 +146,9 @@ fn hints_to_kinds_of_loads_do_not_go_round() {
     let weight = of(&format!("kind = \"weight\"\nmass_kg = 50\n{anchor}"));
     assert!(!weight.contains("set kind = \"rope\""), "{weight}");
     for (load, wanted) in [
-        (
-            "kind = \"rope\"\nanchor_mm = [1, 2, 3]\nforce_n = [1, 2, 3]",
-            "magnitude_n",
-        ),
-        (
-            "kind = \"wrench\"\naxes = \"base\"\nforce_n = [1, 2, 3]\nmagnitude_n = 5",
-            "force_n = [x, y, z]",
-        ),
-        (
-            "kind = \"weight\"\nmagnitude_n = 5\nanchor_mm = [1, 2, 3]",
-            "set kind = \"rope\"",
-        ),
+        ("kind = \"rope\"\nanchor_mm = [1, 2, 3]\nforce_n = [1, 2, 3]", "magnitude_n"),
+        ("kind = \"wrench\"\naxes = \"base\"\nforce_n = [1, 2, 3]\nmagnitude_n = 5", "force_n = [x, y, z]"),
+        ("kind = \"weight\"\nmagnitude_n = 5\nanchor_mm = [1, 2, 3]", "set kind = \"rope\""),
     ] {
         let hint = of(load);
         assert!(hint.contains(wanted), "{load}: {hint}");

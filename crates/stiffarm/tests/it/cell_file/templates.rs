@@ -7,9 +7,7 @@ fn some_postures(cell: &Cell) -> impl Iterator<Item = Vec<f64>> + '_ {
     (1..400).map(|i| {
         let fraction = |j: usize| (f64::from(i) * (0.37 + 0.23 * j as f64)).rem_euclid(1.0);
         let bounds = cell.bounds.iter().enumerate();
-        bounds
-            .map(|(j, [low, high])| low + (high - low) * fraction(j))
-            .collect()
+        bounds.map(|(j, [low, high])| low + (high - low) * fraction(j)).collect()
     })
 }
 
@@ -19,12 +17,7 @@ fn templates_can_be_used_as_they_are() -> Check {
         let text = template(entry.key)?;
         let cell = parse_cell(&text, "cell.toml")?;
         assert_eq!(cell.setup.robot.name(), entry.name);
-        assert_eq!(
-            cell.prior.is_some(),
-            !entry.stiffness.is_empty(),
-            "{}",
-            entry.key
-        );
+        assert_eq!(cell.prior.is_some(), !entry.stiffness.is_empty(), "{}", entry.key);
         // The commented task can be used as it is, too.
         let (above, task) = text.split_once("# [[task]]").ok_or("no task")?;
         let (task, _) = task.split_once("\n\n").ok_or("no end")?;
@@ -33,15 +26,7 @@ fn templates_can_be_used_as_they_are() -> Check {
         assert_eq!(with_task.tasks[0].name, "roughing");
         assert_eq!(with_task.tasks[0].tip, cell.setup.tool.tcp());
         // So can what is commented out of the instruments and of the columns.
-        let tables = [
-            "sensor",
-            "tracker",
-            "uncertainty",
-            "columns",
-            "work",
-            "work.force",
-            "work.milling",
-        ];
+        let tables = ["sensor", "tracker", "uncertainty", "columns", "work", "work.force", "work.milling"];
         for table in tables {
             let (above, rest) = text.split_once(&format!("# [{table}]")).ok_or("no table")?;
             let own = rest.split_once("\n\n").map_or(rest, |(own, _)| own);
@@ -56,11 +41,7 @@ fn templates_can_be_used_as_they_are() -> Check {
             let margin = cell.margins().smallest(&terms).ok_or("no limits")?;
             inside += usize::from(margin.margin >= 0.0);
         }
-        assert!(
-            inside >= 5,
-            "{}: {inside} of 399 postures inside",
-            entry.key
-        );
+        assert!(inside >= 5, "{}: {inside} of 399 postures inside", entry.key);
         // The tables begin with what to fill in, and no rows yet.
         let error = stiffarm_files::table::read_postures(
             postures_template(&cell.setup.robot).as_bytes(),
@@ -86,28 +67,18 @@ fn examples_of_the_templates_are_valid_rows() -> Check {
     let cell = builtin::cell("comau")?;
     let robot = &cell.setup.robot;
     let uncommented = |text: String| -> String {
-        let (heading, rest): (Vec<&str>, Vec<&str>) =
-            text.lines().partition(|line| line.starts_with("posture,"));
+        let (heading, rest): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| line.starts_with("posture,"));
         let rows = rest.into_iter().filter(|line| line.starts_with("# P1,"));
         let rows = rows.map(|line| line.trim_start_matches("# ").replace(",,,,", ",1,2,3,"));
-        heading
-            .into_iter()
-            .map(String::from)
-            .chain(rows)
-            .collect::<Vec<_>>()
-            .join("\n")
+        heading.into_iter().map(String::from).chain(rows).collect::<Vec<_>>().join("\n")
     };
     let postures = uncommented(postures_template(robot));
-    let postures =
-        stiffarm_files::table::read_postures(postures.as_bytes(), "postures.csv", robot)?;
+    let postures = stiffarm_files::table::read_postures(postures.as_bytes(), "postures.csv", robot)?;
     assert_eq!(postures.len(), 1);
     let sheet = uncommented(measurements_template(&cell));
     let read = crate::common::small::read_readings(sheet.as_bytes(), "m.csv", &cell, None)?;
-    let states: Vec<_> = read.postures[0]
-        .states
-        .iter()
-        .map(|state| (state.state.as_str(), state.readings.len()))
-        .collect();
+    let states: Vec<_> =
+        read.postures[0].states.iter().map(|state| (state.state.as_str(), state.readings.len())).collect();
     assert_eq!(states, [("unloaded", 4), ("loaded", 4)]);
     Ok(())
 }

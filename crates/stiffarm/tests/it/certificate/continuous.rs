@@ -9,9 +9,7 @@ struct Polynomial {
 
 impl Polynomial {
     fn starts(&self) -> Vec<Vec<f64>> {
-        (0..=2 * self.degree)
-            .map(|i| vec![-0.93 + 1.9 * i as f64 / (2 * self.degree) as f64])
-            .collect()
+        (0..=2 * self.degree).map(|i| vec![-0.93 + 1.9 * i as f64 / (2 * self.degree) as f64]).collect()
     }
 }
 
@@ -45,11 +43,7 @@ impl DesignSpace for Polynomial {
                     }
                 }
                 let x = 0.5 * (low + high);
-                found.push(if at(x) > here {
-                    (vec![x], at(x))
-                } else {
-                    (vec![grid[i]], here)
-                });
+                found.push(if at(x) > here { (vec![x], at(x)) } else { (vec![grid[i]], here) });
             }
         }
         found.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -74,12 +68,7 @@ fn assert_design(design: &ContinuousDesign, expected: &[(f64, f64)]) {
 #[test]
 fn d_optimal_polynomials_are_the_published_ones() {
     let quadratic = Polynomial { degree: 2 };
-    let found = design(
-        &quadratic,
-        &Criterion::Determinant,
-        &quadratic.starts(),
-        1e-7,
-    );
+    let found = design(&quadratic, &Criterion::Determinant, &quadratic.starts(), 1e-7);
     let third = 1.0 / 3.0;
     assert_design(&found, &[(-1.0, third), (0.0, third), (1.0, third)]);
     let cubic = Polynomial { degree: 3 };
@@ -95,12 +84,7 @@ fn d_optimal_polynomials_are_the_published_ones() {
 fn a_and_i_optimal_quadratics_are_the_published_ones() {
     let space = Polynomial { degree: 2 };
     let expected = [(-1.0, 0.25), (0.0, 0.5), (1.0, 0.25)];
-    let a = design(
-        &space,
-        &Criterion::Trace(DMatrix::identity(3, 3)),
-        &space.starts(),
-        1e-5,
-    );
+    let a = design(&space, &Criterion::Trace(DMatrix::identity(3, 3)), &space.starts(), 1e-5);
     assert_design(&a, &expected);
     assert!((a.bound / 8.0 - 1.0).abs() < 1e-5, "{}", a.bound);
     // ½∫ f fᵀ dx over [−1, 1].
@@ -135,10 +119,7 @@ fn a_singular_optimum_is_bounded_from_below() {
 #[test]
 fn the_equivalence_condition_holds_at_the_design() {
     let space = Polynomial { degree: 3 };
-    for criterion in [
-        Criterion::Determinant,
-        Criterion::Trace(DMatrix::identity(4, 4)),
-    ] {
+    for criterion in [Criterion::Determinant, Criterion::Trace(DMatrix::identity(4, 4))] {
         let found = design(&space, &criterion, &space.starts(), 1e-6);
         let mut mean = 0.0;
         let mut total = DMatrix::zeros(4, 4);
@@ -204,13 +185,7 @@ impl DesignSpace for Discrete {
 }
 
 /// Smallest φ of `left` more points from number `from` on, on top of `sum`.
-fn brute_force(
-    space: &Discrete,
-    criterion: &Criterion,
-    sum: &DMatrix<f64>,
-    from: usize,
-    left: usize,
-) -> f64 {
+fn brute_force(space: &Discrete, criterion: &Criterion, sum: &DMatrix<f64>, from: usize, left: usize) -> f64 {
     if left == 0 {
         return value(criterion, sum);
     }
@@ -252,27 +227,18 @@ fn no_exact_design_beats_the_bound_and_the_optimum_is_the_multiplicative_one() {
     let weighted = DMatrix::from_row_slice(3, 3, &[2.0, 0.5, 0.0, 0.5, 1.0, 0.2, 0.0, 0.2, 0.7]);
     for seed in 0..12 {
         let space = Discrete::random(seed, 9);
-        for criterion in [
-            Criterion::Determinant,
-            Criterion::Trace(DMatrix::identity(3, 3)),
-            Criterion::Trace(weighted.clone()),
-        ] {
+        for criterion in
+            [Criterion::Determinant, Criterion::Trace(DMatrix::identity(3, 3)), Criterion::Trace(weighted.clone())]
+        {
             let found = design(&space, &criterion, &space.points(), 1e-8);
             assert_eq!(found.termination, Termination::Converged);
             let other = multiplicative(&space, &criterion, &DMatrix::zeros(3, 3));
-            assert!(
-                (found.value / other - 1.0).abs() < 1e-6,
-                "{seed} {criterion:?}: {} or {other}",
-                found.value
-            );
+            assert!((found.value / other - 1.0).abs() < 1e-6, "{seed} {criterion:?}: {} or {other}", found.value);
             for count in 3..=5 {
                 let zero = DMatrix::zeros(3, 3);
                 let best = brute_force(&space, &criterion, &zero, 0, count);
                 let bound = found.bound / count as f64;
-                assert!(
-                    best >= bound * (1.0 - 1e-10),
-                    "{seed} {count}: {best} {bound}"
-                );
+                assert!(best >= bound * (1.0 - 1e-10), "{seed} {count}: {best} {bound}");
                 // Nor is the bound idle.
                 assert!(bound > 0.3 * best, "{seed} {count}: {best} {bound}");
             }
@@ -286,10 +252,7 @@ fn the_bound_counts_information_given_beforehand() {
     for seed in 20..28 {
         let space = Discrete::random(seed, 8);
         let measured = &space.0[0] + &space.0[1] + &space.0[2];
-        for criterion in [
-            Criterion::Determinant,
-            Criterion::Trace(DMatrix::identity(3, 3)),
-        ] {
+        for criterion in [Criterion::Determinant, Criterion::Trace(DMatrix::identity(3, 3))] {
             for count in 1..=4 {
                 let given = &measured / count as f64;
                 let found = optimal_design(
@@ -297,10 +260,7 @@ fn the_bound_counts_information_given_beforehand() {
                     &criterion,
                     Some(&given),
                     &space.points(),
-                    DesignOptions {
-                        tolerance: 1e-8,
-                        ..DesignOptions::default()
-                    },
+                    DesignOptions { tolerance: 1e-8, ..DesignOptions::default() },
                     Control::default(),
                 )
                 .unwrap();
@@ -309,10 +269,7 @@ fn the_bound_counts_information_given_beforehand() {
                 assert!((found.value / other - 1.0).abs() < 1e-5, "{seed} {count}");
                 let best = brute_force(&space, &criterion, &measured, 0, count);
                 let bound = found.bound / count as f64;
-                assert!(
-                    best >= bound * (1.0 - 1e-10),
-                    "{seed} {count}: {best} {bound}"
-                );
+                assert!(best >= bound * (1.0 - 1e-10), "{seed} {count}: {best} {bound}");
                 assert!(bound > 0.3 * best, "{seed} {count}: {best} {bound}");
             }
         }
@@ -325,20 +282,9 @@ fn a_design_that_runs_out_of_rounds_is_bounded_all_the_same() {
     let criterion = Criterion::Trace(DMatrix::identity(4, 4));
     let best = design(&space, &criterion, &space.starts(), 1e-8);
     for max_rounds in 1..4 {
-        let options = DesignOptions {
-            tolerance: 1e-10,
-            max_rounds,
-        };
+        let options = DesignOptions { tolerance: 1e-10, max_rounds };
         let starts = space.starts();
-        let found = optimal_design(
-            &space,
-            &criterion,
-            None,
-            &starts,
-            options,
-            Control::default(),
-        )
-        .unwrap();
+        let found = optimal_design(&space, &criterion, None, &starts, options, Control::default()).unwrap();
         assert_eq!(found.termination, Termination::IterationLimit);
         assert_eq!(found.rounds, max_rounds);
         assert!(found.verification.searches > 0);
@@ -351,47 +297,23 @@ fn a_design_that_runs_out_of_rounds_is_bounded_all_the_same() {
 fn problems_that_make_no_sense_are_refused() {
     let space = Polynomial { degree: 2 };
     let starts = space.starts();
-    let run =
-        |criterion: &Criterion, given: Option<DMatrix<f64>>, starts: &[Vec<f64>], tolerance| {
-            let options = DesignOptions {
-                tolerance,
-                ..DesignOptions::default()
-            };
-            let given = given.as_ref();
-            optimal_design(
-                &space,
-                criterion,
-                given,
-                starts,
-                options,
-                Control::default(),
-            )
-            .unwrap_err()
-        };
+    let run = |criterion: &Criterion, given: Option<DMatrix<f64>>, starts: &[Vec<f64>], tolerance| {
+        let options = DesignOptions { tolerance, ..DesignOptions::default() };
+        let given = given.as_ref();
+        optimal_design(&space, criterion, given, starts, options, Control::default()).unwrap_err()
+    };
     let d = Criterion::Determinant;
     assert_eq!(run(&d, None, &[], 1e-4).code(), Code::TooFewData);
     assert_eq!(run(&d, None, &starts, 0.0).code(), Code::InvalidValue);
     assert_eq!(run(&d, None, &starts, f64::NAN).code(), Code::InvalidValue);
     let nan = DMatrix::from_element(3, 3, f64::NAN);
-    assert_eq!(
-        run(&d, Some(nan.clone()), &starts, 1e-4).code(),
-        Code::NotFinite
-    );
+    assert_eq!(run(&d, Some(nan.clone()), &starts, 1e-4).code(), Code::NotFinite);
     let small = DMatrix::identity(2, 2);
     assert_eq!(run(&d, Some(small), &starts, 1e-4).code(), Code::Dimension);
-    assert_eq!(
-        run(&d, None, &[vec![f64::NAN]], 1e-4).code(),
-        Code::NotFinite
-    );
-    assert_eq!(
-        run(&Criterion::Trace(nan), None, &starts, 1e-4).code(),
-        Code::NotFinite
-    );
+    assert_eq!(run(&d, None, &[vec![f64::NAN]], 1e-4).code(), Code::NotFinite);
+    assert_eq!(run(&Criterion::Trace(nan), None, &starts, 1e-4).code(), Code::NotFinite);
     // Two points cannot tell three coefficients: at ±1 the first and the third mix.
     let error = run(&d, None, &[vec![-1.0], vec![1.0]], 1e-4);
     assert_eq!(error.code(), Code::NotIdentifiable);
-    assert_eq!(
-        error.message(),
-        "No design can determine unknown 1 and unknown 3."
-    );
+    assert_eq!(error.message(), "No design can determine unknown 1 and unknown 3.");
 }

@@ -32,16 +32,8 @@ fn value(criterion: &Criterion, m: &DMatrix<f64>) -> f64 {
     }
 }
 
-fn design(
-    space: &impl DesignSpace,
-    criterion: &Criterion,
-    starts: &[Vec<f64>],
-    tolerance: f64,
-) -> ContinuousDesign {
-    let options = DesignOptions {
-        tolerance,
-        ..DesignOptions::default()
-    };
+fn design(space: &impl DesignSpace, criterion: &Criterion, starts: &[Vec<f64>], tolerance: f64) -> ContinuousDesign {
+    let options = DesignOptions { tolerance, ..DesignOptions::default() };
     optimal_design(space, criterion, None, starts, options, Control::default()).unwrap()
 }
 

@@ -46,10 +46,7 @@ fn a_criterion_that_makes_no_sense_is_refused() {
     assert_eq!(code(DMatrix::identity(3, 3)), Code::Dimension);
     assert_eq!(code(DMatrix::zeros(2, 2)), Code::InvalidValue);
     assert_eq!(code(-DMatrix::identity(2, 2)), Code::InvalidValue);
-    assert_eq!(
-        code(DMatrix::from_row_slice(2, 2, &[1.0, 0.5, 0.0, 1.0])),
-        Code::InvalidValue
-    );
+    assert_eq!(code(DMatrix::from_row_slice(2, 2, &[1.0, 0.5, 0.0, 1.0])), Code::InvalidValue);
     assert_eq!(code(DMatrix::from_element(2, 2, f64::NAN)), Code::NotFinite);
 }
 
@@ -61,16 +58,10 @@ fn polynomial(x: f64, degree: i32) -> DMatrix<f64> {
 /// Best weights on 201 points of [−1, 1] and on the known support agree.
 #[test]
 fn a_fine_grid_finds_the_support() {
-    let points: Vec<DMatrix<f64>> = (0..=100)
-        .map(|i| polynomial(f64::from(i) / 50.0 - 1.0, 2))
-        .collect();
+    let points: Vec<DMatrix<f64>> = (0..=100).map(|i| polynomial(f64::from(i) / 50.0 - 1.0, 2)).collect();
     let criterion = Criterion::Determinant.prepare(3).unwrap();
     let constant = DMatrix::zeros(3, 3);
-    let problem = WeightProblem {
-        criterion: &criterion,
-        constant: &constant,
-        points: &points,
-    };
+    let problem = WeightProblem { criterion: &criterion, constant: &constant, points: &points };
     let weights = optimal_weights(&problem, 1e-10).unwrap();
     for at in [0, 50, 100] {
         assert!((weights[at] - 1.0 / 3.0).abs() < 1e-8, "{}", weights[at]);
@@ -86,11 +77,7 @@ fn hessian_is_the_derivative_of_the_slopes() {
     for criterion in [Criterion::Determinant, Criterion::Trace(q)] {
         let criterion = criterion.prepare(3).unwrap();
         let constant = DMatrix::identity(3, 3) * 0.01;
-        let problem = WeightProblem {
-            criterion: &criterion,
-            constant: &constant,
-            points: &points,
-        };
+        let problem = WeightProblem { criterion: &criterion, constant: &constant, points: &points };
         let weights = DVector::from_column_slice(&[0.1, 0.2, 0.4, 0.3]);
         let state = problem.state(&weights).unwrap();
         let hessian = problem.hessian(&state.tangent);
@@ -112,22 +99,13 @@ fn hessian_is_the_derivative_of_the_slopes() {
 fn equal_points_and_a_single_point_do_no_harm() {
     let mut points = vec![polynomial(1.0, 1), polynomial(-1.0, 1)];
     points.extend(points.clone());
-    let criterion = Criterion::Trace(DMatrix::identity(2, 2))
-        .prepare(2)
-        .unwrap();
+    let criterion = Criterion::Trace(DMatrix::identity(2, 2)).prepare(2).unwrap();
     let constant = DMatrix::zeros(2, 2);
-    let problem = WeightProblem {
-        criterion: &criterion,
-        constant: &constant,
-        points: &points,
-    };
+    let problem = WeightProblem { criterion: &criterion, constant: &constant, points: &points };
     let weights = optimal_weights(&problem, 1e-10).unwrap();
     assert!((weights[0] + weights[2] - 0.5).abs() < 1e-9);
     let one = [DMatrix::identity(2, 2)];
-    let problem = WeightProblem {
-        points: &one,
-        ..problem
-    };
+    let problem = WeightProblem { points: &one, ..problem };
     assert_eq!(optimal_weights(&problem, 1e-10).unwrap(), [1.0]);
 }
 
@@ -156,11 +134,7 @@ fn the_gradient_of_a_slope_is_that_of_the_information() {
     let adjoint = adjoint();
     let compliance = compliance_of(cell.require_prior().unwrap());
     let weight = cell.noise.common_weight(cell.setup.tool.point_count());
-    let wanted = Wanted {
-        dexterity: None,
-        information: Some((compliance.as_slice(), weight)),
-        limits: false,
-    };
+    let wanted = Wanted { dexterity: None, information: Some((compliance.as_slice(), weight)), limits: false };
     let mut kernel = Kernel::new(&cell, wanted, 1).unwrap();
     let value = |q: &[f64]| slope(&adjoint, &space.information(q));
     for q in space.samples(8) {
@@ -186,9 +160,7 @@ fn searches_end_at_feasible_local_maxima() {
         assert!((own / value - 1.0).abs() < 1e-12);
     }
     let starts = space.samples(64);
-    let each = starts
-        .iter()
-        .map(|q| slope(&adjoint, &space.information(q)));
+    let each = starts.iter().map(|q| slope(&adjoint, &space.information(q)));
     assert!(found[0].1 > each.fold(0.0, f64::max));
     let few = space.maximise(&adjoint, &starts[..2], Effort::Improve);
     assert_eq!(few.len(), 6);
@@ -201,10 +173,7 @@ fn narrow_limits_are_searched_from_outside() {
     let terms = PostureTerms::new(&cell.setup, &q, None).unwrap();
     let at = *terms.loading_point();
     // A box of a metre about one loading point leaves next to nothing.
-    cell.limits = Limits {
-        tool_box: Some([at.add_scalar(-0.5), at.add_scalar(0.5)]),
-        ..Limits::default()
-    };
+    cell.limits = Limits { tool_box: Some([at.add_scalar(-0.5), at.add_scalar(0.5)]), ..Limits::default() };
     let space = PostureSpace::new(&cell, 512, 4).unwrap();
     let inside = space.samples(512).len();
     assert!(inside < 512);

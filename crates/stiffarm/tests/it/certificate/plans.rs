@@ -55,10 +55,9 @@ fn certificate(cell: &Cell, index: Index, postures: &[Vec<f64>]) -> Certificate 
 /// box) has 959.7 per metre for the reference cell and 968.6 for the default cell.
 #[test]
 fn a_good_plan_is_known_to_be_near_the_best() {
-    for (cell, start, per_metre, efficiency) in [
-        (reference_cell(), GOOD_REFERENCE, 959.7, 0.996),
-        (default_cell(), GOOD_DEFAULT, 968.7, 0.996),
-    ] {
+    for (cell, start, per_metre, efficiency) in
+        [(reference_cell(), GOOD_REFERENCE, 959.7, 0.996), (default_cell(), GOOD_DEFAULT, 968.7, 0.996)]
+    {
         let plan = plan(&cell, &start);
         let found = certificate(&cell, Index::ExpectedError, &plan);
         assert_eq!(found.termination, Termination::Converged);
@@ -92,15 +91,7 @@ fn bounds_scale_with_the_number_of_postures() {
     let options = samples(256);
     let run = |measured: &[Vec<f64>], postures: &[Vec<f64>]| {
         let index = Index::ExpectedError;
-        certify_further(
-            &cell,
-            index,
-            measured,
-            postures,
-            &options,
-            Control::default(),
-        )
-        .unwrap()
+        certify_further(&cell, index, measured, postures, &options, Control::default()).unwrap()
     };
     let once = run(&[], &six);
     let twice = run(&[], &twelve);
@@ -187,10 +178,7 @@ fn faults_are_named() {
     };
     let postures = group1();
     let a = Index::ExpectedError;
-    assert_eq!(
-        error(&cell, Index::Novel, &postures).code(),
-        Code::Unsupported
-    );
+    assert_eq!(error(&cell, Index::Novel, &postures).code(), Code::Unsupported);
     assert_eq!(error(&cell, a, &[]).code(), Code::TooFewData);
     let mut nan = postures.clone();
     nan[2][3] = f64::NAN;

@@ -7,17 +7,10 @@ fn both_signs_of_the_sensor_give_the_same_and_a_wrong_one_is_named() {
     let cell = reference_cell();
     let truth = cell.require_prior().unwrap().to_vec();
     let clamped = exact(&cell, 2, 4, 2);
-    let pose = Isometry3::from_parts(
-        Translation3::new(0.02, -0.01, 0.08),
-        UnitQuaternion::from_euler_angles(0.3, -0.8, 1.9),
-    );
+    let pose =
+        Isometry3::from_parts(Translation3::new(0.02, -0.01, 0.08), UnitQuaternion::from_euler_angles(0.3, -0.8, 1.9));
     for reports_by_robot in [false, true] {
-        let sensor = Sensor {
-            mount: Mount::Flange,
-            pose,
-            reports_by_robot,
-            mirrored: None,
-        };
+        let sensor = Sensor { mount: Mount::Flange, pose, reports_by_robot, mirrored: None };
         let through = |assumed: &Sensor| -> Vec<ClampedPosture> {
             let read = |c: &ClampedPosture| {
                 let frames = Frames::new(&cell.setup.robot, &c.posture.q);
@@ -31,19 +24,12 @@ fn both_signs_of_the_sensor_give_the_same_and_a_wrong_one_is_named() {
                     moment: at.rotation.inverse() * moved.moment * sign,
                 };
                 let wrench = assumed.wrench_on_robot(&frames, &reading, &clamp);
-                ClampedPosture {
-                    wrench,
-                    ..c.clone()
-                }
+                ClampedPosture { wrench, ..c.clone() }
             };
             clamped.iter().map(read).collect()
         };
         assert_close(&stiffness(&cell, &through(&sensor)), &truth, 1e-9, "sensor");
-        let wrong = Sensor {
-            reports_by_robot: !reports_by_robot,
-            mirrored: None,
-            ..sensor.clone()
-        };
+        let wrong = Sensor { reports_by_robot: !reports_by_robot, mirrored: None, ..sensor.clone() };
         let noisy = {
             let mut data = through(&wrong);
             let mut dice = Dice::new(3);
@@ -55,13 +41,7 @@ fn both_signs_of_the_sensor_give_the_same_and_a_wrong_one_is_named() {
             data
         };
         let result = identify_clamped(&cell, &noisy, None, &IdentifyOptions::default()).unwrap();
-        assert!(
-            result
-                .estimates
-                .joints
-                .iter()
-                .all(|j| j.verdict == Verdict::SignOrModelFault)
-        );
+        assert!(result.estimates.joints.iter().all(|j| j.verdict == Verdict::SignOrModelFault));
         let finding = &result.findings[0];
         assert_eq!(finding.code, "wrench-sign");
         let said = &finding.sentence;
@@ -88,20 +68,12 @@ fn a_soft_fixture_is_mistaken_for_soft_joints_unless_its_motion_is_known() {
     assert!(ratios.iter().any(|r| (r - 1.0).abs() > 0.02), "{ratios:?}");
     simulation.records_fixture_motion = true;
     let data = simulate_clamped(&cell, &postures, truth, &simulation, 1, 0).unwrap();
-    assert_close(
-        &stiffness(&cell, &data),
-        truth,
-        1e-9,
-        "with the fixture's motion",
-    );
+    assert_close(&stiffness(&cell, &data), truth, 1e-9, "with the fixture's motion");
 }
 
 /// The same move of the motors in two states.
 fn alike(states: [&str; 2], motor: &[f64]) -> Vec<MotorMove> {
-    let state = |state: &str| MotorMove {
-        state: state.to_string(),
-        motor: motor.to_vec(),
-    };
+    let state = |state: &str| MotorMove { state: state.to_string(), motor: motor.to_vec() };
     states.map(state).to_vec()
 }
 
@@ -117,10 +89,7 @@ fn loads_up_and_down_show_the_friction() {
         let moves = alike(["up-400", "down-400"], &motor);
         let mut data = simulated(&cell, &postures, moves, 0.0, 1);
         // Friction of 12 N·m in spring 2 turns the motors by ±12/k further.
-        let mixing = robot
-            .spring_mixing()
-            .cloned()
-            .unwrap_or_else(|| DMatrix::identity(6, 6));
+        let mixing = robot.spring_mixing().cloned().unwrap_or_else(|| DMatrix::identity(6, 6));
         let give = robot.coupling().clone().try_inverse().unwrap() * mixing;
         for c in &mut data {
             let sign = if c.state.starts_with("up") { 1.0 } else { -1.0 };
@@ -130,19 +99,11 @@ fn loads_up_and_down_show_the_friction() {
         }
         let result = identify_clamped(&cell, &data, None, &IdentifyOptions::default()).unwrap();
         // Up and down cancel in the estimate.
-        assert_close(
-            &result.estimates.stiffness().unwrap(),
-            truth,
-            1e-7,
-            "up and down",
-        );
+        assert_close(&result.estimates.stiffness().unwrap(), truth, 1e-7, "up and down");
         for (j, friction) in result.friction.iter().enumerate() {
             let expected = if j == 1 { 12.0 } else { 0.0 };
             assert_eq!(friction.pairs, 5);
-            assert!(
-                (friction.torque_nm.unwrap() - expected).abs() < 1e-4,
-                "{friction:?}"
-            );
+            assert!((friction.torque_nm.unwrap() - expected).abs() < 1e-4, "{friction:?}");
         }
     }
 }
@@ -160,11 +121,7 @@ fn the_size_of_friction_is_said_with_its_joint() {
         c.motor[3] += if c.state == "up" { 40.0 } else { -40.0 } / truth[3];
     }
     let result = identify_clamped(&cell, &data, Some(1e-7), &IdentifyOptions::default()).unwrap();
-    let sentences: Vec<&str> = result
-        .findings
-        .iter()
-        .map(|f| f.sentence.as_str())
-        .collect();
+    let sentences: Vec<&str> = result.findings.iter().map(|f| f.sentence.as_str()).collect();
     insta::assert_snapshot!("friction_and_errors", sentences.join("\n"));
 }
 
@@ -179,11 +136,7 @@ fn wrong_input_is_refused() {
     let plain = IdentifyOptions::default;
     refused(Code::TooFewData, &[], &plain());
     let spoiled = |code: Code, change: fn(&mut ClampedPosture)| {
-        refused(
-            code,
-            &changed(data.clone(), |d| change(&mut d[1])),
-            &plain(),
-        );
+        refused(code, &changed(data.clone(), |d| change(&mut d[1])), &plain());
     };
     spoiled(Code::NotFinite, |c| c.motor[2] = f64::NAN);
     spoiled(Code::NotFinite, |c| c.wrench.moment.y = f64::INFINITY);

@@ -7,9 +7,7 @@ mod tables;
 use crate::common::prelude::*;
 use proptest::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
-use stiffarm::estimate::clamped::{
-    ClampedPosture, ClampedSimulation, MotorMove, identify_clamped, simulate_clamped,
-};
+use stiffarm::estimate::clamped::{ClampedPosture, ClampedSimulation, MotorMove, identify_clamped, simulate_clamped};
 use stiffarm::internals::clamped_system;
 use stiffarm::model::stiffness::displacement_between;
 use stiffarm_files::table::{read_clamped, write_clamped};
@@ -54,10 +52,7 @@ fn moves(cell: &Cell, dice: &mut Dice, count: usize, torque: f64) -> Vec<MotorMo
     (0..count)
         .map(|i| MotorMove {
             state: format!("loaded-{}", i + 1),
-            motor: prior
-                .iter()
-                .map(|k| dice.signed(0.5, 1.0) * torque / k)
-                .collect(),
+            motor: prior.iter().map(|k| dice.signed(0.5, 1.0) * torque / k).collect(),
         })
         .collect()
 }
@@ -77,11 +72,7 @@ fn simulated(
     angle_std: f64,
     seed: u64,
 ) -> Vec<ClampedPosture> {
-    let simulation = ClampedSimulation {
-        moves,
-        angle_std,
-        ..ClampedSimulation::default()
-    };
+    let simulation = ClampedSimulation { moves, angle_std, ..ClampedSimulation::default() };
     let truth = cell.require_prior().unwrap();
     simulate_clamped(cell, postures, truth, &simulation, seed, 0).unwrap()
 }
@@ -93,10 +84,7 @@ fn stiffness(cell: &Cell, clamped: &[ClampedPosture]) -> Vec<f64> {
 
 fn assert_close(found: &[f64], truth: &[f64], tolerance: f64, what: &str) {
     for (k, t) in found.iter().zip(truth) {
-        assert!(
-            (k / t - 1.0).abs() < tolerance,
-            "{what}: {found:?}, not {truth:?}"
-        );
+        assert!((k / t - 1.0).abs() < tolerance, "{what}: {found:?}, not {truth:?}");
     }
 }
 
@@ -163,26 +151,14 @@ fn the_simulated_flange_stays_where_it_is() {
         let moves = moves(&cell, &mut dice, 2, 1e-3);
         for c in simulated(&cell, &postures, moves, 0.0, 1) {
             let robot = &cell.setup.robot;
-            let moved: Vec<f64> = c
-                .posture
-                .q
-                .iter()
-                .zip(&c.motor)
-                .map(|(q, d)| q + d)
-                .collect();
+            let moved: Vec<f64> = c.posture.q.iter().zip(&c.motor).map(|(q, d)| q + d).collect();
             let (before, after) = (Frames::new(robot, &c.posture.q), Frames::new(robot, &moved));
             let point = &cell.setup.tool.loading_point;
             let by_motors = displacement_between(&before, &after, point);
             let terms = PostureTerms::new(&cell.setup, &c.posture.q, Some(&c.wrench)).unwrap();
-            let by_springs =
-                linear_displacement(&cell.setup, &terms, terms.loading_point(), truth, None)
-                    .unwrap();
+            let by_springs = linear_displacement(&cell.setup, &terms, terms.loading_point(), truth, None).unwrap();
             let gap = (by_motors + by_springs).norm();
-            assert!(
-                gap < 1e-5 * by_motors.norm(),
-                "{gap:e} of {:e}",
-                by_motors.norm()
-            );
+            assert!(gap < 1e-5 * by_motors.norm(), "{gap:e} of {:e}", by_motors.norm());
         }
     }
 }
@@ -193,19 +169,12 @@ fn a_posture_at_a_singularity_gives_what_the_flange_holds() {
     let truth = cell.require_prior().unwrap().to_vec();
     let mut postures = postures(&cell, &mut Dice::new(31), 3);
     // Axes 4 and 6 in line.
-    postures[1].q = [10.0, 5.0, -95.0, 20.0, 0.0, 30.0_f64]
-        .map(f64::to_radians)
-        .to_vec();
+    postures[1].q = [10.0, 5.0, -95.0, 20.0, 0.0, 30.0_f64].map(f64::to_radians).to_vec();
     let moves = moves(&cell, &mut Dice::new(32), 2, 300.0);
     let data = simulated(&cell, &postures, moves, 0.0, 1);
     let result = identify_clamped(&cell, &data, None, &IdentifyOptions::default()).unwrap();
     assert_eq!(result.estimates.rows, 2 * (6 + 5 + 6));
-    assert_close(
-        &result.estimates.stiffness().unwrap(),
-        &truth,
-        1e-9,
-        "singular",
-    );
+    assert_close(&result.estimates.stiffness().unwrap(), &truth, 1e-9, "singular");
     let finding = the(&result.findings, "near-singular");
     assert_eq!(finding.subject, "2");
     // Alone it separates neither joint 4 nor joint 6 … but tells what it can.
@@ -224,12 +193,8 @@ fn what_moves_along_the_null_space_says_nothing() {
         let jacobian = frames.jacobian(&frames.point(&cell.setup.tool.loading_point));
         // The null vector of J: the eigenvector of JᵀJ with the smallest eigenvalue.
         let gram = jacobian.transpose() * &jacobian;
-        let eigen =
-            nalgebra::SymmetricEigen::new(DMatrix::from_iterator(7, 7, gram.iter().copied()));
-        let null = eigen
-            .eigenvectors
-            .column(eigen.eigenvalues.imin())
-            .into_owned();
+        let eigen = nalgebra::SymmetricEigen::new(DMatrix::from_iterator(7, 7, gram.iter().copied()));
+        let null = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
         for (q, v) in c.motor.iter_mut().zip(null.iter()) {
             *q += 1e-2 * v;
         }
@@ -242,51 +207,31 @@ fn a_tilting_joint_and_lost_motion_are_further_terms() {
     let cell = reference_cell();
     let truth = cell.require_prior().unwrap();
     let n = truth.len();
-    for (term, size) in [
-        (ExtraTerm::JointTilt(2), 3e-7),
-        (ExtraTerm::BaseTilt, 2e-8),
-        (ExtraTerm::LostMotion(1), 2e-5),
-    ] {
+    for (term, size) in [(ExtraTerm::JointTilt(2), 3e-7), (ExtraTerm::BaseTilt, 2e-8), (ExtraTerm::LostMotion(1), 2e-5)]
+    {
         let mut data = exact(&cell, 51, 6, 2);
         for c in &mut data {
             let terms = PostureTerms::new(&cell.setup, &c.posture.q, Some(&c.wrench)).unwrap();
-            let jacobian =
-                terms.frames().jacobian(terms.loading_point()) * cell.setup.robot.coupling();
+            let jacobian = terms.frames().jacobian(terms.loading_point()) * cell.setup.robot.coupling();
             let square = DMatrix::from_iterator(6, n, jacobian.iter().copied());
             let twist = term.twist(&terms, terms.loading_point()) * size;
             // The motors have to make up for the term as well.
-            let more = square
-                .lu()
-                .solve(&DVector::from_iterator(6, twist.iter().copied()))
-                .unwrap();
+            let more = square.lu().solve(&DVector::from_iterator(6, twist.iter().copied())).unwrap();
             for (q, m) in c.motor.iter_mut().zip(more.iter()) {
                 *q -= m;
             }
         }
         let options = with(|o: &mut IdentifyOptions| o.extra = vec![term]);
         let result = identify_clamped(&cell, &data, None, &options).unwrap();
-        assert_close(
-            &result.estimates.stiffness().unwrap(),
-            truth,
-            1e-8,
-            "with the term",
-        );
+        assert_close(&result.estimates.stiffness().unwrap(), truth, 1e-8, "with the term");
         let found = if term.is_spring() {
             result.estimates.extra_springs[0].compliance
         } else {
             result.estimates.lost_motion[0].angle
         };
-        assert!(
-            (found.unwrap() / size - 1.0).abs() < 1e-6,
-            "{term:?}: {found:?}"
-        );
+        assert!((found.unwrap() / size - 1.0).abs() < 1e-6, "{term:?}: {found:?}");
         let without = stiffness(&cell, &data);
-        assert!(
-            without
-                .iter()
-                .zip(truth)
-                .any(|(k, t)| (k / t - 1.0).abs() > 1e-3)
-        );
+        assert!(without.iter().zip(truth).any(|(k, t)| (k / t - 1.0).abs() > 1e-3));
     }
 }
 
@@ -295,14 +240,8 @@ fn a_known_series_compliance_is_not_the_joints() {
     let plain = reference_cell();
     let truth = plain.require_prior().unwrap();
     let mut cell = plain.clone();
-    cell.setup.tool.series_compliance = Some(
-        SeriesCompliance::from_stiffness(
-            Vector3::new(0.0, 0.0, 0.05),
-            [1e8, 1e8, 2e8],
-            [3e5, 3e5, 4e5],
-        )
-        .unwrap(),
-    );
+    cell.setup.tool.series_compliance =
+        Some(SeriesCompliance::from_stiffness(Vector3::new(0.0, 0.0, 0.05), [1e8, 1e8, 2e8], [3e5, 3e5, 4e5]).unwrap());
     let mut data = exact(&plain, 61, 4, 2);
     for c in &mut data {
         let terms = PostureTerms::new(&cell.setup, &c.posture.q, Some(&c.wrench)).unwrap();
@@ -332,8 +271,7 @@ fn a_clamped_identification_predicts_free_deflections() {
     let data = simulated(&cell, &postures, moves, 1e-6, 4);
     let fit = identify_clamped(&cell, &data, None, &IdentifyOptions::default()).unwrap();
     // Bands take the noise of the readings from the cell: the fit saw angles only.
-    let predictor =
-        IdentifiedCompliance::from_estimates(&cell, &fit.estimates, Default::default()).unwrap();
+    let predictor = IdentifiedCompliance::from_estimates(&cell, &fit.estimates, Default::default()).unwrap();
     let spread = predictor.spread.as_ref().unwrap();
     assert_eq!(spread.sigma, cell.noise.displacement_std());
     // It is what the result seals.

@@ -16,18 +16,14 @@ fn intervals_cover_as_often_as_they_say() {
             angle_std: 0.0,
             ..ClampedSimulation::default()
         };
-        let largest = simulation.moves[0]
-            .motor
-            .iter()
-            .fold(0.0_f64, |m, q| m.max(q.abs()));
+        let largest = simulation.moves[0].motor.iter().fold(0.0_f64, |m, q| m.max(q.abs()));
         simulation.angle_std = 0.01 * largest;
         for noise in [NoiseSource::Estimated, NoiseSource::Known] {
             let options = with(|o: &mut IdentifyOptions| o.noise = noise);
             let mut covered = vec![0; n];
             for run in 0..runs {
                 let data = simulate_clamped(&cell, &postures, truth, &simulation, 9, run).unwrap();
-                let result =
-                    identify_clamped(&cell, &data, Some(simulation.angle_std), &options).unwrap();
+                let result = identify_clamped(&cell, &data, Some(simulation.angle_std), &options).unwrap();
                 assert!(result.estimates.independent_rows);
                 for (j, joint) in result.estimates.joints.iter().enumerate() {
                     let [low, high] = joint.interval;
@@ -38,10 +34,7 @@ fn intervals_cover_as_often_as_they_say() {
             println!("{what}, {noise:?}: {covered:?} of {runs}");
             let tail = 0.5 * FALSE_ALARM / (4 * n) as f64;
             let (least, most) = (binomial.inverse_cdf(tail), binomial.inverse_cdf(1.0 - tail));
-            assert!(
-                covered.iter().all(|c| (least..=most).contains(c)),
-                "{what} {noise:?}: {covered:?}"
-            );
+            assert!(covered.iter().all(|c| (least..=most).contains(c)), "{what} {noise:?}: {covered:?}");
         }
     }
 }
@@ -87,10 +80,7 @@ fn states_against_one_reference_weigh_as_dense_least_squares() {
     }
     let precision = dense.try_inverse().unwrap();
     let information = system.psi.transpose() * &precision * &system.psi;
-    let expected = information
-        .lu()
-        .solve(&(system.psi.transpose() * precision * &system.delta))
-        .unwrap();
+    let expected = information.lu().solve(&(system.psi.transpose() * precision * &system.delta)).unwrap();
     let options = by(Estimator::Weighted);
     let result = identify_clamped(&cell, &data, None, &options).unwrap();
     for (joint, h) in result.estimates.joints.iter().zip(expected.iter()) {
@@ -113,22 +103,12 @@ fn huber_finds_a_state_that_does_not_fit() {
         let options = by(estimator);
         let result = identify_clamped(&cell, &data, None, &options).unwrap();
         let found = result.estimates.stiffness().unwrap();
-        let worst = found
-            .iter()
-            .zip(truth)
-            .map(|(k, t)| (k / t - 1.0).abs())
-            .fold(0.0, f64::max);
+        let worst = found.iter().zip(truth).map(|(k, t)| (k / t - 1.0).abs()).fold(0.0, f64::max);
         (worst, result)
     };
     let (ordinary, _) = error(Estimator::Ordinary);
     let (robust, result) = error(Estimator::Huber);
     assert!(robust < 0.2 * ordinary, "{robust} and {ordinary}");
-    assert_eq!(
-        (
-            result.weights[0].posture.as_str(),
-            result.weights[0].state.as_str()
-        ),
-        ("2", "loaded-2")
-    );
+    assert_eq!((result.weights[0].posture.as_str(), result.weights[0].state.as_str()), ("2", "loaded-2"));
     assert!(result.weights[0].weight < 0.05 && result.weights[1].weight > 0.2);
 }

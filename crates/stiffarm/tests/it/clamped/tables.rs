@@ -13,12 +13,7 @@ fn a_written_table_is_read_again() {
     let text = write_clamped(&data, &cell.setup.robot);
     let again = from_table(&cell, &text);
     assert_eq!(write_clamped(&again, &cell.setup.robot), text);
-    assert_close(
-        &stiffness(&cell, &again),
-        &stiffness(&cell, &data),
-        1e-9,
-        "read again",
-    );
+    assert_close(&stiffness(&cell, &again), &stiffness(&cell, &data), 1e-9, "read again");
     data[1].fixture_motion = Some(Vector6::new(1e-5, -2e-5, 3e-6, 1e-4, 0.0, -2e-4));
     let text = write_clamped(&data, &cell.setup.robot);
     let again = from_table(&cell, &text);
@@ -31,12 +26,7 @@ fn a_written_table_is_read_again() {
 fn states_are_taken_against_their_reference() {
     let mut cell = reference_cell();
     let pose = Isometry3::translation(0.0, 0.0, 0.1);
-    cell.sensor = Some(Sensor {
-        mount: Mount::Flange,
-        pose,
-        reports_by_robot: true,
-        mirrored: None,
-    });
+    cell.sensor = Some(Sensor { mount: Mount::Flange, pose, reports_by_robot: true, mirrored: None });
     let text = "posture;state;q1_deg;q2_deg;q3_deg;q4_deg;q5_deg;q6_deg;fx_n;fy_n;fz_n;mx_nm;my_nm;mz_nm\n\
                 A;unloaded;10;0;-90;10;50;20;1;2;3;4;5;6\n\
                 A;up;10,01;0;-90;10;50;20;101;2;3;4;5;6\n\
@@ -47,10 +37,7 @@ fn states_are_taken_against_their_reference() {
     assert_eq!(read.len(), 2);
     let a = &read[0];
     assert!((a.motor[0] - 0.01_f64.to_radians()).abs() < 1e-15);
-    assert_eq!(
-        (a.reference, a.posture.q[0]),
-        (Some(0), 10.0_f64.to_radians())
-    );
+    assert_eq!((a.reference, a.posture.q[0]), (Some(0), 10.0_f64.to_radians()));
     // 100 N along the flange's x, by the robot: turned, with its sign, moved to the clamp.
     let frames = Frames::new(&cell.setup.robot, &a.posture.q);
     let force = frames.direction(&Vector3::new(-100.0, 0.0, 0.0));
@@ -70,12 +57,7 @@ fn against_a_preload_no_clamped_state_shows_lost_motion() {
     let head = "posture,state,fx_n,fy_n,fz_n,mx_nm,my_nm,mz_nm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n";
     let rows = |name: &str, q1: f64| {
         let q = |more: f64| format!("{},{},-90,10,50,20", q1 + more, q1 / 3.0 - more);
-        [
-            ("unloaded", 0.0, 0.0),
-            ("preload", 0.2, 0.01),
-            ("up", 1.0, 0.02),
-        ]
-        .map(|(state, share, more)| {
+        [("unloaded", 0.0, 0.0), ("preload", 0.2, 0.01), ("up", 1.0, 0.02)].map(|(state, share, more)| {
             let [x, y, z] = [100.0, 200.0, -500.0].map(|v| v * share);
             format!("{name},{state},{x},{y},{z},0,0,0,{}\n", q(more))
         })
@@ -83,10 +65,7 @@ fn against_a_preload_no_clamped_state_shows_lost_motion() {
     let text = head.to_string() + &rows("A", 10.0).concat() + &rows("B", 40.0).concat();
     let read = from_table(&cell, &text);
     assert_eq!(read.len(), 2);
-    assert_eq!(
-        read[0].preload.unwrap().force.as_slice(),
-        [20.0, 40.0, -100.0]
-    );
+    assert_eq!(read[0].preload.unwrap().force.as_slice(), [20.0, 40.0, -100.0]);
     assert_eq!(read[0].wrench.force.as_slice(), [80.0, 160.0, -400.0]);
     let mut options = IdentifyOptions::default();
     options.estimator = Estimator::Ordinary;
@@ -111,13 +90,9 @@ fn a_table_that_cannot_be_meant_is_refused_with_its_place() {
         format!(
             "posture,state,{wrench},{q}\nA,unloaded,1,2,3,4,5,6,10,0,-90,10,50,20\nA,up,1,2,3,4,5,6,10,0,-90,10,50,26\n"
         ),
-        format!(
-            "posture,state,{wrench},{q}\nA,unloaded,1,2,3,4,5,6,10,0,-90,10,50,20\nA,up,,,,,,,10,0,-90,10,50,20\n"
-        ),
+        format!("posture,state,{wrench},{q}\nA,unloaded,1,2,3,4,5,6,10,0,-90,10,50,20\nA,up,,,,,,,10,0,-90,10,50,20\n"),
         format!("posture,state,{wrench},{dq}\nA,up,1,2,3,4,5,6,0,0,0,0,0,0\n"),
-        format!(
-            "posture,state,{wrench},{dq},{q}\nA,unloaded,1,2,3,4,5,6,0,0,0,0,0,0,10,0,-90,10,50,20\n"
-        ),
+        format!("posture,state,{wrench},{dq},{q}\nA,unloaded,1,2,3,4,5,6,0,0,0,0,0,0,10,0,-90,10,50,20\n"),
         format!("posture,state,fx_n,fy_n,fz_n,{q}\nA,up,1,2,3,10,0,-90,10,50,20\n"),
         format!("posture,state,{wrench},dq1_rad,{q}\nA,up,1,2,3,4,5,6,0,10,0,-90,10,50,20\n"),
         format!("posture,state,{wrench},dx_mm,{q}\nA,up,1,2,3,4,5,6,0,10,0,-90,10,50,20\n"),

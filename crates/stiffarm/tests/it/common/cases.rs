@@ -2,17 +2,11 @@
 
 /// One case a line, its `N` columns with ` => ` between them; `\n` and `\\` as in Rust. Headings begin with `##`.
 pub fn cases<const N: usize>(text: &str) -> Vec<[String; N]> {
-    let lines = text
-        .lines()
-        .filter(|line| !line.is_empty() && !line.starts_with("##"));
+    let lines = text.lines().filter(|line| !line.is_empty() && !line.starts_with("##"));
     let columns = |line: &str| -> [String; N] {
-        let parts = line
-            .split(" =>")
-            .map(|part| part.strip_prefix(' ').unwrap_or(part));
+        let parts = line.split(" =>").map(|part| part.strip_prefix(' ').unwrap_or(part));
         let parts: Vec<String> = parts.map(unescaped).collect();
-        parts
-            .try_into()
-            .unwrap_or_else(|_| panic!("{N} columns: {line}"))
+        parts.try_into().unwrap_or_else(|_| panic!("{N} columns: {line}"))
     };
     lines.map(columns).collect()
 }
@@ -20,9 +14,7 @@ pub fn cases<const N: usize>(text: &str) -> Vec<[String; N]> {
 /// What a report says of one slip: what was written, and the error with its code.
 #[track_caller]
 pub fn slip<T>(shown: &str, result: stiffarm::Result<T>) -> String {
-    let Err(error) = result else {
-        panic!("accepted: {shown}")
-    };
+    let Err(error) = result else { panic!("accepted: {shown}") };
     format!("» {shown}\n[{}] {error}\n\n", error.code().as_str())
 }
 

@@ -26,9 +26,6 @@ pub fn assert_gradient(
             value(&moved)
         };
         let expected = slope(moved, step);
-        assert!(
-            (ours - expected).abs() < tolerance * largest,
-            "{what} {k}: {ours} {expected}"
-        );
+        assert!((ours - expected).abs() < tolerance * largest, "{what} {k}: {ours} {expected}");
     }
 }

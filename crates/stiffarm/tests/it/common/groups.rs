@@ -36,32 +36,17 @@ pub fn violation(cell: &Cell, group: &[Vec<f64>]) -> f64 {
         let frames = terms.frames();
         let points = points_of(&terms);
         let wrist = frames.wrist_centre();
-        let from_axis_1 =
-            |p: &Vector3<f64>| (p - frames.origins()[0]).cross(&frames.axes()[0]).norm();
+        let from_axis_1 = |p: &Vector3<f64>| (p - frames.origins()[0]).cross(&frames.axes()[0]).norm();
         for p in &points {
             if let Some([low, high]) = &cell.limits.tool_box {
-                (p - low)
-                    .iter()
-                    .chain((high - p).iter())
-                    .for_each(|m| need(*m));
+                (p - low).iter().chain((high - p).iter()).for_each(|m| need(*m));
             }
             cell.limits.floor.into_iter().for_each(|z| need(p.z - z));
-            cell.limits
-                .keep_out_radius
-                .into_iter()
-                .for_each(|r| need(from_axis_1(p) - r));
+            cell.limits.keep_out_radius.into_iter().for_each(|r| need(from_axis_1(p) - r));
         }
-        cell.limits
-            .keep_out_radius
-            .into_iter()
-            .for_each(|r| need(from_axis_1(&wrist) - r));
-        cell.limits
-            .wrist_height
-            .into_iter()
-            .for_each(|z| need(wrist.z - z));
-        if let (Some([short, long]), Load::Rope { anchor, .. }) =
-            (cell.limits.rope_length, &cell.setup.load)
-        {
+        cell.limits.keep_out_radius.into_iter().for_each(|r| need(from_axis_1(&wrist) - r));
+        cell.limits.wrist_height.into_iter().for_each(|z| need(wrist.z - z));
+        if let (Some([short, long]), Load::Rope { anchor, .. }) = (cell.limits.rope_length, &cell.setup.load) {
             let length = (anchor - terms.loading_point()).norm();
             need(length - short);
             need(long - length);
@@ -72,10 +57,7 @@ pub fn violation(cell: &Cell, group: &[Vec<f64>]) -> f64 {
 
 /// Limits that the postures of `group` meet by `spare` \[m\].
 pub fn limits_around(cell: &Cell, group: &[Vec<f64>], spare: f64) -> Limits {
-    let (mut low, mut high) = (
-        Vector3::repeat(f64::INFINITY),
-        Vector3::repeat(f64::NEG_INFINITY),
-    );
+    let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     let (mut near, mut wrist, mut rope) = (f64::INFINITY, f64::INFINITY, [f64::INFINITY, 0.0_f64]);
     for q in group {
         let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
@@ -100,7 +82,6 @@ pub fn limits_around(cell: &Cell, group: &[Vec<f64>], spare: f64) -> Limits {
         floor: Some(low.z - 0.5 * spare),
         keep_out_radius: (near > spare).then_some(near - spare),
         wrist_height: Some(wrist - spare),
-        rope_length: (rope[0] > spare && rope[1] > 0.0)
-            .then_some([rope[0] - spare, rope[1] + spare]),
+        rope_length: (rope[0] > spare && rope[1] > 0.0).then_some([rope[0] - spare, rope[1] + spare]),
     }
 }

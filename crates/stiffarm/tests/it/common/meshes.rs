@@ -13,18 +13,8 @@ pub fn box_mesh(low: Vector3<f64>, high: Vector3<f64>) -> TriangleMesh {
             })
         })
         .collect();
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let triangles = faces
-        .iter()
-        .flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]])
-        .collect();
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
     TriangleMesh::new(vertices, triangles).unwrap()
 }
 
@@ -52,11 +42,7 @@ pub fn capsule_mesh(half: f64, radius: f64, around: usize, pose: &Isometry3<f64>
         let up = std::f64::consts::PI * (ring as f64 / (2 * rings) as f64 - 0.5);
         let shift = if ring < rings { -half } else { half };
         // The middle ring stands at both ends of the cylinder.
-        for shift in if ring == rings {
-            vec![-half, half]
-        } else {
-            vec![shift]
-        } {
+        for shift in if ring == rings { vec![-half, half] } else { vec![shift] } {
             for i in 0..around {
                 let turn = std::f64::consts::TAU * i as f64 / around as f64;
                 vertices.push(Vector3::new(

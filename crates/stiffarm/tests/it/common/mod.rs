@@ -33,21 +33,15 @@ pub fn reference() -> Value {
 
 /// The folder of the reference data, for tests that are ignored without it.
 pub fn reference_folder() -> std::path::PathBuf {
-    std::env::var_os("STIFFARM_REFERENCE_DATA")
-        .expect("names a folder")
-        .into()
+    std::env::var_os("STIFFARM_REFERENCE_DATA").expect("names a folder").into()
 }
 
 pub fn number(value: &Value) -> f64 {
-    value
-        .as_f64()
-        .unwrap_or_else(|| panic!("{value} is not a number"))
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
 }
 
 pub fn list(value: &Value) -> &Vec<Value> {
-    value
-        .as_array()
-        .unwrap_or_else(|| panic!("{value} is not a list"))
+    value.as_array().unwrap_or_else(|| panic!("{value} is not a list"))
 }
 
 pub fn numbers(value: &Value) -> Vec<f64> {
@@ -65,10 +59,7 @@ pub fn vector3(value: &Value) -> Vector3<f64> {
 
 /// Angles in radians of a list of postures in degrees.
 pub fn postures_from_deg(value: &Value) -> Vec<Vec<f64>> {
-    list(value)
-        .iter()
-        .map(|q| numbers(q).iter().map(|a| a.to_radians()).collect())
-        .collect()
+    list(value).iter().map(|q| numbers(q).iter().map(|a| a.to_radians()).collect()).collect()
 }
 
 /// Group 1 of the reference cell: hand-picked, small wrist angles \[rad\].
@@ -91,22 +82,13 @@ pub fn reference_cell() -> Cell {
         .unwrap();
     let points = list(&data["tool"]["measuring_points"]).iter().map(vector3);
     let tool = tool(vector3(&data["tool"]["loading_point"]), points);
-    let load = Load::Rope {
-        anchor: vector3(&data["load"]["anchor"]),
-        magnitude: number(&data["load"]["magnitude_n"]),
-    };
+    let load = Load::Rope { anchor: vector3(&data["load"]["anchor"]), magnitude: number(&data["load"]["magnitude_n"]) };
     let bounds = list(&data["robot"]["bounds_deg"]).iter();
     // Table 3: level 2 is 9.23e-5 mm² per axis, counted once.
-    let noise = Noise {
-        reading_variance: 9.23e-11,
-        readings_per_displacement: 1,
-        posture_common_std: 0.0,
-    };
+    let noise = Noise { reading_variance: 9.23e-11, readings_per_displacement: 1, posture_common_std: 0.0 };
     Cell {
         name: "reference".to_string(),
-        bounds: bounds
-            .map(|b| [number(&b[0]).to_radians(), number(&b[1]).to_radians()])
-            .collect(),
+        bounds: bounds.map(|b| [number(&b[0]).to_radians(), number(&b[1]).to_radians()]).collect(),
         prior: Some(numbers(&data["robot"]["k_theta"])),
         characteristic_length: Some(number(&data["characteristic_length_m"])),
         tasks: tasks(),
@@ -116,10 +98,7 @@ pub fn reference_cell() -> Cell {
 
 /// A tool with these points, named 1, 2, 3, …
 pub fn tool(loading_point: Vector3<f64>, points: impl Iterator<Item = Vector3<f64>>) -> Tool {
-    let point = |(i, position): (usize, Vector3<f64>)| NamedPoint {
-        name: (i + 1).to_string(),
-        position,
-    };
+    let point = |(i, position): (usize, Vector3<f64>)| NamedPoint { name: (i + 1).to_string(), position };
     Tool {
         loading_point,
         measuring_points: points.enumerate().map(point).collect(),
@@ -163,24 +142,9 @@ pub fn tasks() -> Vec<Task> {
         tip: Vector3::new(0.15, 0.0, 0.2),
     };
     vec![
-        task(
-            "aluminium, left",
-            [-30.0, 5.0, -115.0, 0.0, 60.0, 20.0],
-            [-220.0, 140.0, 90.0],
-            Axes::Base,
-        ),
-        task(
-            "titanium, front",
-            [0.0, 20.0, -120.0, 0.0, 50.0, 0.0],
-            [150.0, -320.0, 180.0],
-            Axes::Base,
-        ),
-        task(
-            "aluminium, right",
-            [35.0, -10.0, -125.0, 30.0, 60.0, -30.0],
-            [-150.0, 80.0, -60.0],
-            Axes::Tool,
-        ),
+        task("aluminium, left", [-30.0, 5.0, -115.0, 0.0, 60.0, 20.0], [-220.0, 140.0, 90.0], Axes::Base),
+        task("titanium, front", [0.0, 20.0, -120.0, 0.0, 50.0, 0.0], [150.0, -320.0, 180.0], Axes::Base),
+        task("aluminium, right", [35.0, -10.0, -125.0, 30.0, 60.0, -30.0], [-150.0, 80.0, -60.0], Axes::Tool),
     ]
 }
 
@@ -203,24 +167,16 @@ pub fn default_cell() -> Cell {
 pub fn relative_error(ours: &[f64], reference: &[f64]) -> f64 {
     assert_eq!(ours.len(), reference.len(), "lengths differ");
     let scale = reference.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let worst = ours
-        .iter()
-        .zip(reference)
-        .fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+    let worst = ours.iter().zip(reference).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
     // NaN must not slip through max().
-    assert!(
-        ours.iter().all(|v| v.is_finite()),
-        "an entry is not finite: {ours:?}"
-    );
+    assert!(ours.iter().all(|v| v.is_finite()), "an entry is not finite: {ours:?}");
     worst / scale
 }
 
 /// Largest relative difference, entry by entry.
 pub fn entrywise_error(ours: &[f64], reference: &[f64]) -> f64 {
     assert_eq!(ours.len(), reference.len(), "lengths differ");
-    ours.iter()
-        .zip(reference)
-        .fold(0.0_f64, |m, (a, b)| m.max(relative_error(&[*a], &[*b])))
+    ours.iter().zip(reference).fold(0.0_f64, |m, (a, b)| m.max(relative_error(&[*a], &[*b])))
 }
 
 /// Property tests draw the same cases each time, unless `PROPTEST_RNG_SEED`

@@ -20,11 +20,7 @@ pub type V3<T> = [T; 3];
 pub type M4<T> = [[T; 4]; 4];
 
 pub fn cross<T: Scalar>(a: V3<T>, b: V3<T>) -> V3<T> {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 pub fn dot<T: Scalar>(a: V3<T>, b: V3<T>) -> T {
@@ -36,9 +32,7 @@ pub fn minus<T: Scalar>(a: V3<T>, b: V3<T>) -> V3<T> {
 }
 
 pub fn times<T: Scalar>(a: &M4<T>, b: &M4<T>) -> M4<T> {
-    std::array::from_fn(|i| {
-        std::array::from_fn(|j| (0..4).fold(T::from(0.0), |sum, k| sum + a[i][k] * b[k][j]))
-    })
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..4).fold(T::from(0.0), |sum, k| sum + a[i][k] * b[k][j])))
 }
 
 fn constant<T: Scalar>(m: [[f64; 4]; 4]) -> M4<T> {
@@ -47,12 +41,7 @@ fn constant<T: Scalar>(m: [[f64; 4]; 4]) -> M4<T> {
 
 pub fn rot_x<T: Scalar>(a: f64) -> M4<T> {
     let (s, c) = a.sin_cos();
-    constant([
-        [1.0, 0.0, 0.0, 0.0],
-        [0.0, c, -s, 0.0],
-        [0.0, s, c, 0.0],
-        [0.0, 0.0, 0.0, 1.0],
-    ])
+    constant([[1.0, 0.0, 0.0, 0.0], [0.0, c, -s, 0.0], [0.0, s, c, 0.0], [0.0, 0.0, 0.0, 1.0]])
 }
 
 pub fn rot_z<T: Scalar>(angle: T) -> M4<T> {
@@ -61,12 +50,7 @@ pub fn rot_z<T: Scalar>(angle: T) -> M4<T> {
 }
 
 pub fn shift<T: Scalar>(x: f64, y: f64, z: f64) -> M4<T> {
-    constant([
-        [1.0, 0.0, 0.0, x],
-        [0.0, 1.0, 0.0, y],
-        [0.0, 0.0, 1.0, z],
-        [0.0, 0.0, 0.0, 1.0],
-    ])
+    constant([[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]])
 }
 
 /// A cell in raw numbers.
@@ -125,24 +109,14 @@ impl Model {
 
     /// The library's cell with the same numbers, bounds ±π and no limits.
     pub fn cell(&self) -> Cell {
-        let convention = if self.modified {
-            DhConvention::Modified
-        } else {
-            DhConvention::Standard
-        };
-        let mut robot = chain("random", convention, &self.rows)
-            .with_base(&self.base)
-            .with_coupling(self.coupling.clone())
-            .unwrap();
+        let convention = if self.modified { DhConvention::Modified } else { DhConvention::Standard };
+        let mut robot =
+            chain("random", convention, &self.rows).with_base(&self.base).with_coupling(self.coupling.clone()).unwrap();
         if let Some(e) = &self.elastic {
             robot = robot.with_elastic_coordinates(e.clone()).unwrap();
         }
         let points = self.measuring_points.iter().copied().map(Vector3::from);
-        let setup = Setup {
-            robot,
-            tool: tool(self.loading_point.into(), points),
-            load: self.load.clone(),
-        };
+        let setup = Setup { robot, tool: tool(self.loading_point.into(), points), load: self.load.clone() };
         let noise = Noise {
             reading_variance: self.sigma * self.sigma,
             readings_per_displacement: 1,
@@ -159,16 +133,13 @@ impl Model {
 
     /// θ = offset + C q, without the offset (the rows hold it).
     pub fn serial<T: Scalar>(&self, q: &[T]) -> Vec<T> {
-        (0..q.len())
-            .map(|i| (0..q.len()).fold(T::from(0.0), |sum, j| sum + q[j] * self.coupling[(i, j)]))
-            .collect()
+        (0..q.len()).map(|i| (0..q.len()).fold(T::from(0.0), |sum, j| sum + q[j] * self.coupling[(i, j)])).collect()
     }
 
     /// The chain at serial angles without their offsets.
     pub fn chain_serial<T: Scalar>(&self, serial: &[T]) -> Chain<T> {
         let base = self.base.to_homogeneous();
-        let mut frame: M4<T> =
-            std::array::from_fn(|i| std::array::from_fn(|j| T::from(base[(i, j)])));
+        let mut frame: M4<T> = std::array::from_fn(|i| std::array::from_fn(|j| T::from(base[(i, j)])));
         let (mut axes, mut origins) = (Vec::new(), Vec::new());
         let mut keep = |frame: &M4<T>| {
             axes.push([frame[0][2], frame[1][2], frame[2][2]]);
@@ -186,11 +157,7 @@ impl Model {
                 frame = times(&times(&frame, &shift(a, 0.0, 0.0)), &rot_x(alpha));
             }
         }
-        Chain {
-            axes,
-            origins,
-            flange: frame,
-        }
+        Chain { axes, origins, flange: frame }
     }
 
     pub fn chain<T: Scalar>(&self, q: &[T]) -> Chain<T> {
@@ -207,21 +174,11 @@ impl Model {
                 let scale = dot(rope, rope).sqrt().recip() * *magnitude;
                 (rope.map(|c| c * scale), zero)
             }
-            Load::Weight {
-                magnitude,
-                direction,
-            } => (fixed(&(direction * *magnitude)), zero),
-            Load::Constant {
-                wrench,
-                axes: Axes::Base,
-            } => (fixed(&wrench.force), fixed(&wrench.moment)),
-            Load::Constant {
-                wrench,
-                axes: Axes::Tool,
-            } => (
-                chain.direction(wrench.force.into()),
-                chain.direction(wrench.moment.into()),
-            ),
+            Load::Weight { magnitude, direction } => (fixed(&(direction * *magnitude)), zero),
+            Load::Constant { wrench, axes: Axes::Base } => (fixed(&wrench.force), fixed(&wrench.moment)),
+            Load::Constant { wrench, axes: Axes::Tool } => {
+                (chain.direction(wrench.force.into()), chain.direction(wrench.moment.into()))
+            }
             Load::Measured | Load::Cases(_) => panic!("a model has a load"),
         }
     }
@@ -229,9 +186,7 @@ impl Model {
     /// Γ = (J^f)ᵀ W.
     pub fn torque<T: Scalar>(&self, chain: &Chain<T>, (force, moment): (V3<T>, V3<T>)) -> Vec<T> {
         let p = chain.point(self.loading_point);
-        (0..self.rows.len())
-            .map(|j| dot(chain.column(j, p), force) + dot(chain.axes[j], moment))
-            .collect()
+        (0..self.rows.len()).map(|j| dot(chain.column(j, p), force) + dot(chain.axes[j], moment)).collect()
     }
 
     /// Ψ of one posture, rows for point, x, y, z: Δ = J E⁻¹ diag(H) E⁻ᵀ Γ.
@@ -274,39 +229,22 @@ impl Model {
                 [across(*axis, z), across(origin, z)]
             });
             let last = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|v| across(chain.direction(v), z));
-            let x = next
-                .into_iter()
-                .flatten()
-                .chain(last)
-                .find(|v| dot(*v, *v).re() > 1e-2)
-                .unwrap();
+            let x = next.into_iter().flatten().chain(last).find(|v| dot(*v, *v).re() > 1e-2).unwrap();
             let x = scaled(x, dot(x, x).sqrt().recip());
             // The library's frame of a modified (Craig) row stands before its shift d.
             let d = if self.modified { self.rows[j][2] } else { 0.0 };
             let origin = minus(chain.origins[j], scaled(z, T::from(d)));
             places.push(([x, cross(z, x), z], origin, Some(j)));
         }
-        let points: Vec<V3<T>> = self
-            .measuring_points
-            .iter()
-            .map(|p| chain.point(*p))
-            .collect();
+        let points: Vec<V3<T>> = self.measuring_points.iter().map(|p| chain.point(*p)).collect();
         let mut columns = Vec::new();
         for (axes, origin, joint) in places {
             let about = plus(moment, cross(minus(loading, origin), force));
             let felt = |i: usize| {
-                if i < 3 {
-                    dot(axes[i], force)
-                } else {
-                    dot(axes[i - 3], about)
-                }
+                if i < 3 { dot(axes[i], force) } else { dot(axes[i - 3], about) }
             };
             let moved = |i: usize, p: V3<T>| {
-                if i < 3 {
-                    axes[i]
-                } else {
-                    cross(axes[i - 3], minus(p, origin))
-                }
+                if i < 3 { axes[i] } else { cross(axes[i - 3], minus(p, origin)) }
             };
             for row in 0..6 {
                 for column in row..6 {
@@ -318,11 +256,7 @@ impl Model {
                         (false, false) => sizes[1],
                         _ => sizes[2],
                     };
-                    let size = if row == column {
-                        size
-                    } else {
-                        size * 0.5f64.sqrt()
-                    };
+                    let size = if row == column { size } else { size * 0.5f64.sqrt() };
                     let mut own = Vec::new();
                     for p in &points {
                         let mut shift = scaled(moved(row, *p), felt(column));
@@ -342,22 +276,16 @@ impl Model {
     pub fn stacked<T: Scalar>(&self, postures: &[Vec<T>]) -> DMatrix<T> {
         let blocks: Vec<DMatrix<T>> = postures.iter().map(|q| self.psi(q)).collect();
         let height = blocks[0].nrows();
-        DMatrix::from_fn(height * blocks.len(), self.rows.len(), |i, j| {
-            blocks[i / height][(i % height, j)]
-        })
+        DMatrix::from_fn(height * blocks.len(), self.rows.len(), |i, j| blocks[i / height][(i % height, j)])
     }
 
     /// Ψ of each task, loaded and measured at its tip, stacked, so that the mean
     /// square of a predicted shift is the squared norm.
     pub fn task_rows(&self) -> DMatrix<f64> {
         let tasks = self.tasks.iter();
-        let blocks: Vec<DMatrix<f64>> = tasks
-            .map(|task| self.at_work(task).psi::<f64>(&task.q))
-            .collect();
+        let blocks: Vec<DMatrix<f64>> = tasks.map(|task| self.at_work(task).psi::<f64>(&task.q)).collect();
         let count = blocks.len();
-        DMatrix::from_fn(3 * count, self.rows.len(), |i, j| {
-            blocks[i / 3][(i % 3, j)] / (count as f64).sqrt()
-        })
+        DMatrix::from_fn(3 * count, self.rows.len(), |i, j| blocks[i / 3][(i % 3, j)] / (count as f64).sqrt())
     }
 
     /// The model loaded and measured at the tip of a task.
@@ -365,10 +293,7 @@ impl Model {
         Model {
             loading_point: task.tip.into(),
             measuring_points: vec![task.tip.into()],
-            load: Load::Constant {
-                wrench: task.wrench,
-                axes: task.axes,
-            },
+            load: Load::Constant { wrench: task.wrench, axes: task.axes },
             ..self.clone()
         }
     }
@@ -388,11 +313,7 @@ impl Model {
         let rows = 3 * self.measuring_points.len();
         DMatrix::from_fn(rows, rows, |i, j| {
             let own = if i == j { self.sigma * self.sigma } else { 0.0 };
-            let common = if i % 3 == j % 3 {
-                self.tau * self.tau
-            } else {
-                0.0
-            };
+            let common = if i % 3 == j % 3 { self.tau * self.tau } else { 0.0 };
             own + common
         })
     }
@@ -404,9 +325,7 @@ pub fn inverse_r<T: Scalar>(matrix: &DMatrix<T>) -> DMatrix<T> {
     let (rows, n) = matrix.shape();
     let mut q = matrix.clone();
     let mut r = DMatrix::from_element(n, n, T::from(0.0));
-    let inner = |q: &DMatrix<T>, a: usize, b: usize| {
-        (0..rows).fold(T::from(0.0), |sum, i| sum + q[(i, a)] * q[(i, b)])
-    };
+    let inner = |q: &DMatrix<T>, a: usize, b: usize| (0..rows).fold(T::from(0.0), |sum, i| sum + q[(i, a)] * q[(i, b)]);
     for j in 0..n {
         for _ in 0..2 {
             for k in 0..j {
@@ -439,9 +358,7 @@ pub fn inverse_r<T: Scalar>(matrix: &DMatrix<T>) -> DMatrix<T> {
 pub fn inverse_gram_diagonal<T: Scalar>(matrix: &DMatrix<T>) -> Vec<T> {
     let inverse = inverse_r(matrix);
     (0..inverse.nrows())
-        .map(|i| {
-            (i..inverse.ncols()).fold(T::from(0.0), |s, j| s + inverse[(i, j)] * inverse[(i, j)])
-        })
+        .map(|i| (i..inverse.ncols()).fold(T::from(0.0), |s, j| s + inverse[(i, j)] * inverse[(i, j)]))
         .collect()
 }
 
@@ -457,21 +374,17 @@ pub fn singular_values(matrix: &DMatrix<Dual64>) -> Vec<Dual64> {
     let svd = SVD::new(matrix.map(|v| v.re), true, true);
     let (u, v_t) = (svd.u.unwrap(), svd.v_t.unwrap());
     let slope = u.transpose() * matrix.map(|v| v.eps) * v_t.transpose();
-    let mut values: Vec<Dual64> = (0..svd.singular_values.len())
-        .map(|i| Dual64::new(svd.singular_values[i], slope[(i, i)]))
-        .collect();
+    let mut values: Vec<Dual64> =
+        (0..svd.singular_values.len()).map(|i| Dual64::new(svd.singular_values[i], slope[(i, i)])).collect();
     values.sort_by(|a, b| b.re.total_cmp(&a.re));
     values
 }
 
 /// k(J_N), Eq. (21), by the QR factors of J_Nᵀ.
 pub fn condition_number<T: Scalar>(normalised_jacobian: &DMatrix<T>) -> T {
-    let square = normalised_jacobian
-        .iter()
-        .fold(T::from(0.0), |s, v| s + *v * *v);
-    let inverse_trace = inverse_gram_diagonal(&normalised_jacobian.transpose())
-        .into_iter()
-        .fold(T::from(0.0), |s, v| s + v);
+    let square = normalised_jacobian.iter().fold(T::from(0.0), |s, v| s + *v * *v);
+    let inverse_trace =
+        inverse_gram_diagonal(&normalised_jacobian.transpose()).into_iter().fold(T::from(0.0), |s, v| s + v);
     (square * inverse_trace).sqrt() / 6.0
 }
 

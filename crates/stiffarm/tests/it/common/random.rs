@@ -76,31 +76,13 @@ impl Dice {
     /// 4: cylinder that pushes.
     pub fn load(&mut self, kind: usize) -> Load {
         let magnitude = self.between(200.0, 800.0);
-        let wrench = Wrench {
-            force: self.direction() * magnitude,
-            moment: self.vector(200.0),
-        };
+        let wrench = Wrench { force: self.direction() * magnitude, moment: self.vector(200.0) };
         match kind {
-            0 => Load::Rope {
-                anchor: self.vector(2.5),
-                magnitude,
-            },
-            4 => Load::Rope {
-                anchor: self.vector(2.5),
-                magnitude: -magnitude,
-            },
-            1 => Load::Weight {
-                magnitude,
-                direction: self.direction(),
-            },
-            2 => Load::Constant {
-                wrench,
-                axes: Axes::Base,
-            },
-            _ => Load::Constant {
-                wrench,
-                axes: Axes::Tool,
-            },
+            0 => Load::Rope { anchor: self.vector(2.5), magnitude },
+            4 => Load::Rope { anchor: self.vector(2.5), magnitude: -magnitude },
+            1 => Load::Weight { magnitude, direction: self.direction() },
+            2 => Load::Constant { wrench, axes: Axes::Base },
+            _ => Load::Constant { wrench, axes: Axes::Tool },
         }
     }
 
@@ -110,15 +92,8 @@ impl Dice {
             .map(|i| Task {
                 name: format!("task {i}"),
                 q: self.posture(n),
-                wrench: Wrench {
-                    force: self.direction() * self.between(100.0, 500.0),
-                    moment: self.vector(30.0),
-                },
-                axes: if self.chance(0.5) {
-                    Axes::Base
-                } else {
-                    Axes::Tool
-                },
+                wrench: Wrench { force: self.direction() * self.between(100.0, 500.0), moment: self.vector(30.0) },
+                axes: if self.chance(0.5) { Axes::Base } else { Axes::Tool },
                 tip: self.vector(0.5),
             })
             .collect()
@@ -130,24 +105,11 @@ impl Dice {
         let rows = (0..n)
             .map(|_| {
                 // Industrial arms have right angles; a general angle hides no factor that is zero there.
-                let alpha = if self.chance(0.5) {
-                    self.signed(0.3, 1.8)
-                } else {
-                    self.signed(1.0, 1.0) * FRAC_PI_2
-                };
-                [
-                    alpha,
-                    self.signed(0.1, 0.9),
-                    self.between(-0.6, 0.6),
-                    self.between(-PI, PI),
-                ]
+                let alpha = if self.chance(0.5) { self.signed(0.3, 1.8) } else { self.signed(1.0, 1.0) * FRAC_PI_2 };
+                [alpha, self.signed(0.1, 0.9), self.between(-0.6, 0.6), self.between(-PI, PI)]
             })
             .collect();
-        let mut coupling = DMatrix::from_fn(
-            n,
-            n,
-            |i, j| if i == j { self.signed(1.0, 1.0) } else { 0.0 },
-        );
+        let mut coupling = DMatrix::from_fn(n, n, |i, j| if i == j { self.signed(1.0, 1.0) } else { 0.0 });
         coupling[(2, 1)] = self.signed(0.3, 1.0);
         let elastic = elastic.then(|| {
             let mut e = DMatrix::identity(n, n);
@@ -163,23 +125,13 @@ impl Dice {
             base: self.pose(),
             coupling,
             elastic,
-            loading_point: [
-                self.signed(0.1, 0.4),
-                self.signed(0.1, 0.4),
-                self.between(-0.3, 0.3),
-            ],
-            measuring_points: (0..2 + self.below(3))
-                .map(|_| self.vector(0.4).into())
-                .collect(),
+            loading_point: [self.signed(0.1, 0.4), self.signed(0.1, 0.4), self.between(-0.3, 0.3)],
+            measuring_points: (0..2 + self.below(3)).map(|_| self.vector(0.4).into()).collect(),
             load: self.load(kind),
             prior: (0..n).map(|_| 10f64.powf(self.between(5.0, 6.7))).collect(),
             length: self.between(0.3, 1.5),
             sigma,
-            tau: if common {
-                sigma * self.between(0.3, 3.0)
-            } else {
-                0.0
-            },
+            tau: if common { sigma * self.between(0.3, 3.0) } else { 0.0 },
             // Their own source: the choices above and after stay what they are.
             tasks: Dice::new(sigma.to_bits()).tasks(n),
         }

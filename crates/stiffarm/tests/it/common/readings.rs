@@ -12,9 +12,7 @@ use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor};
 use stiffarm::model::load::Wrench;
-use stiffarm::model::measurement::{
-    MeasuredPosture, Reading, ReadingTable, ReadingTarget, StateReadings,
-};
+use stiffarm::model::measurement::{MeasuredPosture, Reading, ReadingTable, ReadingTarget, StateReadings};
 use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::posture::Posture;
 use stiffarm::model::tool::NamedPoint;
@@ -55,10 +53,7 @@ pub fn sensor() -> Sensor {
 }
 
 pub fn named(name: &str, position: [f64; 3]) -> NamedPoint {
-    NamedPoint {
-        name: name.to_string(),
-        position: position.into(),
-    }
+    NamedPoint { name: name.to_string(), position: position.into() }
 }
 
 pub fn states(list: &[(&str, f64, usize)]) -> Vec<ExperimentState> {
@@ -72,20 +67,12 @@ pub fn states(list: &[(&str, f64, usize)]) -> Vec<ExperimentState> {
 
 /// Unloaded, loaded, unloaded again.
 pub fn there_and_back(repeats: usize) -> Vec<ExperimentState> {
-    states(&[
-        ("unloaded", 0.0, repeats),
-        ("loaded", 1.0, repeats),
-        ("unloaded-2", 0.0, repeats),
-    ])
+    states(&[("unloaded", 0.0, repeats), ("loaded", 1.0, repeats), ("unloaded-2", 0.0, repeats)])
 }
 
 /// Three reflectors around the base.
 pub fn base_reflectors() -> Vec<NamedPoint> {
-    vec![
-        named("base", [0.6, 0.1, 0.2]),
-        named("base-2", [-0.4, 0.7, 0.15]),
-        named("base-3", [-0.3, -0.6, 0.4]),
-    ]
+    vec![named("base", [0.6, 0.1, 0.2]), named("base-2", [-0.4, 0.7, 0.15]), named("base-3", [-0.3, -0.6, 0.4])]
 }
 
 pub fn take(cell: &Cell, options: &Experiment, seed: u64) -> ReadingTable {
@@ -108,27 +95,17 @@ pub fn given(transform: Isometry3<f64>) -> ReduceOptions {
 
 /// Displacements of the measuring points and wrench under `factor` times the
 /// cell's load by the linear model, with the servo's share where it gives way.
-pub fn truth(
-    cell: &Cell,
-    q: &[f64],
-    factor: f64,
-    give: Option<[f64; 6]>,
-) -> (Vec<Vector3<f64>>, Wrench) {
+pub fn truth(cell: &Cell, q: &[f64], factor: f64, give: Option<[f64; 6]>) -> (Vec<Vector3<f64>>, Wrench) {
     let robot = &cell.setup.robot;
     let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
     let mut moved = terms.block(robot) * compliance_of(cell.require_prior().unwrap()) * factor;
     if let Some(give) = give {
-        let torque = robot
-            .coupling()
-            .tr_mul(&DVector::from_column_slice(terms.torque()));
+        let torque = robot.coupling().tr_mul(&DVector::from_column_slice(terms.torque()));
         let turn = DVector::from_fn(6, |j, _| factor * give[j] * torque[j]);
         moved += terms.spring_columns(robot) * robot.coupling() * turn;
     }
     let points = moved.as_slice().chunks(3).map(Vector3::from_column_slice);
-    let wrench = Wrench {
-        force: terms.wrench().force * factor,
-        moment: terms.wrench().moment * factor,
-    };
+    let wrench = Wrench { force: terms.wrench().force * factor, moment: terms.wrench().moment * factor };
     (points.collect(), wrench)
 }
 
@@ -159,11 +136,7 @@ pub fn displacement_error(
     error / scale
 }
 
-pub fn wrench_error(
-    cell: &Cell,
-    measured: &[MeasuredPosture],
-    factor: impl Fn(&str) -> f64,
-) -> f64 {
+pub fn wrench_error(cell: &Cell, measured: &[MeasuredPosture], factor: impl Fn(&str) -> f64) -> f64 {
     let errors = measured.iter().map(|m| {
         let q = &planned(m);
         let (_, wrench) = truth(cell, q, factor(&m.state), None);
@@ -215,18 +188,10 @@ pub fn is_point(target: &ReadingTarget) -> bool {
 pub fn full_table(cell: &Cell, seed: u64) -> ReadingTable {
     let options = Experiment {
         base_from_tracker: tracker_pose(),
-        states: states(&[
-            ("unloaded", 0.0, 2),
-            ("up", 0.5, 1),
-            ("full", 1.0, 2),
-            ("unloaded-2", 0.0, 1),
-        ]),
+        states: states(&[("unloaded", 0.0, 2), ("up", 0.5, 1), ("full", 1.0, 2), ("unloaded-2", 0.0, 1)]),
         force: ForceRecord::ForceAndMoment,
         base_reflectors: base_reflectors(),
-        base_compliance: Some(BaseCompliance {
-            tilt: 2e-8,
-            shift: 3e-8,
-        }),
+        base_compliance: Some(BaseCompliance { tilt: 2e-8, shift: 3e-8 }),
         seconds_per_reading: 8.0,
         drift: Vector3::new(2e-8, -1e-8, 3e-8),
         servo_deflection: Some(GIVE.to_vec()),

@@ -45,11 +45,7 @@ pub fn standard_error(share: f64, runs: u64) -> f64 {
 /// What fewer than `whole` runs add to a limit that `whole` runs meet: four of
 /// their own standard errors.
 pub fn slack(standard_error: f64, runs: u64, whole: u64) -> f64 {
-    if runs >= whole {
-        0.0
-    } else {
-        4.0 * standard_error
-    }
+    if runs >= whole { 0.0 } else { 4.0 * standard_error }
 }
 
 /// By how much fewer than `whole` runs widen the limits of a mean.

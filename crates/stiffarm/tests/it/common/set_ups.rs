@@ -43,19 +43,12 @@ pub fn the<'a>(findings: &'a [Finding], code: &str) -> &'a Finding {
 }
 
 /// A local selection from a start, as it is by default.
-pub fn local<Q: AsRef<[f64]>>(
-    cell: &Cell,
-    index: Index,
-    start: &[Q],
-) -> stiffarm::Result<Selection> {
+pub fn local<Q: AsRef<[f64]>>(cell: &Cell, index: Index, start: &[Q]) -> stiffarm::Result<Selection> {
     select_from(cell, index, start, Options::default(), Control::default())
 }
 
 pub fn stopped_by<'a>(stop: stiffarm::Stop<'a>) -> Control<'a> {
-    Control {
-        stop: Some(stop),
-        progress: None,
-    }
+    Control { stop: Some(stop), progress: None }
 }
 
 /// What `work` gives with so many threads.
@@ -66,10 +59,7 @@ pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T
 
 /// A weight \[N\] that hangs from the tool.
 pub fn hanging(magnitude: f64) -> Load {
-    Load::Weight {
-        magnitude,
-        direction: -Vector3::z(),
-    }
+    Load::Weight { magnitude, direction: -Vector3::z() }
 }
 
 /// The force of the cell's rope.
@@ -91,11 +81,7 @@ pub fn rope_anchor(cell: &mut Cell) -> &mut Vector3<f64> {
 }
 
 /// Adds to the displacements of every posture what `motion` gives for all its points, 3m rows.
-pub fn move_points(
-    cell: &Cell,
-    measured: &mut [MeasuredPosture],
-    motion: impl Fn(&PostureTerms) -> DVector<f64>,
-) {
+pub fn move_points(cell: &Cell, measured: &mut [MeasuredPosture], motion: impl Fn(&PostureTerms) -> DVector<f64>) {
     for m in measured {
         let terms = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
         let moved = motion(&terms);
@@ -107,12 +93,7 @@ pub fn move_points(
 
 /// A robot of rows α, a, d, offset.
 pub fn chain(name: &str, convention: DhConvention, rows: &[[f64; 4]]) -> Robot {
-    let row = |&[alpha, a, d, offset]: &[f64; 4]| DhRow {
-        alpha,
-        a,
-        d,
-        offset,
-    };
+    let row = |&[alpha, a, d, offset]: &[f64; 4]| DhRow { alpha, a, d, offset };
     let rows: Vec<DhRow> = rows.iter().map(row).collect();
     Robot::from_dh(name, convention, &rows, Isometry3::identity()).unwrap()
 }
@@ -146,15 +127,7 @@ pub fn panda() -> Robot {
 
 /// A point of a path, of which nothing else is known.
 pub fn path_point(name: impl ToString, target: PathTarget) -> PathPoint {
-    PathPoint {
-        feature: None,
-        feed: None,
-        rapid: false,
-        name: name.to_string().into(),
-        line: None,
-        target,
-        load: None,
-    }
+    PathPoint { feature: None, feed: None, rapid: false, name: name.to_string().into(), line: None, target, load: None }
 }
 
 /// One source of systematic errors.

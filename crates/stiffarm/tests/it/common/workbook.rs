@@ -23,9 +23,7 @@ pub fn cells(text: &str) -> Vec<Vec<Cell<'_>>> {
         Err(_) => Cell::Text(field),
     };
     let lines = text.lines();
-    lines
-        .map(|line| line.split(',').map(cell).collect())
-        .collect()
+    lines.map(|line| line.split(',').map(cell).collect()).collect()
 }
 
 /// A workbook of sheets by name.
@@ -47,9 +45,8 @@ pub fn workbook_of(properties: &str, sheets: &[(&str, Vec<Vec<Cell<'_>>>)], more
     for (i, (name, rows)) in sheets.iter().enumerate() {
         let n = i + 1;
         list += &format!("<sheet name=\"{name}\" sheetId=\"{n}\" r:id=\"r{n}\"/>");
-        relations += &format!(
-            "<Relationship Id=\"r{n}\" Type=\"{RELATION}/worksheet\" Target=\"worksheets/sheet{n}.xml\"/>"
-        );
+        relations +=
+            &format!("<Relationship Id=\"r{n}\" Type=\"{RELATION}/worksheet\" Target=\"worksheets/sheet{n}.xml\"/>");
         let mut data = String::new();
         for (r, row) in rows.iter().enumerate() {
             data += &format!("<row r=\"{}\">", r + 1);
@@ -58,22 +55,15 @@ pub fn workbook_of(properties: &str, sheets: &[(&str, Vec<Vec<Cell<'_>>>)], more
             }
             data += "</row>";
         }
-        let sheet =
-            format!("<worksheet xmlns=\"{MAIN}\"><sheetData>{data}{more}</sheetData></worksheet>");
+        let sheet = format!("<worksheet xmlns=\"{MAIN}\"><sheetData>{data}{more}</sheetData></worksheet>");
         files.push((format!("xl/worksheets/sheet{n}.xml"), sheet));
     }
-    relations +=
-        &format!("<Relationship Id=\"rs\" Type=\"{RELATION}/styles\" Target=\"styles.xml\"/>");
+    relations += &format!("<Relationship Id=\"rs\" Type=\"{RELATION}/styles\" Target=\"styles.xml\"/>");
     let package = "http://schemas.openxmlformats.org/package/2006";
-    files.push((
-        "[Content_Types].xml".to_string(),
-        format!("<Types xmlns=\"{package}/content-types\"/>"),
-    ));
+    files.push(("[Content_Types].xml".to_string(), format!("<Types xmlns=\"{package}/content-types\"/>")));
     files.push((
         "xl/workbook.xml".to_string(),
-        format!(
-            "<workbook xmlns=\"{MAIN}\" xmlns:r=\"{RELATION}\">{properties}<sheets>{list}</sheets></workbook>"
-        ),
+        format!("<workbook xmlns=\"{MAIN}\" xmlns:r=\"{RELATION}\">{properties}<sheets>{list}</sheets></workbook>"),
     ));
     files.push((
         "_rels/.rels".to_string(),
@@ -147,13 +137,7 @@ pub struct Entry {
 /// A ZIP archive (PKWARE's APPNOTE.TXT, 4.3).
 pub fn archive(entries: &[Entry]) -> Vec<u8> {
     let (mut archive, mut directory) = (Vec::new(), Vec::new());
-    for Entry {
-        name,
-        packed,
-        method,
-        size,
-    } in entries
-    {
+    for Entry { name, packed, method, size } in entries {
         let start = archive.len() as u32;
         let mut about = Vec::new();
         // Version, flags, method, time, date.

@@ -3,12 +3,7 @@
 use super::*;
 
 /// Findings that say that something is wrong, in `seeds` clean experiments.
-fn false_alarms(
-    cell: &Cell,
-    postures: &[Posture],
-    estimator: Estimator,
-    seeds: u64,
-) -> BTreeMap<String, u64> {
+fn false_alarms(cell: &Cell, postures: &[Posture], estimator: Estimator, seeds: u64) -> BTreeMap<String, u64> {
     let faults = [
         "residuals-above-noise",
         "residuals-below-noise",
@@ -60,18 +55,10 @@ fn false_alarm_rates() {
         (3.0, Estimator::TwoVariance, 12),
         (3.0, Estimator::TwoVariance, 6),
     ] {
-        let counts = false_alarms(
-            &noisy_cell(common_part),
-            &all[12 - count..],
-            estimator,
-            seeds,
-        );
+        let counts = false_alarms(&noisy_cell(common_part), &all[12 - count..], estimator, seeds);
         for (fault, count) in counts {
             // 1 % expects 2 of 200; 9 or more have a probability of 2e-4.
-            assert!(
-                count <= most(0.01, seeds, u64::MAX),
-                "{fault}: {count} of {seeds}"
-            );
+            assert!(count <= most(0.01, seeds, u64::MAX), "{fault}: {count} of {seeds}");
         }
     }
 }
@@ -92,10 +79,7 @@ fn clean_load_states_raise_few_findings() {
                 .and_then(|fit| load_states(&fit, noise.as_ref()))
                 .unwrap()
                 .unwrap();
-            assert_eq!(
-                found.scatter_degrees_of_freedom.is_some(),
-                states.len() == 5
-            );
+            assert_eq!(found.scatter_degrees_of_freedom.is_some(), states.len() == 5);
             assert_eq!(found.hysteresis.is_some(), states.len() == 5);
             for finding in found.findings() {
                 *counts.entry(finding.code).or_default() += 1;
@@ -116,9 +100,7 @@ fn residuals_are_compared_with_the_noise_in_words() {
     let test = |factor: f64| {
         let mut stated = cell.clone();
         stated.noise.reading_variance /= factor * factor;
-        noise_test(&Fit::new(&stated, &measured, &by(Estimator::Ordinary)).unwrap())
-            .unwrap()
-            .unwrap()
+        noise_test(&Fit::new(&stated, &measured, &by(Estimator::Ordinary)).unwrap()).unwrap().unwrap()
     };
     let honest = test(1.0);
     assert_eq!(honest.agreement, Agreement::Agrees);
@@ -127,10 +109,7 @@ fn residuals_are_compared_with_the_noise_in_words() {
     assert_eq!(understated.agreement, Agreement::Larger);
     assert!((understated.ratio / honest.ratio / 22.0 - 1.0).abs() < 1e-9);
     let said = understated.finding(None).sentence;
-    assert!(
-        said.contains("times the cell's noise") && said.contains("limits the result"),
-        "{said}"
-    );
+    assert!(said.contains("times the cell's noise") && said.contains("limits the result"), "{said}");
     let slightly = test(1.4);
     assert!(slightly.finding(None).sentence.contains("stated too small"));
     let overstated = test(0.5);
@@ -138,21 +117,15 @@ fn residuals_are_compared_with_the_noise_in_words() {
     assert_eq!(overstated.finding(None).code, "residuals-below-noise");
     // The whitened residual with the declared common part is what it is.
     let cell = noisy_cell(3.0);
-    let shared = Fit::new(&cell, measure(&cell, 5), &by(Estimator::TwoVariance))
-        .and_then(|fit| noise_test(&fit));
+    let shared = Fit::new(&cell, measure(&cell, 5), &by(Estimator::TwoVariance)).and_then(|fit| noise_test(&fit));
     assert_eq!(shared.unwrap().unwrap().agreement, Agreement::Agrees);
     let mut undeclared = cell.clone();
     undeclared.noise.posture_common_std = 0.0;
-    let test = Fit::new(&undeclared, measure(&cell, 5), &by(Estimator::TwoVariance))
-        .and_then(|fit| noise_test(&fit));
+    let test = Fit::new(&undeclared, measure(&cell, 5), &by(Estimator::TwoVariance)).and_then(|fit| noise_test(&fit));
     let test = test.unwrap().unwrap();
     assert_eq!(test.agreement, Agreement::Larger);
     assert!(test.within_ratio.is_some_and(|r| r < 1.3), "{test:?}");
-    assert!(
-        test.finding(None)
-            .sentence
-            .contains("moves all points alike")
-    );
+    assert!(test.finding(None).sentence.contains("moves all points alike"));
     // As the result says it, where no common part is declared.
     let result = identify(&undeclared, measure(&cell, 5), &by(Estimator::TwoVariance));
     assert!((result.unwrap().total_std_m.unwrap() / test.residual_std_m - 1.0).abs() < 1e-12);

@@ -5,8 +5,7 @@ use super::*;
 #[test]
 fn what_a_careful_engineer_would_say() {
     let (cell, measured) = common::readings::measured_robot();
-    let found =
-        diagnose(&Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap()).unwrap();
+    let found = diagnose(&Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap()).unwrap();
     for finding in &found.findings {
         println!("[{}] {}", finding.code, finding.sentence);
     }
@@ -28,23 +27,14 @@ fn what_a_careful_engineer_would_say() {
     assert_eq!(trial(ExtraTerm::JointTilt(3)).lost_joints, ["joint 3"]);
     assert!(trial(ExtraTerm::JointTilt(2)).lost_joints.is_empty());
     let sentence = terms.finding().unwrap().sentence;
-    assert!(
-        sentence.contains("rejected") && sentence.contains("tilt of joint 3"),
-        "{sentence}"
-    );
+    assert!(sentence.contains("rejected") && sentence.contains("tilt of joint 3"), "{sentence}");
     let noise = found.noise.unwrap();
     assert!((15.0..17.0).contains(&noise.ratio), "{}", noise.ratio);
     let joint_6 = &found.signals[5];
     assert_eq!(joint_6.torque_rms_nm.round(), 78.0);
     // RMS of components; as norms 0.093 mm against 0.372 mm.
     assert_eq!(mm(joint_6.displacement_rms_m.unwrap()), 0.0536);
-    assert_eq!(
-        mm(found.signals[5].displacement_rms_m.unwrap() / joint_6.to_residual.unwrap()),
-        0.2148
-    );
+    assert_eq!(mm(found.signals[5].displacement_rms_m.unwrap() / joint_6.to_residual.unwrap()), 0.2148);
     let weak = found.findings.iter().filter(|f| f.code == "weak-joint");
-    assert_eq!(
-        weak.map(|f| f.subject.as_str()).collect::<Vec<_>>(),
-        ["joint 6"]
-    );
+    assert_eq!(weak.map(|f| f.subject.as_str()).collect::<Vec<_>>(), ["joint 6"]);
 }

@@ -11,8 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::collections::BTreeMap;
 use stiffarm::estimate::diagnose::{
-    Agreement, Diagnosis, OutlierKind, joint_signals, load_states, noise_test, outliers,
-    second_order_shares, try_terms,
+    Agreement, Diagnosis, OutlierKind, joint_signals, load_states, noise_test, outliers, second_order_shares, try_terms,
 };
 
 /// Twelve postures: Group 1 and the random group.
@@ -86,13 +85,8 @@ fn in_states(
 }
 
 const UP: [(&str, f64); 3] = [("up-150", 150.0), ("up-300", 300.0), ("up-500", 500.0)];
-const BOTH: [(&str, f64); 5] = [
-    ("up-150", 150.0),
-    ("up-300", 300.0),
-    ("up-500", 500.0),
-    ("down-300", 300.0),
-    ("down-150", 150.0),
-];
+const BOTH: [(&str, f64); 5] =
+    [("up-150", 150.0), ("up-300", 300.0), ("up-500", 500.0), ("down-300", 300.0), ("down-150", 150.0)];
 
 #[test]
 fn lost_motion_loops_and_curvature_are_told_apart() {
@@ -100,17 +94,10 @@ fn lost_motion_loops_and_curvature_are_told_apart() {
     let options = by(Estimator::TwoVariance);
     let states = |measured: &[MeasuredPosture]| {
         let noise = noise_test(&Fit::new(&cell, measured, &options).unwrap()).unwrap();
-        Fit::new(&cell, measured, &options)
-            .and_then(|fit| load_states(&fit, noise.as_ref()))
-            .unwrap()
-            .unwrap()
+        Fit::new(&cell, measured, &options).and_then(|fit| load_states(&fit, noise.as_ref())).unwrap().unwrap()
     };
     let said = |measured: &[MeasuredPosture]| -> Vec<String> {
-        states(measured)
-            .findings()
-            .into_iter()
-            .map(|f| f.code)
-            .collect()
+        states(measured).findings().into_iter().map(|f| f.code).collect()
     };
     for seed in 0..10 {
         for levels in [&UP[..], &BOTH[..]] {
@@ -140,11 +127,7 @@ fn lost_motion_loops_and_curvature_are_told_apart() {
         assert_eq!(said(&held), ["hysteresis"], "seed {seed}");
         let found = states(&held);
         let width = found.hysteresis.unwrap();
-        let top: Vec<f64> = found
-            .postures
-            .iter()
-            .map(|p| p.displacements_m[2])
-            .collect();
+        let top: Vec<f64> = found.postures.iter().map(|p| p.displacements_m[2]).collect();
         let smallest = top.iter().copied().fold(f64::INFINITY, f64::min);
         let largest = top.iter().copied().fold(0.0, f64::max);
         assert!(width.value > 0.04 * smallest && width.value < 0.04 * largest);
@@ -155,24 +138,14 @@ fn lost_motion_loops_and_curvature_are_told_apart() {
 fn the_tilt_that_is_there_is_found() {
     let cell = noisy_cell(0.0);
     let options = by(Estimator::TwoVariance);
-    for (term, size) in [
-        (ExtraTerm::JointTilt(2), 2e-7),
-        (ExtraTerm::BaseTilt, 1e-7),
-        (ExtraTerm::LostMotion(0), 5e-5),
-    ] {
+    for (term, size) in [(ExtraTerm::JointTilt(2), 2e-7), (ExtraTerm::BaseTilt, 1e-7), (ExtraTerm::LostMotion(0), 5e-5)]
+    {
         let mut measured = measure(&cell, 9);
         move_points(&cell, &mut measured, |terms| term.column(terms) * size);
         let found = try_terms(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
         // On this robot joint 1 tilts at the foot of the base.
         assert_eq!(found.trials.len(), 12);
-        assert_eq!(
-            found
-                .trials
-                .iter()
-                .filter(|t| !t.same_as.is_empty())
-                .count(),
-            1
-        );
+        assert_eq!(found.trials.iter().filter(|t| !t.same_as.is_empty()).count(), 1);
         let best = &found.trials[0];
         assert_eq!(best.term, term, "{found:?}");
         let (value, error) = (best.value.unwrap(), best.standard_error.unwrap());
@@ -195,24 +168,15 @@ fn the_linear_model_is_judged_posture_by_posture() {
     let shares = second_order_shares(&cell, &measured, &truth(&cell)).unwrap();
     assert_eq!(shares.len(), 12);
     // Below 4 µm at 500 N in Group 1.
-    assert!(
-        shares[..6]
-            .iter()
-            .all(|s| s.correction_m < 4e-6 && s.linearisation_m < 4e-6)
-    );
-    assert!(
-        shares
-            .iter()
-            .all(|s| s.correction_m > 1e-8 && s.correction_share < 0.05)
-    );
+    assert!(shares[..6].iter().all(|s| s.correction_m < 4e-6 && s.linearisation_m < 4e-6));
+    assert!(shares.iter().all(|s| s.correction_m > 1e-8 && s.correction_share < 0.05));
     let said = diagnose(&Fit::new(&cell, &measured, &by(Estimator::Ordinary)).unwrap()).unwrap();
     let finding = the(&said.findings, "second-order");
     let said = &finding.sentence;
     assert!(said.contains("linear model is enough"), "{said}");
     let mut heavy = cell.clone();
     *rope_force(&mut heavy) = 30_000.0;
-    let found =
-        diagnose(&Fit::new(&heavy, measure(&heavy, 1), &by(Estimator::Ordinary)).unwrap()).unwrap();
+    let found = diagnose(&Fit::new(&heavy, measure(&heavy, 1), &by(Estimator::Ordinary)).unwrap()).unwrap();
     let finding = the(&found.findings, "second-order");
     let said = &finding.sentence;
     assert!(said.contains("predict with the equilibrium"), "{said}");
@@ -225,19 +189,12 @@ fn a_joint_with_little_leverage_is_named_and_pairs_are() {
     let height = cell.setup.tool.loading_point.z;
     cell.setup.tool.loading_point = Vector3::new(3e-3, 0.0, height);
     let measured = measure(&cell, 3);
-    let signals = Fit::new(&cell, &measured, &by(Estimator::TwoVariance))
-        .map(|fit| joint_signals(&fit))
-        .unwrap();
+    let signals = Fit::new(&cell, &measured, &by(Estimator::TwoVariance)).map(|fit| joint_signals(&fit)).unwrap();
     assert!(signals[5].torque_rms_nm < 2.0 && signals[1].torque_rms_nm > 100.0);
     assert!(signals[5].to_residual.unwrap() < 1.0 && signals[1].to_residual.unwrap() > 10.0);
-    let found =
-        diagnose(&Fit::new(&cell, &measured, &by(Estimator::TwoVariance)).unwrap()).unwrap();
-    let weak: Vec<&str> = found
-        .findings
-        .iter()
-        .filter(|f| f.code == "weak-joint")
-        .map(|f| f.subject.as_str())
-        .collect();
+    let found = diagnose(&Fit::new(&cell, &measured, &by(Estimator::TwoVariance)).unwrap()).unwrap();
+    let weak: Vec<&str> =
+        found.findings.iter().filter(|f| f.code == "weak-joint").map(|f| f.subject.as_str()).collect();
     assert_eq!(weak, ["joint 6"]);
     // The residuals are the noise itself: more of it averages out.
     let weak_sentence = |found: &Diagnosis| {
@@ -246,10 +203,7 @@ fn a_joint_with_little_leverage_is_named_and_pairs_are() {
         weak.sentence.clone()
     };
     let sentence = weak_sentence(&found);
-    assert!(
-        sentence.contains("more postures help too") && !sentence.contains("would not"),
-        "{sentence}"
-    );
+    assert!(sentence.contains("more postures help too") && !sentence.contains("would not"), "{sentence}");
     // Errors far above the stated noise: the model limits the result.
     let mut dice = Dice::new(7);
     let mut limited = measured.clone();
@@ -258,10 +212,7 @@ fn a_joint_with_little_leverage_is_named_and_pairs_are() {
     }
     let found = diagnose(&Fit::new(&cell, &limited, &by(Estimator::TwoVariance)).unwrap()).unwrap();
     let sentence = weak_sentence(&found);
-    assert!(
-        sentence.contains("more postures of this kind would not much"),
-        "{sentence}"
-    );
+    assert!(sentence.contains("more postures of this kind would not much"), "{sentence}");
 
     // Six times nearly the same posture: pairs of joints cannot be told apart.
     let cell = noisy_cell(0.0);
@@ -269,8 +220,7 @@ fn a_joint_with_little_leverage_is_named_and_pairs_are() {
     let base = &group1()[0];
     let alike = (0..6).map(|_| base.iter().map(|a| a + dice.between(-0.01, 0.01)).collect());
     let group = numbered(alike);
-    let measured =
-        simulate_measurements(&cell, &group, &truth(&cell), Model::Linear, 1, 0).unwrap();
+    let measured = simulate_measurements(&cell, &group, &truth(&cell), Model::Linear, 1, 0).unwrap();
     let found = diagnose(&Fit::new(&cell, &measured, &by(Estimator::Ordinary)).unwrap()).unwrap();
     assert!(!found.correlated.is_empty() && codes(&found).contains(&"correlated"));
     assert!(found.correlated.iter().all(|p| p.correlation.abs() > 0.9));
@@ -290,11 +240,7 @@ fn diagnoses_of_poor_data() {
     quiet.noise.reading_variance = 0.0;
     let exact = measure(&quiet, 1);
     let found = diagnose(&Fit::new(&quiet, &exact, &by(Estimator::TwoVariance)).unwrap()).unwrap();
-    assert!(
-        found.noise.is_none() && found.outliers.found.is_empty(),
-        "{:?}",
-        codes(&found)
-    );
+    assert!(found.noise.is_none() && found.outliers.found.is_empty(), "{:?}", codes(&found));
     // One point only: nothing is shared, nothing can be told apart.
     let mut single = all.clone();
     for m in &mut single {
@@ -315,14 +261,8 @@ fn sentences() {
     let mut out = String::new();
     let mut tell = |title: &str, cell: &Cell, measured: &[MeasuredPosture]| {
         out += &format!("» {title}\n");
-        for finding in diagnose(&Fit::new(cell, measured, &two).unwrap())
-            .unwrap()
-            .findings
-        {
-            out += &format!(
-                "[{}] {}: {}\n",
-                finding.code, finding.subject, finding.sentence
-            );
+        for finding in diagnose(&Fit::new(cell, measured, &two).unwrap()).unwrap().findings {
+            out += &format!("[{}] {}: {}\n", finding.code, finding.subject, finding.sentence);
         }
         out += "\n";
     };

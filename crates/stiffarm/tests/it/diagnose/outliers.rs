@@ -16,27 +16,14 @@ fn one_displaced_reading_is_named() {
             let found = outliers(&Fit::new(&cell, &measured, &by(estimator)).unwrap()).unwrap();
             let first = &found.found[0];
             assert_eq!(first.kind, OutlierKind::Displacement, "{i}: {first:?}");
-            assert_eq!(
-                first.posture.as_deref(),
-                Some(measured[posture].posture.name.as_str())
-            );
-            assert_eq!(
-                first.point.as_deref(),
-                Some((point + 1).to_string().as_str())
-            );
+            assert_eq!(first.posture.as_deref(), Some(measured[posture].posture.name.as_str()));
+            assert_eq!(first.point.as_deref(), Some((point + 1).to_string().as_str()));
             assert_eq!(first.axis.as_deref(), Some(["x", "y", "z"][axis]));
             let deviation = first.deviation_m.unwrap()[axis];
             let error = first.standard_error_m.unwrap()[axis];
-            assert!(
-                (deviation + 1e-3).abs() < 5.0 * error,
-                "{deviation} ± {error}"
-            );
+            assert!((deviation + 1e-3).abs() < 5.0 * error, "{deviation} ± {error}");
             // Once it is set aside the rest fits.
-            assert!(
-                found.found.len() == 1 && !found.more,
-                "{i}: {:?}",
-                found.found
-            );
+            assert!(found.found.len() == 1 && !found.more, "{i}: {:?}", found.found);
         }
     }
 }
@@ -49,19 +36,12 @@ fn deleted_residuals_are_those_of_fits_without() {
     let mut measured = measure(&cell, 7);
     measured[4].displacements[2].value.y += 2e-4;
     let options = by(Estimator::Ordinary);
-    let found = &outliers(&Fit::new(&cell, &measured, &options).unwrap())
-        .unwrap()
-        .found[0];
+    let found = &outliers(&Fit::new(&cell, &measured, &options).unwrap()).unwrap().found[0];
     let mut without = measured.clone();
     let taken = without[4].displacements.remove(2);
     let fit = identify(&cell, &without, &options).unwrap();
-    let predicted = calculated_displacements(
-        &cell,
-        &measured[4],
-        &fit.estimates.stiffness().unwrap(),
-        Model::Linear,
-    )
-    .unwrap()[2];
+    let predicted =
+        calculated_displacements(&cell, &measured[4], &fit.estimates.stiffness().unwrap(), Model::Linear).unwrap()[2];
     let direct = taken.value - predicted;
     let deviation = Vector3::from(found.deviation_m.unwrap());
     assert!((deviation - direct).norm() < 1e-12, "{deviation} {direct}");
@@ -103,24 +83,14 @@ fn a_posture_that_does_not_fit_is_named_as_a_whole() {
         for posture in 0..12 {
             let mut measured = measure(&cell, 2000 + posture as u64);
             // The load of this posture was 20 % larger than stated.
-            let exact =
-                calculated_displacements(&cell, &measured[posture], &truth(&cell), Model::Linear)
-                    .unwrap();
+            let exact = calculated_displacements(&cell, &measured[posture], &truth(&cell), Model::Linear).unwrap();
             for d in &mut measured[posture].displacements {
                 d.value += exact[d.point] * 0.2;
             }
             let found = outliers(&Fit::new(&cell, &measured, &by(estimator)).unwrap()).unwrap();
             let first = &found.found[0];
-            assert_eq!(
-                first.kind,
-                OutlierKind::Posture,
-                "{posture}: {:?}",
-                found.found
-            );
-            assert_eq!(
-                first.posture.as_deref(),
-                Some(measured[posture].posture.name.as_str())
-            );
+            assert_eq!(first.kind, OutlierKind::Posture, "{posture}: {:?}", found.found);
+            assert_eq!(first.posture.as_deref(), Some(measured[posture].posture.name.as_str()));
             assert_eq!(found.found.len(), 1, "{posture}: {:?}", found.found);
             assert!(found.postures[posture].p_value.unwrap() < 1e-4);
         }
@@ -140,10 +110,7 @@ fn a_loose_reflector_is_named() {
             let found = outliers(&Fit::new(&cell, &measured, &by(estimator)).unwrap()).unwrap();
             let first = &found.found[0];
             assert_eq!(first.kind, OutlierKind::Point, "{point}: {:?}", found.found);
-            assert_eq!(
-                first.point.as_deref(),
-                Some((point + 1).to_string().as_str())
-            );
+            assert_eq!(first.point.as_deref(), Some((point + 1).to_string().as_str()));
             assert_eq!(found.found.len(), 1, "{point}: {:?}", found.found);
         }
     }

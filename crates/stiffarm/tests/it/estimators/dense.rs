@@ -12,9 +12,7 @@ fn dense_restricted(system: &MeasuredSystem, gamma: f64) -> f64 {
 
 /// Largest difference of the values, in standard errors.
 fn distance(ours: &DVector<f64>, theirs: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
-    (0..ours.len())
-        .map(|j| (ours[j] - theirs[j]).abs() / covariance[(j, j)].sqrt())
-        .fold(0.0, f64::max)
+    (0..ours.len()).map(|j| (ours[j] - theirs[j]).abs() / covariance[(j, j)].sqrt()).fold(0.0, f64::max)
 }
 
 proptest! {
@@ -186,9 +184,7 @@ fn dense_huber(system: &MeasuredSystem) -> (DVector<f64>, Vec<f64>, f64) {
         let information = weighted.transpose() * &system.psi;
         values = information.try_inverse().unwrap() * weighted.transpose() * &system.delta;
         let residual = &system.delta - &system.psi * &values;
-        let norms: Vec<f64> = (0..rows / 3)
-            .map(|d| residual.fixed_rows::<3>(3 * d).norm())
-            .collect();
+        let norms: Vec<f64> = (0..rows / 3).map(|d| residual.fixed_rows::<3>(3 * d).norm()).collect();
         let mut sorted = norms.clone();
         sorted.sort_by(f64::total_cmp);
         let middle = 0.5 * (sorted[(sorted.len() - 1) / 2] + sorted[sorted.len() / 2]);

@@ -34,9 +34,8 @@ fn measured(cell: &Cell, loads: &[f64], sigma: f64, dice: &mut Dice) -> Vec<Meas
 fn displacements_against_one_reading_correlate_by_a_half() {
     let cell = honest_cell();
     let mut measured = measured(&cell, &[0.5, 1.0], 1e-5, &mut Dice::new(1));
-    let system = |measured: &[MeasuredPosture], cell: &Cell| {
-        measured_system(cell, measured, &[], Weights::Readings).unwrap()
-    };
+    let system =
+        |measured: &[MeasuredPosture], cell: &Cell| measured_system(cell, measured, &[], Weights::Readings).unwrap();
     let found = system(&measured, &cell);
     assert_eq!(found.blocks.len(), 6);
     for block in &found.blocks {
@@ -49,24 +48,14 @@ fn displacements_against_one_reading_correlate_by_a_half() {
         assert_eq!(covariance, expected);
     }
     // As the paper counts, the reference has no error of its own.
-    assert!(
-        system(&measured, &reference_cell())
-            .blocks
-            .iter()
-            .all(|b| b.covariance.is_identity())
-    );
+    assert!(system(&measured, &reference_cell()).blocks.iter().all(|b| b.covariance.is_identity()));
     // Each state against its own unloaded reading.
     for posture in measured.iter_mut().filter(|m| m.state == "load 1") {
         for displacement in &mut posture.displacements {
             displacement.reference = vec![ReferencePart::reading(1)];
         }
     }
-    assert!(
-        system(&measured, &cell)
-            .blocks
-            .iter()
-            .all(|b| b.covariance.is_identity())
-    );
+    assert!(system(&measured, &cell).blocks.iter().all(|b| b.covariance.is_identity()));
     // Four loaded readings against two unloaded ones.
     let few = &mut measured[0].displacements[0];
     (few.readings, few.reference[0].readings) = (4, 2);
@@ -177,18 +166,15 @@ fn nearly_collinear_columns_are_never_answered_in_silence() {
             system.psi.set_column(3, &(twin * 1e3));
             let truth = DVector::from_column_slice(&[2.0, 0.3, 0.05, 4e-3]);
             let noise = 1e-3 * system.delta.norm() / (system.delta.len() as f64).sqrt();
-            system.delta = &system.psi * &truth
-                + DVector::from_fn(system.delta.len(), |_, _| noise * dice.between(-1.0, 1.0));
+            system.delta =
+                &system.psi * &truth + DVector::from_fn(system.delta.len(), |_, _| noise * dice.between(-1.0, 1.0));
             let found = solve(&system, &assume(Estimator::Ordinary, Scale::Estimated));
             let covariance = found.covariance.as_ref().unwrap();
             // The columns without a twin are known either way.
             for j in [1, 2] {
                 assert!(!found.undetermined.contains(&j));
                 let error = covariance[(j, j)].sqrt();
-                assert!(
-                    (found.values[j] - truth[j]).abs() < 6.0 * error,
-                    "1e-{exponent}"
-                );
+                assert!((found.values[j] - truth[j]).abs() < 6.0 * error, "1e-{exponent}");
                 assert!(error < 0.1 * truth[j]);
             }
             if found.undetermined.is_empty() {
@@ -202,10 +188,7 @@ fn nearly_collinear_columns_are_never_answered_in_silence() {
                         truth[j]
                     );
                     // What the data can say falls with the distance of the columns.
-                    assert!(
-                        error > 0.5 * noise / apart * truth[j],
-                        "1e-{exponent}: {error}"
-                    );
+                    assert!(error > 0.5 * noise / apart * truth[j], "1e-{exponent}: {error}");
                 }
             } else {
                 named += 1;

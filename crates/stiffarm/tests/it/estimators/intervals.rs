@@ -32,15 +32,9 @@ fn interval_is_asymmetric_open_or_absent() {
     let [low, high] = closed.interval.map(|v| v.unwrap_or(f64::NAN));
     assert!((low - 1.0 / 1.2e-6).abs() < 1e-3 && (high - 1.0 / 0.8e-6).abs() < 1e-3);
     let open = estimate(1e-6, Some(1e-6), t, false);
-    assert_eq!(
-        (open.verdict, open.interval[1]),
-        (Verdict::LowerBoundOnly, None)
-    );
+    assert_eq!((open.verdict, open.interval[1]), (Verdict::LowerBoundOnly, None));
     let negative = estimate(-1e-6, Some(1e-7), t, false);
-    assert_eq!(
-        (negative.verdict, negative.interval),
-        (Verdict::SignOrModelFault, [None, None])
-    );
+    assert_eq!((negative.verdict, negative.interval), (Verdict::SignOrModelFault, [None, None]));
     assert!(negative.stiffness.is_some_and(|k| k < 0.0));
 }
 
@@ -82,12 +76,7 @@ fn many_degrees_of_freedom_take_no_time_and_join_the_exact_ones() {
 
 #[test]
 fn a_quantile_that_does_not_exist_is_an_error() {
-    for (dof, confidence) in [
-        (Some(0), 0.95),
-        (None, 1.0),
-        (None, f64::NAN),
-        (Some(3), 95.0),
-    ] {
+    for (dof, confidence) in [(Some(0), 0.95), (None, 1.0), (None, f64::NAN), (Some(3), 95.0)] {
         assert!(!quantile(dof, confidence).unwrap_err().code().is_internal());
     }
 }
@@ -95,13 +84,8 @@ fn a_quantile_that_does_not_exist_is_an_error() {
 /// Where the readings say nothing, sizes are as stated.
 #[test]
 fn nothing_seen_is_nothing_learned() {
-    let (mean, covariance) = moments(
-        &DMatrix::zeros(3, 3),
-        &DVector::zeros(3),
-        &[true, true, false],
-        &noise(Some(12)),
-    )
-    .unwrap();
+    let (mean, covariance) =
+        moments(&DMatrix::zeros(3, 3), &DVector::zeros(3), &[true, true, false], &noise(Some(12))).unwrap();
     assert_eq!(mean, DVector::zeros(3));
     assert!((covariance - DMatrix::identity(3, 3)).norm() < 1e-14);
     let total: f64 = sizes().iter().map(|(_, weight)| weight).sum();
@@ -115,13 +99,7 @@ fn nothing_seen_is_nothing_learned() {
 fn what_one_joint_shows_is_said_of_those_alike() {
     let mut seen = DMatrix::zeros(3, 3);
     seen[(0, 0)] = 1e4;
-    let (_, covariance) = moments(
-        &seen,
-        &DVector::zeros(3),
-        &[true, true, false],
-        &noise(None),
-    )
-    .unwrap();
+    let (_, covariance) = moments(&seen, &DVector::zeros(3), &[true, true, false], &noise(None)).unwrap();
     assert!(covariance[(0, 0)] < 2e-4);
     assert!(covariance[(1, 1)] < 0.4, "{covariance}");
     assert!((covariance[(2, 2)] - 1.0).abs() < 1e-12);

@@ -11,24 +11,16 @@ use nalgebra::Matrix3;
 use proptest::prelude::*;
 use stiffarm::estimate::identify::bootstrap;
 use stiffarm::internals::{
-    Assumptions, Block, Covariance, MeasuredSystem, Prepared, PriorKnowledge, RowLabel, Scale,
-    Solution, Whitened, solutions_without,
+    Assumptions, Block, Covariance, MeasuredSystem, Prepared, PriorKnowledge, RowLabel, Scale, Solution, Whitened,
+    solutions_without,
 };
 
 fn assume(estimator: Estimator, scale: Scale) -> Assumptions {
-    Assumptions {
-        estimator,
-        scale,
-        declared_ratio: 0.0,
-        prior: None,
-    }
+    Assumptions { estimator, scale, declared_ratio: 0.0, prior: None }
 }
 
 fn solve(system: &MeasuredSystem, assumed: &Assumptions) -> Solution {
-    Prepared::new(system, assumed.estimator)
-        .unwrap()
-        .solve(&system.delta, assumed)
-        .unwrap()
+    Prepared::new(system, assumed.estimator).unwrap().solve(&system.delta, assumed).unwrap()
 }
 
 fn same_matrix(ours: &DMatrix<f64>, theirs: &DMatrix<f64>) -> f64 {
@@ -50,12 +42,7 @@ fn honest_cell() -> Cell {
 /// A random system of `postures` blocks with up to four displacements each,
 /// `states` of which share shifts in proportion to a load, and covariances
 /// where asked.
-pub fn random_system(
-    dice: &mut Dice,
-    postures: usize,
-    unknowns: usize,
-    correlated: bool,
-) -> MeasuredSystem {
+pub fn random_system(dice: &mut Dice, postures: usize, unknowns: usize, correlated: bool) -> MeasuredSystem {
     let mut blocks = Vec::new();
     let mut labels = Vec::new();
     let mut at = 0;
@@ -63,19 +50,11 @@ pub fn random_system(
         let count = 2 + dice.below(3);
         let mut shared = DMatrix::zeros(3 * count, 3);
         for d in 0..count {
-            let load = if d % 2 == 0 {
-                1.0
-            } else {
-                dice.signed(0.3, 1.0)
-            };
+            let load = if d % 2 == 0 { 1.0 } else { dice.signed(0.3, 1.0) };
             for axis in 0..3 {
                 shared[(3 * d + axis, axis)] = load;
             }
-            labels.push(RowLabel {
-                measured: p,
-                displacement: d,
-                rows: at + 3 * d..at + 3 * d + 3,
-            });
+            labels.push(RowLabel { measured: p, displacement: d, rows: at + 3 * d..at + 3 * d + 3 });
         }
         let rows = 3 * count;
         let covariance = correlated.then(|| {
@@ -85,16 +64,13 @@ pub fn random_system(
         blocks.push(Block {
             posture: format!("p{p}"),
             rows: at..at + rows,
-            covariance: covariance
-                .map_or_else(Covariance::default, |c| Covariance::from_matrix(&c)),
+            covariance: covariance.map_or_else(Covariance::default, |c| Covariance::from_matrix(&c)),
             shared,
         });
         at += rows;
     }
     MeasuredSystem {
-        psi: DMatrix::from_fn(at, unknowns, |_, j| {
-            dice.between(-1.0, 1.0) * 10f64.powi(j as i32 - 2)
-        }),
+        psi: DMatrix::from_fn(at, unknowns, |_, j| dice.between(-1.0, 1.0) * 10f64.powi(j as i32 - 2)),
         delta: DVector::from_fn(at, |_, _| dice.between(-1.0, 1.0)),
         unknowns: (0..unknowns).map(|j| format!("u{j}")).collect(),
         springs: unknowns,
@@ -112,8 +88,7 @@ pub fn dense_covariance(system: &MeasuredSystem, gamma: f64) -> DMatrix<f64> {
         let (from, count) = (block.rows.start, block.rows.len());
         let own = block.covariance.to_matrix(count);
         let shift = &block.shared * block.shared.transpose() * gamma;
-        out.view_mut((from, from), (count, count))
-            .copy_from(&(own + shift));
+        out.view_mut((from, from), (count, count)).copy_from(&(own + shift));
     }
     out
 }

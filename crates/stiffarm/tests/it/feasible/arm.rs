@@ -13,12 +13,7 @@ pub struct Frame(M4<f64>);
 
 fn rot_y(a: f64) -> M4<f64> {
     let (s, c) = a.sin_cos();
-    [
-        [c, 0.0, s, 0.0],
-        [0.0, 1.0, 0.0, 0.0],
-        [-s, 0.0, c, 0.0],
-        [0.0, 0.0, 0.0, 1.0],
-    ]
+    [[c, 0.0, s, 0.0], [0.0, 1.0, 0.0, 0.0], [-s, 0.0, c, 0.0], [0.0, 0.0, 0.0, 1.0]]
 }
 
 impl Frame {
@@ -88,18 +83,12 @@ impl Arm {
         let text = text.split("[[robot]]").next().unwrap();
         let capsules = numbers_after(text, "capsules = [");
         let capsules = capsules.chunks_exact(8).map(|c| {
-            let shape = Shape::Capsule {
-                from: [c[1], c[2], c[3]],
-                to: [c[4], c[5], c[6]],
-                radius: c[7],
-            };
+            let shape = Shape::Capsule { from: [c[1], c[2], c[3]], to: [c[4], c[5], c[6]], radius: c[7] };
             (c[0] as usize, shape)
         });
         let ignored = numbers_after(text, "ignored_pairs = [");
         let limits = numbers_after(text, "limits_deg = [");
-        let matrix = |pose: nalgebra::Matrix4<f64>| {
-            std::array::from_fn(|i| std::array::from_fn(|j| pose[(i, j)]))
-        };
+        let matrix = |pose: nalgebra::Matrix4<f64>| std::array::from_fn(|i| std::array::from_fn(|j| pose[(i, j)]));
         Arm {
             key,
             reach: entry.reach_m().unwrap(),
@@ -109,10 +98,7 @@ impl Arm {
             flange: matrix(entry.flange().to_homogeneous()),
             limits: limits.chunks_exact(2).map(|l| [l[0], l[1]]).collect(),
             capsules: capsules.collect(),
-            ignored: ignored
-                .chunks_exact(2)
-                .map(|p| (p[0] as usize, p[1] as usize))
-                .collect(),
+            ignored: ignored.chunks_exact(2).map(|p| (p[0] as usize, p[1] as usize)).collect(),
         }
     }
 
@@ -122,9 +108,7 @@ impl Arm {
 
     /// Serial angles of controller angles \[rad\], without the rows' offsets.
     pub fn serial(&self, q: &[f64]) -> Vec<f64> {
-        (0..q.len())
-            .map(|i| (0..q.len()).map(|j| self.coupling[(i, j)] * q[j]).sum())
-            .collect()
+        (0..q.len()).map(|i| (0..q.len()).map(|j| self.coupling[(i, j)] * q[j]).sum()).collect()
     }
 
     /// At serial angles \[rad\], on a base that stands at `mount`.
@@ -138,11 +122,7 @@ impl Arm {
             frame = times(&times(&frame, &rot_z(angle + offset)), &shift(0.0, 0.0, d));
             links.push(Frame(frame));
         }
-        Reached {
-            flange: Frame(times(&frame, &self.flange)),
-            links,
-            axes,
-        }
+        Reached { flange: Frame(times(&frame, &self.flange)), links, axes }
     }
 }
 

@@ -97,31 +97,20 @@ fn rounded(v: [f64; 3]) -> [f64; 3] {
 
 /// Around the base: at this radius, any direction, between these heights.
 fn around(dice: &mut Dice, radius: [f64; 2], z: [f64; 2]) -> [f64; 3] {
-    let (r, turn) = (
-        dice.between(radius[0], radius[1]),
-        dice.between(-3.1, 3.1_f64),
-    );
+    let (r, turn) = (dice.between(radius[0], radius[1]), dice.between(-3.1, 3.1_f64));
     rounded([r * turn.cos(), r * turn.sin(), dice.between(z[0], z[1])])
 }
 
 fn block(dice: &mut Dice, center: [f64; 3], least: f64, most: f64) -> Shape {
     let size = rounded([0; 3].map(|_| dice.between(least, most)));
-    let rpy = if dice.chance(0.5) {
-        rounded([0; 3].map(|_| dice.between(-180.0, 180.0)))
-    } else {
-        [0.0; 3]
-    };
+    let rpy = if dice.chance(0.5) { rounded([0; 3].map(|_| dice.between(-180.0, 180.0))) } else { [0.0; 3] };
     Shape::Box { center, size, rpy }
 }
 
 fn rod(dice: &mut Dice, from: [f64; 3], reach: f64, capsule: bool) -> Shape {
     let to = rounded(from.map(|v| v + dice.signed(0.05 * reach, 0.3 * reach)));
     let radius = round(dice.between(0.02, 0.1) * reach);
-    if capsule {
-        Shape::Capsule { from, to, radius }
-    } else {
-        Shape::Cylinder { from, to, radius }
-    }
+    if capsule { Shape::Capsule { from, to, radius } } else { Shape::Cylinder { from, to, radius } }
 }
 
 impl Case {
@@ -142,11 +131,7 @@ impl Case {
         let mount = dice.chance(0.2).then(|| {
             let up = dice.between(0.0, 0.3 * reach);
             let at = [dice.signed(0.0, 300.0), dice.signed(0.0, 300.0), up];
-            let turns = [
-                dice.signed(0.0, 15.0),
-                dice.signed(0.0, 15.0),
-                dice.signed(0.0, 180.0),
-            ];
+            let turns = [dice.signed(0.0, 15.0), dice.signed(0.0, 15.0), dice.signed(0.0, 180.0)];
             (rounded(at), rounded(turns))
         });
         let (tool, points, loading) = tool(dice, reach);
@@ -159,11 +144,7 @@ impl Case {
             Vec::new()
         };
         let magnitude = round(dice.between(30.0, 150.0) * reach * 1e-3);
-        let count = if dice.chance(0.3) {
-            2 + dice.below(2)
-        } else {
-            1
-        };
+        let count = if dice.chance(0.3) { 2 + dice.below(2) } else { 1 };
         let loads: Vec<Load> = (0..count)
             .map(|_| Load {
                 pull: pull(dice, reach, magnitude),
@@ -214,15 +195,10 @@ impl Case {
         let away = round(3.0 * reach);
         match dice.below(4) {
             0 => self.limits.floor = Some(away),
-            1 => self
-                .obstacles
-                .push(("deck".to_string(), Shape::Floor(away))),
+            1 => self.obstacles.push(("deck".to_string(), Shape::Floor(away))),
             2 => {
                 let largest = vec![0.1; self.arm.joint_count()];
-                self.torques = Some(Torques {
-                    largest,
-                    mass: None,
-                });
+                self.torques = Some(Torques { largest, mass: None });
             }
             _ => {
                 let low = [away, away, away];
@@ -261,62 +237,38 @@ fn tool(dice: &mut Dice, reach: f64) -> (Named, Vec<Point>, [f64; 3]) {
     let above = round(height + 0.02 * reach + 10.0);
     let count = 3 + dice.below(2);
     let facing = dice.chance(0.35).then(|| {
-        let axis = if dice.chance(0.6) {
-            [0.0, 0.0, 1.0]
-        } else {
-            rounded((dice.direction() * 10.0).into())
-        };
+        let axis = if dice.chance(0.6) { [0.0, 0.0, 1.0] } else { rounded((dice.direction() * 10.0).into()) };
         let acceptance = dice.chance(0.6).then(|| round(dice.between(25.0, 80.0)));
         (axis, acceptance)
     });
     let some_look = dice.chance(0.2);
     let points = (0..count).map(|i| {
         let (s, c) = (i as f64 / count as f64 * std::f64::consts::TAU).sin_cos();
-        Point {
-            position: rounded([wide * c, wide * s, above]),
-            facing: facing.filter(|_| !some_look || i > 0),
-        }
+        Point { position: rounded([wide * c, wide * s, above]), facing: facing.filter(|_| !some_look || i > 0) }
     });
     let points = points.collect();
-    let loading = rounded([
-        dice.signed(0.04, 0.1) * reach,
-        dice.between(-0.05, 0.05) * reach,
-        above,
-    ]);
+    let loading = rounded([dice.signed(0.04, 0.1) * reach, dice.between(-0.05, 0.05) * reach, above]);
     (named, points, loading)
 }
 
 fn obstacles(dice: &mut Dice, reach: f64) -> Named {
     let mut out: Named = Vec::new();
     if dice.chance(0.75) {
-        out.push((
-            "floor".to_string(),
-            Shape::Floor(round(dice.between(-0.2, 0.0) * reach)),
-        ));
+        out.push(("floor".to_string(), Shape::Floor(round(dice.between(-0.2, 0.0) * reach))));
     }
     if dice.chance(0.15) {
-        out.push((
-            "ceiling".to_string(),
-            Shape::Ceiling(round(dice.between(1.1, 1.8) * reach)),
-        ));
+        out.push(("ceiling".to_string(), Shape::Ceiling(round(dice.between(1.1, 1.8) * reach))));
     }
     if dice.chance(0.25) {
         let out_there = around(dice, [0.7 * reach, 1.1 * reach], [0.0, 0.0]);
         let normal = [-out_there[0], -out_there[1], dice.signed(0.0, 50.0)];
-        let wall = Shape::Wall {
-            point: out_there,
-            normal: rounded(normal),
-        };
+        let wall = Shape::Wall { point: out_there, normal: rounded(normal) };
         out.push(("wall".to_string(), wall));
     }
     for i in 0..dice.below(4) {
         let center = around(dice, [0.55 * reach, 1.1 * reach], [0.0, 0.8 * reach]);
         let shape = block(dice, center, 0.08 * reach, 0.45 * reach);
-        let name = if i > 0 && dice.chance(0.2) {
-            "block 1".to_string()
-        } else {
-            format!("block {}", i + 1)
-        };
+        let name = if i > 0 && dice.chance(0.2) { "block 1".to_string() } else { format!("block {}", i + 1) };
         out.push((name, shape));
     }
     for i in 0..dice.below(3) {
@@ -336,11 +288,7 @@ fn pull(dice: &mut Dice, reach: f64, magnitude: f64) -> Pull {
         },
         _ => Pull::Rope {
             anchor: around(dice, [0.6 * reach, 1.3 * reach], [0.0, 0.4 * reach]),
-            magnitude: if dice.chance(0.2) {
-                -magnitude
-            } else {
-                magnitude
-            },
+            magnitude: if dice.chance(0.2) { -magnitude } else { magnitude },
         },
     }
 }
@@ -361,19 +309,11 @@ fn point_limits(dice: &mut Dice, reach: f64, loads: &[Load]) -> PointLimits {
     };
     let corner = some(0.3, 0.9, 0.25);
     PointLimits {
-        corners: corner.map(|c| {
-            [
-                rounded([-c, -1.2 * reach, 0.0]),
-                rounded([1.2 * reach, c, 1.5 * reach]),
-            ]
-        }),
+        corners: corner.map(|c| [rounded([-c, -1.2 * reach, 0.0]), rounded([1.2 * reach, c, 1.5 * reach])]),
         floor: some(-0.1, 0.2, 0.3),
         keep_out: some(0.1, 0.35, 0.3),
         wrist: some(-0.1, 0.2, 0.3),
-        rope: some(0.1, 0.3, 0.4)
-            .zip(some(0.9, 1.8, 1.0))
-            .map(|(low, high)| [low, high])
-            .filter(|_| is_rope),
+        rope: some(0.1, 0.3, 0.4).zip(some(0.9, 1.8, 1.0)).map(|(low, high)| [low, high]).filter(|_| is_rope),
     }
 }
 
@@ -385,21 +325,13 @@ fn clearance(
     tool: &Named,
     obstacles: &Named,
 ) -> Clearance {
-    let mut out = Clearance {
-        shapes: dice.chance(0.5).then(|| round(dice.between(0.0, 50.0))),
-        ..Clearance::default()
-    };
+    let mut out =
+        Clearance { shapes: dice.chance(0.5).then(|| round(dice.between(0.0, 50.0))), ..Clearance::default() };
     if let Some(anchor) = anchor(loads) {
         out.rope = dice.chance(0.5).then(|| round(dice.between(0.0, 40.0)));
-        out.free = dice
-            .chance(0.4)
-            .then(|| [0; 2].map(|_| round(dice.between(0.0, 200.0))));
+        out.free = dice.chance(0.4).then(|| [0; 2].map(|_| round(dice.between(0.0, 200.0))));
         out.cone = dice.chance(0.3).then(|| {
-            let inwards = [
-                -0.5 * anchor[0],
-                -0.5 * anchor[1],
-                dice.between(0.3, 1.0) * 1e3,
-            ];
+            let inwards = [-0.5 * anchor[0], -0.5 * anchor[1], dice.between(0.3, 1.0) * 1e3];
             (rounded(inwards), round(dice.between(25.0, 70.0)))
         });
     }

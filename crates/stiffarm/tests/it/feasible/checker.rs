@@ -56,11 +56,7 @@ impl<'a> Checker<'a> {
         for (name, carried, shape) in links.chain(tool).chain(around) {
             match pieces.iter_mut().find(|piece| piece.name == name) {
                 Some(piece) => piece.shapes.push(*shape),
-                None => pieces.push(Piece {
-                    name,
-                    carried,
-                    shapes: vec![*shape],
-                }),
+                None => pieces.push(Piece { name, carried, shapes: vec![*shape] }),
             }
         }
         let mut checker = Checker {
@@ -82,15 +78,13 @@ impl<'a> Checker<'a> {
     /// The rules: neighbours, what stands, the tool's own shapes and ignored pairs may touch.
     fn are_kept_apart(&self, i: usize, j: usize) -> bool {
         let (a, b) = (&self.pieces[i], &self.pieces[j]);
-        let named = |pair: &[String; 2]| {
-            (pair[0] == a.name && pair[1] == b.name) || (pair[1] == a.name && pair[0] == b.name)
-        };
+        let named =
+            |pair: &[String; 2]| (pair[0] == a.name && pair[1] == b.name) || (pair[1] == a.name && pair[0] == b.name);
         let known = |x: usize, y: usize| {
             let (x, y) = (Carried::Link(x), Carried::Link(y));
             (a.carried, b.carried) == (x, y) || (a.carried, b.carried) == (y, x)
         };
-        let by_catalogue =
-            !self.case.own_capsules && self.case.arm.ignored.iter().any(|(x, y)| known(*x, *y));
+        let by_catalogue = !self.case.own_capsules && self.case.arm.ignored.iter().any(|(x, y)| known(*x, *y));
         let last = self.case.arm.joint_count();
         let allowed = match (a.carried, b.carried) {
             (Carried::Link(x), Carried::Link(y)) => x.abs_diff(y) == 1,
@@ -183,21 +177,14 @@ impl<'a> Checker<'a> {
         };
         let is_capsule = |shape: &Shape| matches!(shape, Shape::Capsule { .. });
         let mut tool = named(Carried::Tool).flat_map(|p| &p.shapes);
-        tool.any(|shape| !is_capsule(shape))
-            && named(Carried::Stands)
-                .chain(named(Carried::Link(0)))
-                .next()
-                .is_some()
+        tool.any(|shape| !is_capsule(shape)) && named(Carried::Stands).chain(named(Carried::Link(0))).next().is_some()
     }
 
     /// Calls `each` with what every margin is about, until it says false.
     fn visit(&self, q: &[f64], each: &mut dyn FnMut(&str, f64) -> bool) {
         for (j, (angle, bound)) in q.iter().zip(&self.case.bounds).enumerate() {
             let [low, high] = bound.map(f64::to_radians);
-            if !each(
-                &format!("bounds of joint {}", j + 1),
-                (angle - low).min(high - angle),
-            ) {
+            if !each(&format!("bounds of joint {}", j + 1), (angle - low).min(high - angle)) {
                 return;
             }
         }
@@ -248,26 +235,17 @@ impl<'a> Checker<'a> {
         }
         if let Some(radius) = limits.keep_out {
             let nearest = points.iter().chain([&wrist]).map(far);
-            if !next(
-                "keep-out",
-                nearest.fold(f64::INFINITY, f64::min) - radius * 1e-3,
-            ) {
+            if !next("keep-out", nearest.fold(f64::INFINITY, f64::min) - radius * 1e-3) {
                 return false;
             }
         }
-        if limits
-            .wrist
-            .is_some_and(|z| !next("wrist", wrist.z - z * 1e-3))
-        {
+        if limits.wrist.is_some_and(|z| !next("wrist", wrist.z - z * 1e-3)) {
             return false;
         }
         loads.iter().all(|load| match (limits.rope, &load.pull) {
             (Some([low, high]), Pull::Rope { anchor, .. }) => {
                 let length = (V::from(*anchor) * 1e-3 - self.loading(at, load)).norm();
-                next(
-                    "rope length",
-                    (length - low * 1e-3).min(high * 1e-3 - length),
-                )
+                next("rope length", (length - low * 1e-3).min(high * 1e-3 - length))
             }
             _ => true,
         })
@@ -280,25 +258,16 @@ impl<'a> Checker<'a> {
 
     fn measured(&self, at: &Reached) -> Vec<V> {
         let points = self.case.points.iter();
-        points
-            .map(|p| at.flange.point(&p.position.map(|v| v * 1e-3)))
-            .collect()
+        points.map(|p| at.flange.point(&p.position.map(|v| v * 1e-3))).collect()
     }
 
     fn torques(&self, serial: &[f64], next: &mut dyn FnMut(&str, f64) -> bool) -> bool {
         let loads = &self.case.loads;
-        loads
-            .iter()
-            .all(|load| self.torques_under(load, serial, next))
+        loads.iter().all(|load| self.torques_under(load, serial, next))
     }
 
     /// Torques by virtual work: what load and weight do while one joint turns a little.
-    fn torques_under(
-        &self,
-        load: &Load,
-        serial: &[f64],
-        next: &mut dyn FnMut(&str, f64) -> bool,
-    ) -> bool {
+    fn torques_under(&self, load: &Load, serial: &[f64], next: &mut dyn FnMut(&str, f64) -> bool) -> bool {
         let Some(torques) = &self.case.torques else {
             return true;
         };
@@ -330,23 +299,12 @@ impl<'a> Checker<'a> {
         true
     }
 
-    fn ropes(
-        &self,
-        at: &Reached,
-        bodies: &[Vec<Body>],
-        next: &mut dyn FnMut(&str, f64) -> bool,
-    ) -> bool {
+    fn ropes(&self, at: &Reached, bodies: &[Vec<Body>], next: &mut dyn FnMut(&str, f64) -> bool) -> bool {
         let mut loads = self.case.loads.iter();
         loads.all(|load| self.rope(load, at, bodies, next))
     }
 
-    fn rope(
-        &self,
-        load: &Load,
-        at: &Reached,
-        bodies: &[Vec<Body>],
-        next: &mut dyn FnMut(&str, f64) -> bool,
-    ) -> bool {
+    fn rope(&self, load: &Load, at: &Reached, bodies: &[Vec<Body>], next: &mut dyn FnMut(&str, f64) -> bool) -> bool {
         let (Pull::Rope { anchor, .. }, clearance) = (&load.pull, &self.case.clearance) else {
             return true;
         };
@@ -368,28 +326,16 @@ impl<'a> Checker<'a> {
         let Some((axis, angle)) = &clearance.cone else {
             return true;
         };
-        next(
-            "cone",
-            angle.to_radians() - between(&V::from(*axis), &(from - anchor)),
-        )
+        next("cone", angle.to_radians() - between(&V::from(*axis), &(from - anchor)))
     }
 
     /// One station must see enough points: its beam clear of every shape and within the acceptance angle.
-    fn sight(
-        &self,
-        at: &Reached,
-        bodies: &[Vec<Body>],
-        next: &mut dyn FnMut(&str, f64) -> bool,
-    ) -> bool {
+    fn sight(&self, at: &Reached, bodies: &[Vec<Body>], next: &mut dyn FnMut(&str, f64) -> bool) -> bool {
         if self.case.stations.is_empty() {
             return true;
         }
         let kept = self.case.clearance.sight.unwrap_or(5.0) * 1e-3;
-        let wanted = self
-            .case
-            .clearance
-            .visible
-            .unwrap_or(self.case.points.len());
+        let wanted = self.case.clearance.visible.unwrap_or(self.case.points.len());
         let measured = self.measured(at);
         let by_station = self.case.stations.iter().map(|station| {
             let station = V::from(*station) * 1e-3;

@@ -18,9 +18,7 @@ impl Checker<'_> {
     /// What differs.
     pub fn compare(&self, cell: &Cell, q: &[f64]) -> Result<(), String> {
         let own = self.margins(q);
-        let named = cell
-            .posture_margins()
-            .and_then(|mut margins| margins.named(q));
+        let named = cell.posture_margins().and_then(|mut margins| margins.named(q));
         let mut theirs: BTreeMap<String, f64> = BTreeMap::new();
         for margin in named.map_err(|e| e.to_string())? {
             let least = theirs.entry(key(&margin)).or_insert(f64::INFINITY);
@@ -43,11 +41,7 @@ impl Checker<'_> {
                 "sight" => own.min(FREE),
                 _ => *own,
             };
-            let differs = if self.is_drawn_smaller(what) {
-                *theirs > own + most
-            } else {
-                (theirs - own).abs() > most
-            };
+            let differs = if self.is_drawn_smaller(what) { *theirs > own + most } else { (theirs - own).abs() > most };
             if differs {
                 return Err(format!("at {q:?} {what} is {own}, but {theirs}"));
             }

@@ -18,49 +18,21 @@ const SIDES: usize = 16;
 /// A shape with the numbers of its table, mm and degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
-    Box {
-        center: [f64; 3],
-        size: [f64; 3],
-        rpy: [f64; 3],
-    },
-    Cylinder {
-        from: [f64; 3],
-        to: [f64; 3],
-        radius: f64,
-    },
-    Capsule {
-        from: [f64; 3],
-        to: [f64; 3],
-        radius: f64,
-    },
+    Box { center: [f64; 3], size: [f64; 3], rpy: [f64; 3] },
+    Cylinder { from: [f64; 3], to: [f64; 3], radius: f64 },
+    Capsule { from: [f64; 3], to: [f64; 3], radius: f64 },
     Floor(f64),
     Ceiling(f64),
-    Wall {
-        point: [f64; 3],
-        normal: [f64; 3],
-    },
+    Wall { point: [f64; 3], normal: [f64; 3] },
 }
 
 /// A shape where it is, base frame, m.
 #[derive(Debug, Clone)]
 pub enum Body {
-    Box {
-        centre: V,
-        axes: [V; 3],
-        half: [f64; 3],
-    },
-    Cylinder {
-        ends: [V; 2],
-        radius: f64,
-    },
-    Capsule {
-        ends: [V; 2],
-        radius: f64,
-    },
-    Plane {
-        point: V,
-        normal: V,
-    },
+    Box { centre: V, axes: [V; 3], half: [f64; 3] },
+    Cylinder { ends: [V; 2], radius: f64 },
+    Capsule { ends: [V; 2], radius: f64 },
+    Plane { point: V, normal: V },
 }
 
 impl Body {
@@ -70,32 +42,13 @@ impl Body {
         match shape {
             Shape::Box { center, size, rpy } => {
                 let own = frame.times(&Frame::of_pose([0.0; 3], rpy.map(f64::to_radians)));
-                Body::Box {
-                    centre: at(center),
-                    axes: [0, 1, 2].map(|i| own.axis(i)),
-                    half: size.map(|s| s * 0.5e-3),
-                }
+                Body::Box { centre: at(center), axes: [0, 1, 2].map(|i| own.axis(i)), half: size.map(|s| s * 0.5e-3) }
             }
-            Shape::Cylinder { from, to, radius } => Body::Cylinder {
-                ends: [at(from), at(to)],
-                radius: radius * 1e-3,
-            },
-            Shape::Capsule { from, to, radius } => Body::Capsule {
-                ends: [at(from), at(to)],
-                radius: radius * 1e-3,
-            },
-            Shape::Floor(z) => Body::Plane {
-                point: V::new(0.0, 0.0, z * 1e-3),
-                normal: V::z(),
-            },
-            Shape::Ceiling(z) => Body::Plane {
-                point: V::new(0.0, 0.0, z * 1e-3),
-                normal: -V::z(),
-            },
-            Shape::Wall { point, normal } => Body::Plane {
-                point: at(point),
-                normal: V::from(*normal).normalize(),
-            },
+            Shape::Cylinder { from, to, radius } => Body::Cylinder { ends: [at(from), at(to)], radius: radius * 1e-3 },
+            Shape::Capsule { from, to, radius } => Body::Capsule { ends: [at(from), at(to)], radius: radius * 1e-3 },
+            Shape::Floor(z) => Body::Plane { point: V::new(0.0, 0.0, z * 1e-3), normal: V::z() },
+            Shape::Ceiling(z) => Body::Plane { point: V::new(0.0, 0.0, z * 1e-3), normal: -V::z() },
+            Shape::Wall { point, normal } => Body::Plane { point: at(point), normal: V::from(*normal).normalize() },
         }
     }
 
@@ -181,10 +134,7 @@ impl Body {
                     })
                 };
                 let pairs = (0..8).flat_map(|i| [1, 2, 4].map(|bit| (i, i | bit)));
-                pairs
-                    .filter(|(i, j)| i != j)
-                    .map(|(i, j)| [corner(i), corner(j)])
-                    .collect()
+                pairs.filter(|(i, j)| i != j).map(|(i, j)| [corner(i), corner(j)]).collect()
             }
             Body::Cylinder { ends, radius } => {
                 let axis = (ends[1] - ends[0]).normalize();

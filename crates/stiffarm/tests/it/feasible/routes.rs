@@ -88,11 +88,7 @@ fn least_room(checker: &Checker<'_>, legs: &[Vec<f64>]) -> (f64, u64) {
         let steps = (turns.fold(0.0, f64::max) / LOOK_EACH).ceil().max(1.0);
         for step in 0..=steps as u64 {
             let share = step as f64 / steps;
-            let q: Vec<f64> = leg[0]
-                .iter()
-                .zip(&leg[1])
-                .map(|(a, b)| a * (1.0 - share) + b * share)
-                .collect();
+            let q: Vec<f64> = leg[0].iter().zip(&leg[1]).map(|(a, b)| a * (1.0 - share) + b * share).collect();
             least = least.min(checker.room_on_the_way(&q));
             looks += 1;
         }

@@ -29,13 +29,7 @@ pub enum Mode {
 }
 
 impl Mode {
-    pub const ALL: [Mode; 5] = [
-        Mode::Global,
-        Mode::Local,
-        Mode::Given,
-        Mode::Candidates,
-        Mode::SpaceFilling,
-    ];
+    pub const ALL: [Mode; 5] = [Mode::Global, Mode::Local, Mode::Given, Mode::Candidates, Mode::SpaceFilling];
 }
 
 /// How a case ended.
@@ -126,19 +120,12 @@ fn typed(checker: &Checker<'_>, cell: &Cell, group: &[Vec<f64>]) -> Result<(), S
 }
 
 /// The postures that a mode gives.
-fn chosen(
-    cell: &Cell,
-    mode: Mode,
-    index: Index,
-    count: usize,
-    seed: u64,
-) -> Result<Vec<Vec<f64>>, Error> {
+fn chosen(cell: &Cell, mode: Mode, index: Index, count: usize, seed: u64) -> Result<Vec<Vec<f64>>, Error> {
     let control = Control::default();
     let mut options = GlobalOptions::default();
     options.seed = seed;
     options.rounds = Some(1);
-    let random =
-        |count: usize, stream: u64| random_group(cell, StartKind::Uniform, count, seed, stream);
+    let random = |count: usize, stream: u64| random_group(cell, StartKind::Uniform, count, seed, stream);
     match mode {
         Mode::Global => Ok(select(cell, index, count, &options, control)?.group),
         Mode::Given => {
@@ -174,15 +161,9 @@ fn chosen(
 
 /// Takes the pairs that the library leaves out from the checker's, where the rules allow that; the
 /// rest must be the library's own.
-pub fn leave_out(
-    checker: &mut Checker<'_>,
-    case: &Case,
-    cell: &Cell,
-    number: u64,
-) -> Result<(), String> {
+pub fn leave_out(checker: &mut Checker<'_>, case: &Case, cell: &Cell, number: u64) -> Result<(), String> {
     let kept_apart = case.clearance.shapes.unwrap_or(20.0) * 1e-3;
-    let sorted =
-        |(a, b): (&str, &str)| changed([a.to_string(), b.to_string()], |o| o.sort_unstable());
+    let sorted = |(a, b): (&str, &str)| changed([a.to_string(), b.to_string()], |o| o.sort_unstable());
     let dropped: Vec<[String; 2]> = cell.scene.dropped_pairs().map(sorted).collect();
     let mut kept = Vec::new();
     let mut dice = Dice::new(80_000 + number);
@@ -195,19 +176,12 @@ pub fn leave_out(
         if !checker.may_always_overlap(pair) {
             return Err(format!("{names:?} must not be left out"));
         }
-        let apart = (0..OVERLAPS)
-            .filter(|_| checker.apart(&uniform(&mut dice, case), pair) > kept_apart)
-            .count();
+        let apart = (0..OVERLAPS).filter(|_| checker.apart(&uniform(&mut dice, case), pair) > kept_apart).count();
         if apart > 1 {
-            return Err(format!(
-                "{names:?} is left out and far enough apart {apart} times of {OVERLAPS}"
-            ));
+            return Err(format!("{names:?} is left out and far enough apart {apart} times of {OVERLAPS}"));
         }
     }
-    let mut own: Vec<[String; 2]> = kept
-        .iter()
-        .map(|pair| checker.names(*pair).map(String::from))
-        .collect();
+    let mut own: Vec<[String; 2]> = kept.iter().map(|pair| checker.names(*pair).map(String::from)).collect();
     let mut theirs: Vec<[String; 2]> = cell.scene.pairs().map(sorted).collect();
     own.sort_unstable();
     theirs.sort_unstable();
@@ -221,9 +195,7 @@ pub fn leave_out(
 /// A posture within the bounds \[rad\].
 fn uniform(dice: &mut Dice, case: &Case) -> Vec<f64> {
     let bounds = case.bounds.iter();
-    bounds
-        .map(|b| dice.between(b[0], b[1]).to_radians())
-        .collect()
+    bounds.map(|b| dice.between(b[0], b[1]).to_radians()).collect()
 }
 
 /// An error that says nothing meets the limits must be right.
@@ -236,13 +208,9 @@ fn refused(checker: &Checker<'_>, case: &Case, number: u64, error: &Error) -> Re
         return Err(format!("unexpected: {text}"));
     }
     let mut dice = Dice::new(60_000 + number);
-    let feasible = (0..POSTURES)
-        .filter(|_| checker.meets(&uniform(&mut dice, case), 0.0))
-        .count();
+    let feasible = (0..POSTURES).filter(|_| checker.meets(&uniform(&mut dice, case), 0.0)).count();
     if feasible as u64 > MOST {
-        Err(format!(
-            "{feasible} of {POSTURES} random postures do, but: {text}"
-        ))
+        Err(format!("{feasible} of {POSTURES} random postures do, but: {text}"))
     } else {
         Ok(End::Nothing)
     }

@@ -11,10 +11,7 @@ impl Case {
         let mut line = |text: String| writeln!(out, "{text}").unwrap();
         let reach = 1e3 * self.arm.reach;
         line(format!("catalogue = \"{}\"", self.arm.key));
-        line(format!(
-            "characteristic_length_mm = {}",
-            (0.3 * reach).round()
-        ));
+        line(format!("characteristic_length_mm = {}", (0.3 * reach).round()));
         if let Some((at, turns)) = &self.mount {
             line(format!("base_xyz_mm = {at:?}\nbase_rpy_deg = {turns:?}"));
         }
@@ -29,10 +26,7 @@ impl Case {
             }
         }
         line(format!("[bounds]\nq_deg = {:?}", self.bounds));
-        line(format!(
-            "[tool]\nloading_point_mm = {:?}\nhas_sensor = false",
-            self.loading
-        ));
+        line(format!("[tool]\nloading_point_mm = {:?}\nhas_sensor = false", self.loading));
         if let Some((mass, centre)) = self.torques.as_ref().and_then(|t| t.mass) {
             line(format!("mass_kg = {mass}\ncentre_of_mass_mm = {centre:?}"));
         }
@@ -52,9 +46,7 @@ impl Case {
             }
         }
         for (i, station) in self.stations.iter().enumerate() {
-            line(format!(
-                "[[tracker.station]]\nname = \"S{i}\"\nposition_mm = {station:?}"
-            ));
+            line(format!("[[tracker.station]]\nname = \"S{i}\"\nposition_mm = {station:?}"));
         }
         line("[load]".to_string());
         let several = self.loads.len() > 1;
@@ -70,9 +62,8 @@ impl Case {
                 line(format!("loading_point_mm = {at:?}"));
             }
         }
-        let given = |name: &str, value: Option<String>| {
-            value.map_or(String::new(), |value| format!("{name} = {value}\n"))
-        };
+        let given =
+            |name: &str, value: Option<String>| value.map_or(String::new(), |value| format!("{name} = {value}\n"));
         let limits = &self.limits;
         let corner = |i: usize| limits.corners.map(|c| format!("{:?}", c[i]));
         line(format!(
@@ -98,10 +89,7 @@ impl Case {
             given("ignore", ignore),
         ));
         line("[stiffness]\nprior_nm_per_rad = [9e5, 2e6, 8e5, 3e5, 2e5, 1e5]".to_string());
-        line(format!(
-            "[[task]]\nname = \"cut\"\nq_deg = {:?}\nforce_n = [40, -90, 60]",
-            self.task
-        ));
+        line(format!("[[task]]\nname = \"cut\"\nq_deg = {:?}\nforce_n = [40, -90, 60]", self.task));
         out
     }
 }
@@ -109,19 +97,13 @@ impl Case {
 fn keys(shape: &Shape) -> String {
     match shape {
         Shape::Box { center, size, rpy } => {
-            format!(
-                "kind = \"box\"\ncenter_mm = {center:?}\nsize_mm = {size:?}\nrpy_deg = {rpy:?}\n"
-            )
+            format!("kind = \"box\"\ncenter_mm = {center:?}\nsize_mm = {size:?}\nrpy_deg = {rpy:?}\n")
         }
         Shape::Cylinder { from, to, radius } => {
-            format!(
-                "kind = \"cylinder\"\nfrom_mm = {from:?}\nto_mm = {to:?}\nradius_mm = {radius}\n"
-            )
+            format!("kind = \"cylinder\"\nfrom_mm = {from:?}\nto_mm = {to:?}\nradius_mm = {radius}\n")
         }
         Shape::Capsule { from, to, radius } => {
-            format!(
-                "kind = \"capsule\"\nfrom_mm = {from:?}\nto_mm = {to:?}\nradius_mm = {radius}\n"
-            )
+            format!("kind = \"capsule\"\nfrom_mm = {from:?}\nto_mm = {to:?}\nradius_mm = {radius}\n")
         }
         Shape::Floor(z) => format!("kind = \"floor\"\nz_mm = {z}\n"),
         Shape::Ceiling(z) => format!("kind = \"ceiling\"\nz_mm = {z}\n"),
@@ -143,9 +125,7 @@ fn pull(pull: &Pull) -> String {
         }
         Pull::Weight { magnitude } => format!("kind = \"weight\"\nmagnitude_n = {magnitude}"),
         Pull::Wrench { force, moment } => {
-            format!(
-                "kind = \"wrench\"\nforce_n = {force:?}\nmoment_nm = {moment:?}\naxes = \"base\""
-            )
+            format!("kind = \"wrench\"\nforce_n = {force:?}\nmoment_nm = {moment:?}\naxes = \"base\"")
         }
     }
 }

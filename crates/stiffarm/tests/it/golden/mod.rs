@@ -7,8 +7,7 @@ mod robots;
 use crate::common::model::{M4, rot_x, rot_z, shift, times};
 use crate::common::prelude::*;
 use crate::common::{
-    entrywise_error, list, matrix, number, numbers, postures_from_deg, random_group, reference,
-    vector3,
+    entrywise_error, list, matrix, number, numbers, postures_from_deg, random_group, reference, vector3,
 };
 use nalgebra::Matrix4;
 use serde_json::Value;
@@ -21,10 +20,7 @@ const TIGHT: f64 = 1e-9;
 
 fn check(what: &str, error: f64, tolerance: f64) {
     println!("{what:<44} {error:.1e}");
-    assert!(
-        error <= tolerance,
-        "{what}: off by {error:e}, allowed {tolerance:e}"
-    );
+    assert!(error <= tolerance, "{what}: off by {error:e}, allowed {tolerance:e}");
 }
 
 fn slice(m: &DMatrix<f64>) -> &[f64] {
@@ -38,9 +34,7 @@ fn terms_of_single_postures() {
     let setup = &cell.setup;
     let stiffness = cell.require_prior().unwrap().to_vec();
     let postures = list(&data["postures"]);
-    let angles = postures_from_deg(&Value::Array(
-        postures.iter().map(|p| p["q_deg"].clone()).collect(),
-    ));
+    let angles = postures_from_deg(&Value::Array(postures.iter().map(|p| p["q_deg"].clone()).collect()));
     assert_eq!(angles.len(), 5);
     let mut worst = std::collections::BTreeMap::<&str, f64>::new();
     let mut note = |what, ours: &[f64], golden: &[f64]| {
@@ -74,10 +68,7 @@ fn terms_of_single_postures() {
         note("displacement", displacement(None).as_slice(), &expected);
         let expected = numbers(&golden["displacement_m1_with_kc"]);
         // With the reference's own K_C its finite differences don't count.
-        for (what, correction) in [
-            ("displacement with K_C", &theirs),
-            ("displacement with our K_C", &ours),
-        ] {
+        for (what, correction) in [("displacement with K_C", &theirs), ("displacement with our K_C", &ours)] {
             note(what, displacement(Some(correction)).as_slice(), &expected);
         }
     }
@@ -149,18 +140,13 @@ fn identification_of_noisy_displacements() {
         .zip(displacements.chunks_exact(12))
         .map(|(posture, rows)| {
             let points = rows.chunks_exact(3).map(Vector3::from_column_slice);
-            let displacements = points
-                .enumerate()
-                .map(|(point, v)| Displacement::new(point, v));
+            let displacements = points.enumerate().map(|(point, v)| Displacement::new(point, v));
             MeasuredPosture::new(posture, displacements.collect())
         })
         .collect();
     assert_eq!(measured.len(), 6);
     let result = identify(&cell, &measured, &by(Estimator::Ordinary)).unwrap();
-    assert_eq!(
-        (result.estimates.rows, result.estimates.degrees_of_freedom),
-        (72, 66)
-    );
+    assert_eq!((result.estimates.rows, result.estimates.degrees_of_freedom), (72, 66));
     assert!(result.estimates.is_complete());
     let joints = &result.estimates.joints;
     let per_joint = |what: &str, get: &dyn Fn(&JointEstimate) -> Option<f64>| -> Vec<f64> {
@@ -173,11 +159,7 @@ fn identification_of_noisy_displacements() {
     let errors = per_joint("compliance_std", &|j| j.compliance_standard_error);
     let variance = result.residual_std_m.unwrap().powi(2);
     let expected = number(&golden["residual_variance_m2"]);
-    check(
-        "residual variance",
-        relative_error(&[variance], &[expected]),
-        TIGHT,
-    );
+    check("residual variance", relative_error(&[variance], &[expected]), TIGHT);
 
     // The same with the size of the noise known: the errors scale by σ/s.
     let options = changed(by(Estimator::Ordinary), |o| o.noise = NoiseSource::Known);
@@ -185,25 +167,18 @@ fn identification_of_noisy_displacements() {
     let ratio = cell.noise.displacement_std() / variance.sqrt();
     for (known, error) in known.estimates.joints.iter().zip(&errors) {
         let known = known.compliance_standard_error.unwrap();
-        check(
-            "known noise",
-            relative_error(&[known], &[error * ratio]),
-            TIGHT,
-        );
+        check("known noise", relative_error(&[known], &[error * ratio]), TIGHT);
     }
 }
 
 /// Correct decimal digits of `ours`.
 fn digits(ours: f64, certified: f64) -> f64 {
-    -((ours - certified).abs() / certified.abs())
-        .max(1e-16)
-        .log10()
+    -((ours - certified).abs() / certified.abs()).max(1e-16).log10()
 }
 
 #[test]
 fn longley_regression_reaches_the_certified_values() {
-    let certified: Value =
-        serde_json::from_str(include_str!("../../golden/nist/longley.json")).unwrap();
+    let certified: Value = serde_json::from_str(include_str!("../../golden/nist/longley.json")).unwrap();
     let rows: Vec<Vec<f64>> = include_str!("../../golden/nist/longley.csv")
         .lines()
         .skip(1)
@@ -218,40 +193,19 @@ fn longley_regression_reaches_the_certified_values() {
     let residual = &response - &design * &ours;
     let deviation = (residual.norm_squared() / 9.0).sqrt();
     let worst = |ours: &[f64], certified: &[f64]| {
-        ours.iter()
-            .zip(certified)
-            .map(|(a, b)| digits(*a, *b))
-            .fold(f64::INFINITY, f64::min)
+        ours.iter().zip(certified).map(|(a, b)| digits(*a, *b)).fold(f64::INFINITY, f64::min)
     };
     let coefficients = worst(ours.as_slice(), &numbers(&certified["beta"]));
-    let errors: Vec<f64> = factor
-        .standard_errors()
-        .iter()
-        .map(|e| e.unwrap() * deviation)
-        .collect();
+    let errors: Vec<f64> = factor.standard_errors().iter().map(|e| e.unwrap() * deviation).collect();
     let errors = worst(&errors, &numbers(&certified["stderr"]));
     let deviation = digits(deviation, number(&certified["rsd"]));
-    let by_inverse = worst(
-        (factor.pseudo_inverse(16) * &response).as_slice(),
-        &numbers(&certified["beta"]),
-    );
-    println!(
-        "Longley, correct digits: coefficients {coefficients:.1}, by pseudo-inverse {by_inverse:.1},"
-    );
+    let by_inverse = worst((factor.pseudo_inverse(16) * &response).as_slice(), &numbers(&certified["beta"]));
+    println!("Longley, correct digits: coefficients {coefficients:.1}, by pseudo-inverse {by_inverse:.1},");
     println!("standard errors {errors:.1}, residual deviation {deviation:.1}");
-    assert!(
-        coefficients >= 10.0,
-        "coefficients: {coefficients:.2} digits"
-    );
-    assert!(
-        by_inverse >= 10.0,
-        "by pseudo-inverse: {by_inverse:.2} digits"
-    );
+    assert!(coefficients >= 10.0, "coefficients: {coefficients:.2} digits");
+    assert!(by_inverse >= 10.0, "by pseudo-inverse: {by_inverse:.2} digits");
     assert!(errors >= 10.0, "standard errors: {errors:.2} digits");
-    assert!(
-        deviation >= 10.0,
-        "residual deviation: {deviation:.2} digits"
-    );
+    assert!(deviation >= 10.0, "residual deviation: {deviation:.2} digits");
 }
 
 #[test]

@@ -24,10 +24,7 @@ fn against_pinocchio(text: &str, robot: &Robot) {
 #[test]
 fn comau_agrees_with_pinocchio() {
     let robot = reference_cell().setup.robot;
-    against_pinocchio(
-        include_str!("../../golden/pinocchio/comau_nj165_30_coupled.json"),
-        &robot,
-    );
+    against_pinocchio(include_str!("../../golden/pinocchio/comau_nj165_30_coupled.json"), &robot);
 }
 
 #[test]
@@ -62,17 +59,13 @@ fn pose_of(entry: &Value, q: &[f64]) -> Matrix4<f64> {
         let coupling = matrix(&entry["theta_from_q"]);
         let theta = coupling * DVector::from_column_slice(q);
         for (row, theta) in list(rows).iter().map(numbers).zip(theta.iter()) {
-            let [alpha, a, offset, d] = row[..] else {
-                panic!("four numbers a row")
-            };
+            let [alpha, a, offset, d] = row[..] else { panic!("four numbers a row") };
             frame = times(&times(&frame, &rot_x(alpha)), &shift(a, 0.0, 0.0));
             frame = times(&times(&frame, &rot_z(offset + theta)), &shift(0.0, 0.0, d));
         }
     } else {
         for (row, q) in list(&entry["std_dh"]).iter().map(numbers).zip(q) {
-            let [offset, d, a, alpha] = row[..] else {
-                panic!("four numbers a row")
-            };
+            let [offset, d, a, alpha] = row[..] else { panic!("four numbers a row") };
             frame = times(&times(&frame, &rot_z(offset + q)), &shift(0.0, 0.0, d));
             frame = times(&times(&frame, &shift(a, 0.0, 0.0)), &rot_x(alpha));
         }
@@ -98,10 +91,7 @@ fn catalogue_has_the_published_kinematics_and_stiffness() {
         if golden.get("mdh").is_none() && golden.get("std_dh").is_none() {
             continue;
         }
-        let entry = catalogue()
-            .iter()
-            .find(|e| e.name == name)
-            .unwrap_or_else(|| panic!("{name} is missing"));
+        let entry = catalogue().iter().find(|e| e.name == name).unwrap_or_else(|| panic!("{name} is missing"));
         let robot = entry.robot().unwrap();
         let mut error = 0.0_f64;
         for _ in 0..20 {
@@ -110,43 +100,23 @@ fn catalogue_has_the_published_kinematics_and_stiffness() {
             error = error.max((pose - pose_of(golden, &q)).amax());
         }
         check(&format!("{name} pose"), error, 1e-12);
-        for key in [
-            "stiffness",
-            "stiffness_simulation",
-            "stiffness_experiment_group3",
-        ] {
+        for key in ["stiffness", "stiffness_simulation", "stiffness_experiment_group3"] {
             if let Some(values) = golden.get(key) {
-                assert!(
-                    entry.stiffness.iter().any(|s| s.values == numbers(values)),
-                    "{name}: {key}"
-                );
+                assert!(entry.stiffness.iter().any(|s| s.values == numbers(values)), "{name}: {key}");
             }
         }
         match golden.get("limits_deg") {
             Some(limits) => {
                 for (joint, limit) in robot.joints().iter().zip(list(limits)) {
-                    assert_eq!(
-                        joint.limits,
-                        [
-                            number(&limit[0]).to_radians(),
-                            number(&limit[1]).to_radians()
-                        ]
-                    );
+                    assert_eq!(joint.limits, [number(&limit[0]).to_radians(), number(&limit[1]).to_radians()]);
                 }
             }
             // Where a description has the limits they are held against it.
-            None => assert!(
-                !entry.has_limits() || !entry.file.is_empty(),
-                "{name}: limits without a source"
-            ),
+            None => assert!(!entry.has_limits() || !entry.file.is_empty(), "{name}: limits without a source"),
         }
         compared += usize::from(entry.file.is_empty());
     }
     // The others are held against their robot descriptions.
     let published = catalogue().iter().filter(|e| e.file.is_empty());
-    assert_eq!(
-        compared,
-        published.count(),
-        "an entry of the catalogue has no reference"
-    );
+    assert_eq!(compared, published.count(), "an entry of the catalogue has no reference");
 }

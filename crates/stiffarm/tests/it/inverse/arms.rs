@@ -15,11 +15,7 @@ fn every_arm_of_the_catalogue_is_solved_in_closed_form() {
         assert_eq!(inverse.method(), Method::ClosedForm, "{}", entry.key);
         let mut dice = Dice::new(11);
         let (mut worst, mut most) = (0.0_f64, 0);
-        let poses = if many.contains(&entry.key) {
-            10_000
-        } else {
-            500
-        };
+        let poses = if many.contains(&entry.key) { 10_000 } else { 500 };
         for _ in 0..poses {
             let q = within(&robot, &mut dice);
             let pose = flange(&robot, &q);
@@ -28,11 +24,7 @@ fn every_arm_of_the_catalogue_is_solved_in_closed_form() {
             let found = branches.iter().map(|b| (difference(&robot, &b.q, &q), b));
             let (nearest, branch) = found.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
             // Rounding of the pose moves the posture by the condition number.
-            assert!(
-                nearest < 1e-12 * branch.condition.max(100.0),
-                "{}: {nearest:e} at {q:?}",
-                entry.key
-            );
+            assert!(nearest < 1e-12 * branch.condition.max(100.0), "{}: {nearest:e} at {q:?}", entry.key);
             most = most.max(branches.len());
         }
         println!("{:<20} FK(IK) {worst:.1e}", entry.key);
@@ -54,11 +46,7 @@ fn no_branch_is_missed() {
             let branches = inverse.branches(&pose).unwrap();
             let found = multi_start(robot, &pose, 200, &mut dice);
             for q in &found {
-                assert!(
-                    is_among(robot, q, &branches, 1e-5),
-                    "{}: {q:?} is missing from {branches:?}",
-                    robot.name()
-                );
+                assert!(is_among(robot, q, &branches, 1e-5), "{}: {q:?} is missing from {branches:?}", robot.name());
             }
             ours += branches.len();
             theirs += found.len();
@@ -97,10 +85,9 @@ fn arms_without_a_closed_form_are_solved_numerically() {
         [-1.2, 0.05, 0.2, 0.3],
     ];
     let general = chain("general", DhConvention::Modified, &rows);
-    for (robot, mut dice, poses, searched, starts, near) in [
-        (calibrated, dice, 200, 20, 100, 1e-6),
-        (general, Dice::new(2), 30, 30, 60, 1e-5),
-    ] {
+    for (robot, mut dice, poses, searched, starts, near) in
+        [(calibrated, dice, 200, 20, 100, 1e-6), (general, Dice::new(2), 30, 30, 60, 1e-5)]
+    {
         let inverse = InverseKinematics::new(&robot);
         assert_eq!(inverse.method(), Method::Numeric);
         for i in 0..poses {
@@ -145,21 +132,13 @@ fn panda_is_solved_numerically() {
     let pose = flange(&robot, &[0.0, 0.0, 0.0, -0.0698, 0.0, 1.2, 0.0]);
     let far = Translation3::new(0.0, 0.0, 3.0) * pose;
     let missing = unreachable(&inverse, &far);
-    assert_eq!(
-        (missing.region, missing.rotation_rad),
-        (Region::Outside, 0.0)
-    );
+    assert_eq!((missing.region, missing.rotation_rad), (Region::Outside, 0.0));
     assert!((2.9..3.1).contains(&missing.distance_m), "{missing:?}");
 }
 
 #[test]
 fn fewer_joints_reach_their_own_poses() {
-    let rows = [
-        [0.0, 0.0, 0.3, 0.0],
-        [-FRAC_PI_2, 0.1, 0.0, 0.0],
-        [0.0, 0.5, 0.0, 0.0],
-        [-FRAC_PI_2, 0.0, 0.4, 0.0],
-    ];
+    let rows = [[0.0, 0.0, 0.3, 0.0], [-FRAC_PI_2, 0.1, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [-FRAC_PI_2, 0.0, 0.4, 0.0]];
     let robot = chain("palletiser", DhConvention::Modified, &rows);
     let inverse = InverseKinematics::new(&robot);
     let mut dice = Dice::new(12);
@@ -175,17 +154,10 @@ fn fewer_joints_reach_their_own_poses() {
     let pose = flange(&robot, &[0.2, 0.3, 0.4, 0.5]) * tilted;
     let missing = unreachable(&inverse, &pose);
     assert_eq!(missing.rotation_rad, 0.0);
-    assert!(
-        missing.distance_m > 0.01 && missing.distance_m < 0.5,
-        "{missing:?}"
-    );
+    assert!(missing.distance_m > 0.01 && missing.distance_m < 0.5, "{missing:?}");
 
     // Parallel axes give none but turns about them.
-    let rows = [
-        [0.0, 0.0, 0.1, 0.0],
-        [0.0, 0.5, 0.0, 0.0],
-        [0.0, 0.4, 0.1, 0.0],
-    ];
+    let rows = [[0.0, 0.0, 0.1, 0.0], [0.0, 0.5, 0.0, 0.0], [0.0, 0.4, 0.1, 0.0]];
     let robot = chain("planar", DhConvention::Modified, &rows);
     let inverse = InverseKinematics::new(&robot);
     let pose = flange(&robot, &[0.2, 0.9, 0.4]);
@@ -197,10 +169,7 @@ fn fewer_joints_reach_their_own_poses() {
     let pose = pose * tilted;
     let missing = unreachable(&inverse, &pose);
     let tilt = tilted.angle();
-    assert!(
-        missing.rotation_rad > 0.5 * tilt && missing.rotation_rad < tilt + 1e-6,
-        "{missing:?}"
-    );
+    assert!(missing.rotation_rad > 0.5 * tilt && missing.rotation_rad < tilt + 1e-6, "{missing:?}");
     let error = inverse.branches(&pose).unwrap_err();
     assert_eq!(error.code(), Code::Unreachable);
     assert!(error.message().contains("° away."), "{error}");
@@ -211,17 +180,9 @@ fn random_arm(dice: &mut Dice, three_parallel: bool) -> Robot {
     let right = |dice: &mut Dice| dice.signed(1.0, 1.0) * FRAC_PI_2;
     let straight = |dice: &mut Dice| if dice.chance(0.5) { PI } else { 0.0 };
     // Axis 1 at any angle to axis 2.
-    let shoulder = if dice.chance(0.5) {
-        right(dice)
-    } else {
-        dice.signed(0.3, 2.8)
-    };
+    let shoulder = if dice.chance(0.5) { right(dice) } else { dice.signed(0.3, 2.8) };
     let mut rows = [
-        [
-            dice.between(-PI, PI),
-            dice.signed(0.0, 0.4),
-            dice.between(-0.5, 0.5),
-        ],
+        [dice.between(-PI, PI), dice.signed(0.0, 0.4), dice.between(-0.5, 0.5)],
         [shoulder, dice.signed(0.0, 0.5), dice.signed(0.0, 0.3)],
         [straight(dice), dice.signed(0.3, 1.3), dice.signed(0.0, 0.3)],
         [right(dice), dice.signed(0.05, 0.4), dice.signed(0.3, 1.4)],
@@ -235,28 +196,12 @@ fn random_arm(dice: &mut Dice, three_parallel: bool) -> Robot {
             rows[4][1] = dice.signed(0.01, 0.2);
         }
     }
-    let rows: Vec<DhRow> = rows
-        .iter()
-        .map(|[alpha, a, d]| DhRow {
-            alpha: *alpha,
-            a: *a,
-            d: *d,
-            offset: dice.between(-PI, PI),
-        })
-        .collect();
-    let mut coupling = DMatrix::from_fn(
-        6,
-        6,
-        |i, j| {
-            if i == j { dice.signed(1.0, 1.0) } else { 0.0 }
-        },
-    );
+    let rows: Vec<DhRow> =
+        rows.iter().map(|[alpha, a, d]| DhRow { alpha: *alpha, a: *a, d: *d, offset: dice.between(-PI, PI) }).collect();
+    let mut coupling = DMatrix::from_fn(6, 6, |i, j| if i == j { dice.signed(1.0, 1.0) } else { 0.0 });
     coupling[(2, 1)] = (dice.below(3) as f64) - 1.0;
     coupling[(5, 4)] = (dice.below(3) as f64) - 1.0;
-    Robot::from_dh("random", DhConvention::Modified, &rows, dice.pose())
-        .unwrap()
-        .with_coupling(coupling)
-        .unwrap()
+    Robot::from_dh("random", DhConvention::Modified, &rows, dice.pose()).unwrap().with_coupling(coupling).unwrap()
 }
 
 proptest! {

@@ -18,12 +18,7 @@ fn robot(key: &str) -> Robot {
 /// Robots for tests that look at many poses of each: one of every kind of
 /// spherical wrist arm in the catalogue.
 fn arms() -> Vec<&'static CatalogueEntry> {
-    let keys = [
-        "comau-nj165-3.0",
-        "fanuc-r2000ic165f",
-        "kuka-kr240-2",
-        "kuka-kr500-r2800-2",
-    ];
+    let keys = ["comau-nj165-3.0", "fanuc-r2000ic165f", "kuka-kr240-2", "kuka-kr500-r2800-2"];
     keys.map(|key| find_in_catalogue(key).unwrap()).to_vec()
 }
 
@@ -97,12 +92,7 @@ fn unreachable(inverse: &InverseKinematics, pose: &Isometry3<f64>) -> Unreachabl
 
 /// Postures of a pose by plain Newton steps from random starts: nothing of the
 /// library's inverse kinematics.
-fn multi_start(
-    robot: &Robot,
-    pose: &Isometry3<f64>,
-    starts: usize,
-    dice: &mut Dice,
-) -> Vec<Vec<f64>> {
+fn multi_start(robot: &Robot, pose: &Isometry3<f64>, starts: usize, dice: &mut Dice) -> Vec<Vec<f64>> {
     let n = robot.joint_count();
     let mut found: Vec<Vec<f64>> = Vec::new();
     for _ in 0..starts {
@@ -121,8 +111,7 @@ fn multi_start(
                 break;
             }
             let jacobian = frames.jacobian(&reached.translation.vector) * robot.coupling();
-            let square = jacobian.tr_mul(&jacobian)
-                + DMatrix::identity(n, n) * (1e-3 * error.norm_squared()).min(1e-2);
+            let square = jacobian.tr_mul(&jacobian) + DMatrix::identity(n, n) * (1e-3 * error.norm_squared()).min(1e-2);
             let Some(step) = square.lu().solve(&(jacobian.tr_mul(&error))) else {
                 break;
             };

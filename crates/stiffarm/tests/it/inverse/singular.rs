@@ -135,8 +135,5 @@ fn stretched_arms_and_wrists_above_axis_one() {
     let inverse = InverseKinematics::new(&robot);
     let q = with_wrist(0.0);
     let near = inverse.nearest(&flange(&robot, &q), &q).unwrap();
-    assert!(
-        near.iter().zip(&q).all(|(a, b)| (a - b).abs() < 1e-9),
-        "{near:?}"
-    );
+    assert!(near.iter().zip(&q).all(|(a, b)| (a - b).abs() < 1e-9), "{near:?}");
 }

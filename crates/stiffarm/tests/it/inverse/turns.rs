@@ -41,11 +41,7 @@ fn turns_of_coupled_gears() {
     coupling[(4, 3)] = 0.375;
     coupling[(5, 4)] = -0.25;
     let limits: Vec<[f64; 2]> = [2.0, 1.5, 2.0, 8.0, 9.0, 7.0].map(|l| [-l, l]).to_vec();
-    let robot = plain
-        .with_coupling(coupling)
-        .unwrap()
-        .with_limits(&limits)
-        .unwrap();
+    let robot = plain.with_coupling(coupling).unwrap().with_limits(&limits).unwrap();
     let inverse = InverseKinematics::new(&robot);
     let mut dice = Dice::new(15);
     for _ in 0..20 {
@@ -80,12 +76,7 @@ fn turns_of_coupled_gears() {
 
 #[test]
 fn a_line_is_followed() {
-    for robot in [
-        robot("comau-nj165-3.0"),
-        robot("fanuc-r2000ic165f"),
-        panda(),
-        ur10(0.0),
-    ] {
+    for robot in [robot("comau-nj165-3.0"), robot("fanuc-r2000ic165f"), panda(), ur10(0.0)] {
         let inverse = InverseKinematics::new(&robot);
         let start = match robot.joint_count() {
             7 => vec![0.2, 0.3, -0.1, -1.8, 0.2, 2.0, 0.4],
@@ -99,13 +90,8 @@ fn a_line_is_followed() {
             let share = f64::from(i) / 200.0;
             let turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.1, -0.2, 0.3) * share);
             let way = Vector3::new(-0.1, 0.15, 0.1) * share;
-            let pose = Isometry3::from_parts(
-                Translation3::from(first.translation.vector + way),
-                turn * first.rotation,
-            );
-            led = inverse
-                .follow(&pose, &led)
-                .unwrap_or_else(|e| panic!("{} at {i}: {e}", robot.name()));
+            let pose = Isometry3::from_parts(Translation3::from(first.translation.vector + way), turn * first.rotation);
+            led = inverse.follow(&pose, &led).unwrap_or_else(|e| panic!("{} at {i}: {e}", robot.name()));
             let before = chosen.clone();
             chosen = inverse.nearest(&pose, &chosen).unwrap();
             assert!(pose_error(&robot, &led, &pose) < 1e-11);
@@ -115,11 +101,7 @@ fn a_line_is_followed() {
             assert!(change < 0.05, "{}: {change}", robot.name());
             if robot.joint_count() == 6 {
                 let pairs = chosen.iter().zip(&led);
-                assert!(
-                    pairs.clone().all(|(a, b)| (a - b).abs() < 1e-8),
-                    "{}",
-                    robot.name()
-                );
+                assert!(pairs.clone().all(|(a, b)| (a - b).abs() < 1e-8), "{}", robot.name());
             }
         }
         let far = Translation3::new(30.0, 0.0, 0.0) * first;
@@ -143,9 +125,7 @@ fn nearest_is_the_nearest_of_all_turns() {
             pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()))
         };
         let branches = inverse.branches(&pose).unwrap();
-        let all = branches
-            .iter()
-            .flat_map(|b| inverse.turns_within_limits(&b.q));
+        let all = branches.iter().flat_map(|b| inverse.turns_within_limits(&b.q));
         let least = all.map(|q| change(&q)).fold(f64::INFINITY, f64::min);
         assert!((change(&near) - least).abs() < 1e-9);
     }
@@ -161,15 +141,11 @@ fn input_that_is_not_finite_is_refused() {
         inverse.solve(&pose).unwrap_err(),
         inverse.nearest(&pose, &[0.0; 6]).unwrap_err(),
         inverse.follow(&pose, &[0.0; 6]).unwrap_err(),
-        inverse
-            .nearest(&Isometry3::translation(2.0, 0.0, 1.0), &[f64::INFINITY; 6])
-            .unwrap_err(),
+        inverse.nearest(&Isometry3::translation(2.0, 0.0, 1.0), &[f64::INFINITY; 6]).unwrap_err(),
     ] {
         assert_eq!(error.code(), Code::NotFinite);
     }
-    let error = inverse
-        .follow(&Isometry3::identity(), &[0.0; 5])
-        .unwrap_err();
+    let error = inverse.follow(&Isometry3::identity(), &[0.0; 5]).unwrap_err();
     assert_eq!(error.code(), Code::Dimension);
     // Numbers whose squares overflow.
     let endless = Isometry3::translation(1e300, 0.0, 1.0);

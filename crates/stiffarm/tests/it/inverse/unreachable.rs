@@ -8,8 +8,7 @@ use super::*;
 fn distance_by_grid(robot: &Robot, pose: &Isometry3<f64>) -> f64 {
     // The wrist's centre asked for, from the flange's frame.
     let frames = Frames::new(robot, &[0.0; 6]);
-    let centre_in_flange =
-        frames.flange().inverse() * nalgebra::Point3::from(frames.wrist_centre());
+    let centre_in_flange = frames.flange().inverse() * nalgebra::Point3::from(frames.wrist_centre());
     let goal = (pose * centre_in_flange).coords;
     let away = |q: &[f64; 3]| {
         let frames = Frames::new(robot, &[q[0], q[1], q[2], 0.0, 0.0, 0.0]);
@@ -59,11 +58,7 @@ fn unreachable_poses_say_how_far() {
                 continue;
             };
             let expected = distance_by_grid(&robot, &pose);
-            assert!(
-                (missing.distance_m - expected).abs() < 1e-6,
-                "{}: {missing:?}, {expected}",
-                entry.key
-            );
+            assert!((missing.distance_m - expected).abs() < 1e-6, "{}: {missing:?}, {expected}", entry.key);
             assert_eq!(missing.rotation_rad, 0.0);
             regions.push(missing.region);
             compared += 1;
@@ -85,13 +80,7 @@ fn sentences_of_unreachable_poses() {
     // Flange axis up: the wrist centre lies 230 mm below; shoulder at (400, 830).
     let long = 1.175 + 0.25_f64.hypot(1.444);
     let distance = 3.6_f64.hypot(1.5 - 0.23 - 0.83) - long;
-    assert_eq!(
-        far.message(),
-        format!(
-            "The pose lies {:.1} mm beyond the arm's reach.",
-            distance * 1e3
-        )
-    );
+    assert_eq!(far.message(), format!("The pose lies {:.1} mm beyond the arm's reach.", distance * 1e3));
     assert!(far.hint_text().is_some());
     // Without the shoulder's offset the backward posture does not help.
     let rows = [
@@ -115,11 +104,7 @@ fn sentences_of_unreachable_poses() {
     // A lateral offset leaves a hole about axis 1.
     let inverse = InverseKinematics::new(&ur10(0.0));
     let hole = inverse.branches(&at(0.0, 0.0, 0.5)).unwrap_err();
-    assert!(
-        hole.message()
-            .ends_with("mm inside the hole about the axis of joint 1."),
-        "{hole}"
-    );
+    assert!(hole.message().ends_with("mm inside the hole about the axis of joint 1."), "{hole}");
 
     // Reachable, but joint 2 or 3 would leave its limits.
     let inverse = InverseKinematics::new(&robot);
@@ -136,34 +121,21 @@ fn sentences_of_unreachable_poses() {
     let limits: Vec<[f64; 2]> = robot.joints().iter().map(|j| j.limits).collect();
     let excess = |b: &Branch| {
         let pairs = b.q.iter().zip(&limits);
-        pairs
-            .map(|(q, l)| (l[0] - q).max(q - l[1]))
-            .fold(f64::NEG_INFINITY, f64::max)
+        pairs.map(|(q, l)| (l[0] - q).max(q - l[1])).fold(f64::NEG_INFINITY, f64::max)
     };
     let least = branches.iter().map(excess).fold(f64::INFINITY, f64::min);
     let text = format!("{:.1}° outside the machine's limits", least.to_degrees());
     assert!(error.message().contains(&text), "{error}");
-    assert!(
-        error.message().starts_with("The pose takes joint "),
-        "{error}"
-    );
+    assert!(error.message().starts_with("The pose takes joint "), "{error}");
 }
 
 #[test]
 fn small_distances_keep_two_digits() {
     let robot = robot("comau-nj165-3.0");
-    for (mm, text) in [
-        (1234.56, "1234.6"),
-        (0.1, "0.1"),
-        (0.0456, "0.046"),
-        (1.23e-5, "0.000012"),
-        (0.0, "0.00000000000"),
-    ] {
-        let unreachable = Unreachable {
-            distance_m: mm * 1e-3,
-            rotation_rad: 0.0,
-            region: Region::Beyond,
-        };
+    for (mm, text) in
+        [(1234.56, "1234.6"), (0.1, "0.1"), (0.0456, "0.046"), (1.23e-5, "0.000012"), (0.0, "0.00000000000")]
+    {
+        let unreachable = Unreachable { distance_m: mm * 1e-3, rotation_rad: 0.0, region: Region::Beyond };
         let error = unreachable.error(&robot);
         let said = format!("The pose lies {text} mm beyond");
         assert!(error.message().starts_with(&said), "{error}");
@@ -188,10 +160,7 @@ fn distances_agree_between_both_methods() {
     for (robot, beside) in [(ur10(0.0), ur10(3e-8)), (six(0.0), six(3e-8))] {
         let exact = InverseKinematics::new(&robot);
         let numeric = InverseKinematics::new(&beside);
-        assert_eq!(
-            (exact.method(), numeric.method()),
-            (Method::ClosedForm, Method::Numeric)
-        );
+        assert_eq!((exact.method(), numeric.method()), (Method::ClosedForm, Method::Numeric));
         let mut dice = Dice::new(6);
         let mut compared = 0;
         for i in 0..16 {

@@ -4,11 +4,7 @@ use super::*;
 use crate::common::differences::assert_gradient;
 use stiffarm::internals::{Kernel, Lanes, WIDTH, Wanted, sin_cos};
 
-const WANTED: Wanted<'_> = Wanted {
-    dexterity: None,
-    information: None,
-    limits: true,
-};
+const WANTED: Wanted<'_> = Wanted { dexterity: None, information: None, limits: true };
 
 /// A kernel with the penalty of `group` at which limits push before they are crossed.
 fn pushing(cell: &Cell, flat: &[f64]) -> Kernel {
@@ -37,10 +33,7 @@ fn the_search_sees_the_same_violations() {
         for (q, violation) in group.iter().zip(&violations) {
             let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
             let smallest = cell.margins().smallest(&terms).unwrap().margin;
-            assert!(
-                (violation - (-smallest).max(0.0)).abs() < 1e-12,
-                "{violation} {smallest}"
-            );
+            assert!((violation - (-smallest).max(0.0)).abs() < 1e-12, "{violation} {smallest}");
             assert!((cell.margins().least(&terms) < 0.0) == (smallest < 0.0));
         }
         assert!(violations.iter().any(|v| *v > 0.1));
@@ -56,8 +49,7 @@ fn the_penalty_has_its_derivative() {
     let spread = postures(&shapes, 5);
     let plain = builtin::cell("comau").unwrap();
     let group: Vec<_> = (0..5).map(|p| angles(6, p)).collect();
-    for (cell, group, step, tolerance) in [(plain, group, 2e-4, 1e-7), (shapes, spread, 2e-6, 1e-5)]
-    {
+    for (cell, group, step, tolerance) in [(plain, group, 2e-4, 1e-7), (shapes, spread, 2e-6, 1e-5)] {
         let flat = group.concat();
         let mut kernel = pushing(&cell, &flat);
         let mut gradient = vec![0.0; flat.len()];
@@ -78,18 +70,10 @@ fn the_penalty_has_its_derivative_by_the_load() {
     let with_torque = |cell: Cell| {
         let mut torque = cell.scene.torque().unwrap().clone();
         torque.largest.fill(100.0);
-        with_scene(
-            cell,
-            SceneParts {
-                torque: Some(torque),
-                ..SceneParts::default()
-            },
-        )
+        with_scene(cell, SceneParts { torque: Some(torque), ..SceneParts::default() })
     };
     let cells = loaded_cells();
-    let cells = cells
-        .into_iter()
-        .flat_map(|cell| [with_displacement(cell.clone()), with_torque(cell)]);
+    let cells = cells.into_iter().flat_map(|cell| [with_displacement(cell.clone()), with_torque(cell)]);
     for cell in cells {
         let flat: Vec<f64> = (0..6).flat_map(|p| angles(6, p)).collect();
         let mut kernel = pushing(&cell, &flat);

@@ -44,28 +44,15 @@ fn some(cell: &Cell, theta: &[f64], is_wanted: fn(usize) -> bool) -> (Vec<f64>, 
     let mut margins = cell.posture_margins().unwrap();
     let theta = DVector::from_column_slice(theta);
     let q = cell.setup.robot.controller_angles(&theta).unwrap();
-    let (mut values, mut gradients) = (
-        vec![f64::NAN; margins.count()],
-        vec![f64::NAN; margins.count() * theta.len()],
-    );
-    let slopes = Slopes {
-        rows: &mut gradients,
-        wanted: &(0..margins.count()).map(is_wanted).collect::<Vec<_>>(),
-    };
-    margins
-        .evaluate(q.as_slice(), f64::INFINITY, &mut values, slopes)
-        .unwrap();
+    let (mut values, mut gradients) = (vec![f64::NAN; margins.count()], vec![f64::NAN; margins.count() * theta.len()]);
+    let slopes = Slopes { rows: &mut gradients, wanted: &(0..margins.count()).map(is_wanted).collect::<Vec<_>>() };
+    margins.evaluate(q.as_slice(), f64::INFINITY, &mut values, slopes).unwrap();
     (values, gradients)
 }
 
 /// Calls `each` with number and joint of a margin, its derivative by the serial angle, and by
 /// central differences over `step` and half of it.
-fn compare(
-    cell: &Cell,
-    theta: &[f64],
-    step: f64,
-    mut each: impl FnMut(usize, usize, f64, [f64; 2]),
-) {
+fn compare(cell: &Cell, theta: &[f64], step: f64, mut each: impl FnMut(usize, usize, f64, [f64; 2])) {
     let n = theta.len();
     let (values, gradients) = at(cell, theta);
     for k in 0..n {
@@ -97,35 +84,19 @@ fn bent(n: usize) -> Cell {
     let rows: Vec<DhRow> = (0..n)
         .map(|i| {
             let i = i as f64;
-            DhRow {
-                alpha: 0.9 - 0.4 * i,
-                a: 0.3 + 0.1 * i,
-                d: 0.2 * i - 0.3,
-                offset: 0.5 * i,
-            }
+            DhRow { alpha: 0.9 - 0.4 * i, a: 0.3 + 0.1 * i, d: 0.2 * i - 0.3, offset: 0.5 * i }
         })
         .collect();
-    let base = Isometry3::from_parts(
-        Translation3::new(0.2, -0.1, 0.4),
-        UnitQuaternion::from_euler_angles(0.3, -0.2, 0.5),
-    );
-    let point = |name: &str, position| NamedPoint {
-        name: name.to_string(),
-        position,
-    };
+    let base =
+        Isometry3::from_parts(Translation3::new(0.2, -0.1, 0.4), UnitQuaternion::from_euler_angles(0.3, -0.2, 0.5));
+    let point = |name: &str, position| NamedPoint { name: name.to_string(), position };
     let tool = Tool {
         loading_point: Vector3::new(0.2, -0.1, 0.25),
-        measuring_points: vec![
-            point("a", Vector3::new(0.1, 0.2, 0.3)),
-            point("b", Vector3::new(-0.2, 0.0, 0.1)),
-        ],
+        measuring_points: vec![point("a", Vector3::new(0.1, 0.2, 0.3)), point("b", Vector3::new(-0.2, 0.0, 0.1))],
         has_sensor: false,
         series_compliance: None,
     };
-    let load = Load::Rope {
-        anchor: Vector3::new(1.8, -0.4, 0.1),
-        magnitude: 500.0,
-    };
+    let load = Load::Rope { anchor: Vector3::new(1.8, -0.4, 0.1), magnitude: 500.0 };
     let robot = Robot::from_dh("bent", DhConvention::Modified, &rows, base).unwrap();
     let mut cell = Cell::new("bent", robot, tool, load);
     cell.bounds = vec![[-PI, PI]; n];
@@ -146,18 +117,10 @@ fn derivatives_of_limits_on_points_are_those_of_differences() {
         // 6 box sides, floor and cylinder of 4 points; cylinder and height of the wrist; rope.
         assert_eq!(cell.posture_margins().unwrap().count(), 4 * 8 + 2 + 2);
         for posture in 0..6 {
-            compare(
-                &cell,
-                &angles(n, posture),
-                2e-3,
-                |l, k, ours, differences| {
-                    let expected = extrapolated(differences);
-                    assert!(
-                        (ours - expected).abs() < 1e-8,
-                        "n {n} margin {l} joint {k}: {ours} {expected}"
-                    );
-                },
-            );
+            compare(&cell, &angles(n, posture), 2e-3, |l, k, ours, differences| {
+                let expected = extrapolated(differences);
+                assert!((ours - expected).abs() < 1e-8, "n {n} margin {l} joint {k}: {ours} {expected}");
+            });
         }
     }
 }
@@ -171,18 +134,11 @@ fn derivatives_come_where_they_are_wanted() {
         let (same, third) = some(&cell, &theta, |margin| margin % 3 == 1);
         assert_eq!(same, values);
         for (margin, (own, all)) in third.chunks(n).zip(all.chunks(n)).enumerate() {
-            if margin % 3 == 1 {
-                assert_eq!(own, all)
-            } else {
-                assert!(own.iter().all(|slope| slope.is_nan()))
-            }
+            if margin % 3 == 1 { assert_eq!(own, all) } else { assert!(own.iter().all(|slope| slope.is_nan())) }
         }
         // Rows for some margins, and not a word on the others.
         let mut margins = cell.posture_margins().unwrap();
-        let slopes = Slopes {
-            rows: &mut vec![0.0; n],
-            wanted: &[true],
-        };
+        let slopes = Slopes { rows: &mut vec![0.0; n], wanted: &[true] };
         let mut values = vec![0.0; margins.count()];
         let error = margins.evaluate(&vec![0.1; n], 1.0, &mut values, slopes);
         assert_eq!(error.unwrap_err().code(), Code::Dimension);
@@ -234,8 +190,7 @@ fn derivatives_of_a_scene_are_those_of_differences() {
                 named[l].point,
                 values[l]
             );
-            *compared.entry(format!("{:?}", named[l].kind)).or_insert(0) +=
-                usize::from(ours != 0.0);
+            *compared.entry(format!("{:?}", named[l].kind)).or_insert(0) += usize::from(ours != 0.0);
         });
     }
     // Displacements have a test of their own.
@@ -248,26 +203,11 @@ fn derivatives_of_a_scene_are_those_of_differences() {
 /// The default cell under each kind of load, joints as springs and mixed.
 fn loaded_cells() -> Vec<Cell> {
     let anchor = Vector3::new(1.8, -0.4, 0.1);
-    let wrench = Wrench {
-        force: Vector3::new(300.0, -200.0, 400.0),
-        moment: Vector3::new(50.0, 80.0, -60.0),
-    };
+    let wrench = Wrench { force: Vector3::new(300.0, -200.0, 400.0), moment: Vector3::new(50.0, 80.0, -60.0) };
     let rope = |magnitude| Load::Rope { anchor, magnitude };
     let constant = |axes| Load::Constant { wrench, axes };
-    let loads = [
-        rope(500.0),
-        rope(-500.0),
-        hanging(500.0),
-        constant(Axes::Base),
-        constant(Axes::Tool),
-    ];
-    let mixing = DMatrix::from_fn(6, 6, |i, j| {
-        if i == j {
-            1.0
-        } else {
-            0.2 * ((3 * i + j) as f64).sin()
-        }
-    });
+    let loads = [rope(500.0), rope(-500.0), hanging(500.0), constant(Axes::Base), constant(Axes::Tool)];
+    let mixing = DMatrix::from_fn(6, 6, |i, j| if i == j { 1.0 } else { 0.2 * ((3 * i + j) as f64).sin() });
     let mut out = Vec::new();
     for load in loads {
         for mixed in [false, true] {
@@ -331,17 +271,12 @@ fn derivatives_of_displacements_are_those_of_differences() {
     for cell in loaded_cells().into_iter().map(with_displacement) {
         assert_eq!(cell.posture_margins().unwrap().count(), 2);
         for posture in 0..6 {
-            compare(
-                &cell,
-                &angles(6, posture),
-                2e-4,
-                |_, k, ours, differences| {
-                    let expected = extrapolated(differences);
-                    // As shares of the largest one allowed.
-                    let error = (ours - expected).abs() * 1.2e-3;
-                    assert!(error < 1e-8, "{k}: {ours} {expected}");
-                },
-            );
+            compare(&cell, &angles(6, posture), 2e-4, |_, k, ours, differences| {
+                let expected = extrapolated(differences);
+                // As shares of the largest one allowed.
+                let error = (ours - expected).abs() * 1.2e-3;
+                assert!(error < 1e-8, "{k}: {ours} {expected}");
+            });
         }
     }
 }
@@ -349,10 +284,7 @@ fn derivatives_of_displacements_are_those_of_differences() {
 #[test]
 fn one_of_two_limits_on_displacements_may_go() {
     let cell = with_displacement(shapes_cell());
-    let (least, most) = (
-        LimitKind::SmallestDisplacement,
-        LimitKind::LargestDisplacement,
-    );
+    let (least, most) = (LimitKind::SmallestDisplacement, LimitKind::LargestDisplacement);
     for (kind, rest) in [(least, most), (most, least)] {
         let less = cell.without_limit(kind);
         assert!(less.limit_kinds().contains(&rest) && !less.limit_kinds().contains(&kind));

@@ -8,9 +8,7 @@ use nalgebra::UnitVector3;
 use stiffarm::estimate::compliance::Spread;
 use stiffarm::model::path::{PathPoint, PathTarget, tip_wrenches};
 use stiffarm::model::process::{Process, TipLoad};
-use stiffarm::work::map::{
-    MapOptions, PlaceOptions, Placement, Status, StiffnessMap, place, stiffness_map,
-};
+use stiffarm::work::map::{MapOptions, PlaceOptions, Placement, Status, StiffnessMap, place, stiffness_map};
 use stiffarm::work::predict::Prediction;
 
 fn down() -> UnitQuaternion<f64> {
@@ -22,10 +20,7 @@ fn options() -> MapOptions {
     options.rotation = down();
     options.free_turn = None;
     options.direction = UnitVector3::new_normalize(Vector3::new(1.0, 0.3, -0.2));
-    options.wrench = Wrench {
-        force: Vector3::new(200.0, -300.0, 400.0),
-        moment: Vector3::new(5.0, 0.0, -12.0),
-    };
+    options.wrench = Wrench { force: Vector3::new(200.0, -300.0, 400.0), moment: Vector3::new(5.0, 0.0, -12.0) };
     options
 }
 

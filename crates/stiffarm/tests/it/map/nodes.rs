@@ -7,16 +7,9 @@ fn map(cell: &Cell, predictor: &IdentifiedCompliance, options: &MapOptions) -> S
 }
 
 /// A prediction at every reachable node's posture.
-fn pointwise(
-    cell: &Cell,
-    predictor: &IdentifiedCompliance,
-    map: &StiffnessMap,
-    wrench: Wrench,
-) -> Prediction {
+fn pointwise(cell: &Cell, predictor: &IdentifiedCompliance, map: &StiffnessMap, wrench: Wrench) -> Prediction {
     let reached = map.nodes.iter().filter_map(|n| n.values.as_ref());
-    let postures: Vec<LoadedPosture> = reached
-        .map(|values| LoadedPosture::new("", values.q.clone(), wrench))
-        .collect();
+    let postures: Vec<LoadedPosture> = reached.map(|values| LoadedPosture::new("", values.q.clone(), wrench)).collect();
     let options = with(|o: &mut PredictOptions| o.stiffness = true);
     predict(cell, predictor, &postures, &options, Control::default()).unwrap()
 }
@@ -39,20 +32,11 @@ fn values_are_those_of_pointwise_predictions() {
                 assert!((values.shift_m[axis] - point.shift_m[axis]).abs() < 1e-15);
             }
             assert!(close(values.deflection_m, point.deflection_m));
-            assert!(close(
-                values.deflection_per_newton_m,
-                point.deflection_m / options.wrench.force.norm()
-            ));
-            assert!(close(
-                values.half_width_m.unwrap(),
-                point.band.unwrap().size_m[3]
-            ));
+            assert!(close(values.deflection_per_newton_m, point.deflection_m / options.wrench.force.norm()));
+            assert!(close(values.half_width_m.unwrap(), point.band.unwrap().size_m[3]));
             let cartesian = point.stiffness.unwrap();
             let softest = &cartesian.principal[0];
-            assert!(close(
-                values.softest.stiffness_n_per_m.unwrap(),
-                softest.stiffness_n_per_m.unwrap()
-            ));
+            assert!(close(values.softest.stiffness_n_per_m.unwrap(), softest.stiffness_n_per_m.unwrap()));
             let u = options.direction;
             let along: f64 = (0..3)
                 .flat_map(|i| (0..3).map(move |j| (i, j)))
@@ -68,9 +52,7 @@ fn values_are_those_of_pointwise_predictions() {
 #[test]
 fn stiffness_along_a_direction_is_force_per_shift() {
     let cell = default_cell();
-    let options = changed(options(), |o| {
-        o.wrench = Wrench::force(Vector3::new(1.0, 0.3, -0.2).normalize())
-    });
+    let options = changed(options(), |o| o.wrench = Wrench::force(Vector3::new(1.0, 0.3, -0.2).normalize()));
     let map = map(&cell, &prior(&cell), &options);
     for values in map.nodes.iter().filter_map(|n| n.values.as_ref()) {
         let along = Vector3::from(values.shift_m).dot(&options.direction);
@@ -103,11 +85,7 @@ fn allowed(cell: &Cell, pose: &Isometry3<f64>) -> Result<Vec<Vec<f64>>, Status> 
         smallest.is_none_or(|margin| !margin.is_violated())
     };
     let allowed: Vec<_> = inside.into_iter().filter(holds).collect();
-    if allowed.is_empty() {
-        Err(Status::Forbidden)
-    } else {
-        Ok(allowed)
-    }
+    if allowed.is_empty() { Err(Status::Forbidden) } else { Ok(allowed) }
 }
 
 #[test]
@@ -135,10 +113,7 @@ fn each_node_has_the_allowed_posture_that_bends_least() {
                     let bent = arm.deflect(q, &options.wrench).unwrap();
                     bent.displacement.fixed_rows::<3>(0).norm()
                 };
-                let least = postures
-                    .iter()
-                    .map(|q| bent(q))
-                    .fold(f64::INFINITY, f64::min);
+                let least = postures.iter().map(|q| bent(q)).fold(f64::INFINITY, f64::min);
                 // Chosen by the linear model, which may take the second of two equals.
                 assert!(values.deflection_m <= 1.001 * least);
                 assert!((node.status, &node.reason) == (Status::Reachable, &None));
@@ -155,15 +130,7 @@ fn each_node_has_the_allowed_posture_that_bends_least() {
     }
     assert!(seen.iter().all(|count| *count > 0), "{seen:?}");
     let counts = map.counts;
-    assert_eq!(
-        [
-            counts.reachable,
-            counts.forbidden,
-            counts.outside_joint_limits,
-            counts.unreachable
-        ],
-        seen
-    );
+    assert_eq!([counts.reachable, counts.forbidden, counts.outside_joint_limits, counts.unreachable], seen);
     let extremes = map.extremes.unwrap();
     let size = |i: usize| map.nodes[i].values.as_ref().unwrap().deflection_m;
     let range = map.deflection_per_newton_m.unwrap();
@@ -177,11 +144,7 @@ fn a_free_turn_can_only_help() {
     let cell = default_cell();
     let predictor = prior(&cell);
     let fixed = map(&cell, &predictor, &options());
-    let free = map(
-        &cell,
-        &predictor,
-        &changed(options(), |o| o.free_turn = Some(12)),
-    );
+    let free = map(&cell, &predictor, &changed(options(), |o| o.free_turn = Some(12)));
     let mut gained = 0;
     for (fixed, free) in fixed.nodes.iter().zip(&free.nodes) {
         let Some(values) = &fixed.values else {
@@ -232,10 +195,7 @@ fn nothing_reachable_is_a_serious_finding_that_says_what_comes_closest() {
     assert!(map.extremes.is_none() && map.deflection_per_newton_m.is_none());
     let finding = &map.findings[0];
     assert_eq!(finding.code, "nothing-reachable");
-    assert!(
-        finding.sentence.contains("x = 5000, y = 0, z = 800 mm"),
-        "{finding:?}"
-    );
+    assert!(finding.sentence.contains("x = 5000, y = 0, z = 800 mm"), "{finding:?}");
     let distance: Vec<f64> = map.nodes.iter().map(|n| n.distance_m.unwrap()).collect();
     assert!(distance[0] < distance[1] && distance[1] < distance[2]);
 }
@@ -267,11 +227,7 @@ fn random_maps_hold_the_tip_where_they_say() {
     let mut dice = Dice::new(5);
     let mut reached = 0;
     for _ in 0..30 {
-        let at = [
-            dice.between(1.0, 2.6),
-            dice.between(-1.5, 1.5),
-            dice.between(0.4, 2.0),
-        ];
+        let at = [dice.between(1.0, 2.6), dice.between(-1.5, 1.5), dice.between(0.4, 2.0)];
         let axis = dice.direction();
         let options = {
             let mut options = MapOptions::new(at, at, [1; 3]);
@@ -288,8 +244,7 @@ fn random_maps_hold_the_tip_where_they_say() {
         assert!(cell.outside_machine_limits(&q).is_none());
         let tip = Frames::new(&cell.setup.robot, &q).flange() * cell.work.tip(&cell.setup.tool);
         assert!((tip.translation.vector - Vector3::from(at)).norm() < 1e-9);
-        let turned =
-            options.rotation * UnitQuaternion::from_euler_angles(0.0, 0.0, values.turn.unwrap());
+        let turned = options.rotation * UnitQuaternion::from_euler_angles(0.0, 0.0, values.turn.unwrap());
         assert!(tip.rotation.angle_to(&turned) < 1e-9);
     }
     assert!(reached >= 5, "{reached}");

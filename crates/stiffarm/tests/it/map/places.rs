@@ -4,16 +4,10 @@ use super::*;
 
 /// A rectangle milled with the tool down, on a workpiece that is turned.
 fn rectangle(cell: &mut Cell, axes: ForceAxes) -> Vec<PathPoint> {
-    cell.work.workpiece = Isometry3::from_parts(
-        Translation3::new(1.7, 0.9, 0.7),
-        UnitQuaternion::from_euler_angles(0.0, 0.0, 0.3),
-    );
+    cell.work.workpiece =
+        Isometry3::from_parts(Translation3::new(1.7, 0.9, 0.7), UnitQuaternion::from_euler_angles(0.0, 0.0, 0.3));
     cell.work.process = Some(Process::Constant(
-        TipLoad {
-            force: Vector3::new(-250.0, 150.0, 80.0),
-            moment: Vector3::zeros(),
-            axes,
-        },
+        TipLoad { force: Vector3::new(-250.0, 150.0, 80.0), moment: Vector3::zeros(), axes },
         None,
     ));
     let corners = [[0.0, 0.0], [0.3, 0.0], [0.3, 0.2], [0.0, 0.2], [0.0, 0.0]];
@@ -70,12 +64,7 @@ fn walked(cell: &Cell, points: &[PathPoint], by: &Isometry3<f64>, start: &[f64])
 
 #[test]
 fn the_best_place_is_the_one_where_the_moved_path_bends_least() {
-    for axes in [
-        ForceAxes::Path,
-        ForceAxes::Base,
-        ForceAxes::Workpiece,
-        ForceAxes::Tool,
-    ] {
+    for axes in [ForceAxes::Path, ForceAxes::Base, ForceAxes::Workpiece, ForceAxes::Tool] {
         let mut cell = default_cell();
         let points = rectangle(&mut cell, axes);
         let found = search(&cell, &points, &place_options());
@@ -95,10 +84,7 @@ fn the_best_place_is_the_one_where_the_moved_path_bends_least() {
             let by = pose * cell.work.workpiece.inverse();
             let start = placed.start.clone().unwrap();
             let rms = walked(&cell, &points, &by, &start);
-            assert!(
-                (rms / placed.deflection_rms_m.unwrap() - 1.0).abs() < 1e-9,
-                "{axes:?}"
-            );
+            assert!((rms / placed.deflection_rms_m.unwrap() - 1.0).abs() < 1e-9, "{axes:?}");
         }
         let rms = best.deflection_rms_m.unwrap();
         let gain = found.gain.unwrap();
@@ -110,8 +96,7 @@ fn the_best_place_is_the_one_where_the_moved_path_bends_least() {
         // Finer rounds only go on from the best.
         let of = |round: usize| {
             let of = found.candidates.iter().filter(move |c| c.round == round);
-            of.filter_map(|c| c.deflection_rms_m)
-                .fold(f64::INFINITY, f64::min)
+            of.filter_map(|c| c.deflection_rms_m).fold(f64::INFINITY, f64::min)
         };
         assert!(of(1) <= of(0) * (1.0 + 1e-12) && of(2) <= of(1) * (1.0 + 1e-12));
         assert_eq!(found.candidates.iter().filter(|c| c.round == 0).count(), 70);
@@ -131,17 +116,11 @@ fn places_that_fail_say_where_and_why() {
     });
     let found = search(&cell, &points, &options);
     let status = |at: usize| found.candidates[at].status;
-    assert_eq!(
-        (status(0), status(7)),
-        (Status::Forbidden, Status::Unreachable)
-    );
+    assert_eq!((status(0), status(7)), (Status::Forbidden, Status::Unreachable));
     for candidate in &found.candidates {
         let works = candidate.status == Status::Reachable;
         assert_eq!(candidate.deflection_rms_m.is_some(), works);
-        assert_eq!(
-            candidate.reason.is_some() && candidate.point.is_some(),
-            !works
-        );
+        assert_eq!(candidate.reason.is_some() && candidate.point.is_some(), !works);
     }
     // Nowhere.
     let far = with(|o: &mut PlaceOptions| {
@@ -162,11 +141,7 @@ fn places_keep_the_bounds_of_the_cell() {
     // Beside the best place.
     let best = free.best.unwrap();
     let turn = best.start.unwrap()[0];
-    cell.bounds[0] = if turn > 0.0 {
-        [-1.5, turn - 0.2]
-    } else {
-        [turn + 0.2, 1.5]
-    };
+    cell.bounds[0] = if turn > 0.0 { [-1.5, turn - 0.2] } else { [turn + 0.2, 1.5] };
     let found = search(&cell, &points, &place_options());
     let other = found.best.unwrap();
     let inside = |q: &[f64]| cell.outside_bounds(q).next().is_none();
@@ -182,8 +157,7 @@ fn full_turns_are_chosen_for_the_whole_path() {
     cell.work.workpiece = Isometry3::translation(1.8, 0.0, 0.8);
     let points: Vec<PathPoint> = (0..=100)
         .map(|i| {
-            let turn =
-                UnitQuaternion::from_euler_angles(0.0, 0.0, f64::from(i) * 4_f64.to_radians());
+            let turn = UnitQuaternion::from_euler_angles(0.0, 0.0, f64::from(i) * 4_f64.to_radians());
             let pose = Isometry3::from_parts(Translation3::identity(), down() * turn);
             PathPoint {
                 load: Some(TipLoad {
@@ -203,10 +177,7 @@ fn full_turns_are_chosen_for_the_whole_path() {
     let found = search(&cell, &points, &options);
     assert_eq!(found.given.status, Status::OutsideJointLimits);
     let reason = found.given.reason.as_deref().unwrap();
-    assert!(
-        reason.contains("joint 6 would leave the cell's bounds"),
-        "{reason}"
-    );
+    assert!(reason.contains("joint 6 would leave the cell's bounds"), "{reason}");
     cell.bounds[5] = cell.setup.robot.joints()[5].limits;
     let found = search(&cell, &points, &options);
     assert_eq!(found.given.status, Status::Reachable, "{:?}", found.given);
@@ -214,12 +185,7 @@ fn full_turns_are_chosen_for_the_whole_path() {
     // Within ±200° there is no way.
     limit_joint(&mut cell, 5, [-190_f64.to_radians(), 190_f64.to_radians()]);
     let found = search(&cell, &points, &options);
-    assert_eq!(
-        found.given.status,
-        Status::OutsideJointLimits,
-        "{:?}",
-        found.given
-    );
+    assert_eq!(found.given.status, Status::OutsideJointLimits, "{:?}", found.given);
 }
 
 #[test]
@@ -253,17 +219,11 @@ fn long_paths_are_searched_thinned_and_judged_whole() {
     let mut cell = default_cell();
     let mut points = rectangle(&mut cell, ForceAxes::Base);
     // Each point ten times, the last with a load of its own.
-    points = points
-        .iter()
-        .flat_map(|p| (0..25).map(|_| p.clone()))
-        .collect();
+    points = points.iter().flat_map(|p| (0..25).map(|_| p.clone())).collect();
     let last = points.len() - 7;
     points[last].name = "hit".into();
-    points[last].load = Some(TipLoad {
-        force: Vector3::new(0.0, 3000.0, 0.0),
-        moment: Vector3::zeros(),
-        axes: ForceAxes::Base,
-    });
+    points[last].load =
+        Some(TipLoad { force: Vector3::new(0.0, 3000.0, 0.0), moment: Vector3::zeros(), axes: ForceAxes::Base });
     let options = changed(place_options(), |o| {
         o.steps = [3, 3, 1];
         o.yaws = vec![0.0];

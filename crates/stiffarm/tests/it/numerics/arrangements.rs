@@ -24,11 +24,7 @@ fn subsets_are_all_visited_once() {
         while next_subset(&mut subset, of) {
             seen.push(subset.clone());
         }
-        assert_eq!(
-            seen.len() as u64,
-            choose(of as u64, count as u64),
-            "{count} of {of}"
-        );
+        assert_eq!(seen.len() as u64, choose(of as u64, count as u64), "{count} of {of}");
         seen.dedup();
         assert_eq!(seen.len() as u64, choose(of as u64, count as u64));
     }

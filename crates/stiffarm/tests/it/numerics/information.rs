@@ -4,9 +4,7 @@ use crate::common::prelude::*;
 use stiffarm::internals::information::{posture_information, whiten_posture};
 
 fn sample() -> DMatrix<f64> {
-    DMatrix::from_fn(9, 3, |i, j| {
-        ((i * 7 + j * 13 + i * j * 5) % 11) as f64 - 4.0
-    })
+    DMatrix::from_fn(9, 3, |i, j| ((i * 7 + j * 13 + i * j * 5) % 11) as f64 - 4.0)
 }
 
 #[test]

@@ -46,10 +46,7 @@ fn what_was_done_before_a_stop_stays() {
     let jobs: Vec<usize> = (0..500).collect();
     let asked = AtomicUsize::new(0);
     let stop = || asked.fetch_add(1, Ordering::Relaxed) > 100;
-    let control = Control {
-        stop: Some(&stop),
-        progress: None,
-    };
+    let control = Control { stop: Some(&stop), progress: None };
     let found = as_far_as(&jobs, "", control, |(i, job)| Ok(i + job)).unwrap();
     let done = found.iter().flatten().count();
     assert!((1..500).contains(&done), "{done}");
@@ -61,24 +58,14 @@ fn what_was_done_before_a_stop_stays() {
 
 #[test]
 fn the_valley_of_rosenbrock() {
-    let (x, value) = nelder_mead(
-        |[x, y]| (1.0 - x).powi(2) + 100.0 * (y - x * x).powi(2),
-        [-1.2, 1.0],
-        0.5,
-        2000,
-    );
+    let (x, value) = nelder_mead(|[x, y]| (1.0 - x).powi(2) + 100.0 * (y - x * x).powi(2), [-1.2, 1.0], 0.5, 2000);
     assert!(value < 1e-12, "{value:e}");
     assert!((x[0] - 1.0).abs() < 1e-5 && (x[1] - 1.0).abs() < 1e-5);
 }
 
 #[test]
 fn what_is_not_a_number_is_avoided() {
-    let (x, _) = nelder_mead(
-        |[x]| (x - 2.0).abs() + (x - 1.0).sqrt() * 0.0,
-        [3.0],
-        0.5,
-        500,
-    );
+    let (x, _) = nelder_mead(|[x]| (x - 2.0).abs() + (x - 1.0).sqrt() * 0.0, [3.0], 0.5, 500);
     assert!((x[0] - 2.0).abs() < 1e-6);
 }
 

@@ -14,10 +14,7 @@ fn sample(n: usize, seed: u64, grade: f64) -> DMatrix<f64> {
 }
 
 fn pack(m: &DMatrix<f64>) -> Vec<f64> {
-    (0..m.nrows())
-        .flat_map(|i| (0..=i).map(move |j| (i, j)))
-        .map(|at| m[at])
-        .collect()
+    (0..m.nrows()).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|at| m[at]).collect()
 }
 
 #[test]

@@ -10,25 +10,17 @@ fn errors(a: &DMatrix<f64>, svd: &Svd) -> (f64, f64) {
     let back = &svd.u * DMatrix::from_diagonal(&svd.values) * svd.v.transpose();
     let n = a.ncols();
     let square = |m: &DMatrix<f64>| (m.tr_mul(m) - DMatrix::identity(n, n)).amax();
-    (
-        (back - a).norm() / a.norm(),
-        square(&svd.u).max(square(&svd.v)),
-    )
+    ((back - a).norm() / a.norm(), square(&svd.u).max(square(&svd.v)))
 }
 
 #[test]
 fn every_one_of_many_random_triangles_is_decomposed_to_working_precision() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     for case in 0..20_000 {
-        let a = DMatrix::from_fn(9, 6, |_, _| rng.random::<f64>() - 0.5)
-            .qr()
-            .r();
+        let a = DMatrix::from_fn(9, 6, |_, _| rng.random::<f64>() - 0.5).qr().r();
         let svd = svd(a.clone()).unwrap();
         let (residual, orthogonality) = errors(&a, &svd);
-        assert!(
-            residual < 1e-14 && orthogonality < 1e-13,
-            "{case}: {residual:e} {orthogonality:e}"
-        );
+        assert!(residual < 1e-14 && orthogonality < 1e-13, "{case}: {residual:e} {orthogonality:e}");
         assert!(svd.values.as_slice().is_sorted_by(|a, b| a >= b));
     }
 }
@@ -59,17 +51,10 @@ fn a_matrix_that_nalgebra_gets_wrong() {
 #[test]
 fn small_singular_values_of_graded_columns_keep_their_digits() {
     // Orthogonal columns of sizes 1 to 1e-12: the sizes are the singular values.
-    let q = DMatrix::from_fn(7, 5, |i, j| ((3 * i + 7 * j + i * j) as f64).sin())
-        .qr()
-        .q();
+    let q = DMatrix::from_fn(7, 5, |i, j| ((3 * i + 7 * j + i * j) as f64).sin()).qr().q();
     let sizes = DVector::from_fn(5, |j, _| 1e-3_f64.powi(j as i32));
     let svd = svd(q * DMatrix::from_diagonal(&sizes)).unwrap();
-    assert!(
-        svd.values
-            .iter()
-            .zip(sizes.iter())
-            .all(|(a, b)| (a / b - 1.0).abs() < 1e-14)
-    );
+    assert!(svd.values.iter().zip(sizes.iter()).all(|(a, b)| (a / b - 1.0).abs() < 1e-14));
 }
 
 #[test]
@@ -86,10 +71,7 @@ fn extreme_scales_zeros_and_nan() {
     let found = svd(flat.clone()).unwrap();
     assert!((found.values[0] / flat.norm() - 1.0).abs() < 1e-14);
     assert!(found.values.rows(1, 3).amax() < 1e-14 * flat.norm());
-    assert_eq!(
-        svd(DMatrix::zeros(3, 2)).unwrap().values.as_slice(),
-        [0.0, 0.0]
-    );
+    assert_eq!(svd(DMatrix::zeros(3, 2)).unwrap().values.as_slice(), [0.0, 0.0]);
     assert!(svd(DMatrix::from_element(2, 2, f64::NAN)).is_none());
     assert!(svd(DMatrix::zeros(1, 2)).is_none());
     let row = svd(DMatrix::from_column_slice(2, 1, &[3.0, -4.0])).unwrap();

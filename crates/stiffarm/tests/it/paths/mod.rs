@@ -14,8 +14,7 @@ use stiffarm_files::table::{PathFormat, PathKind, PathTable, read_path, write_pa
 type Check = Result<(), Box<dyn std::error::Error>>;
 
 /// A workpiece frame off every axis.
-const WORKPIECE: &str =
-    "[work]\nworkpiece_mm = [1500.5, -200, 612.25]\nworkpiece_rpy_deg = [10, -20, 35]\n";
+const WORKPIECE: &str = "[work]\nworkpiece_mm = [1500.5, -200, 612.25]\nworkpiece_rpy_deg = [10, -20, 35]\n";
 
 /// The COMAU arm and what else the cell says.
 fn cell_with(more: &str) -> Cell {
@@ -64,48 +63,27 @@ fn angles_and_loads_of_the_rows() -> Check {
     assert_eq!((first.name.as_ref(), first.line), ("P1", Some(2)));
     let q = [12.5f64, -30.0, -100.0, 0.0, 45.25, 0.0].map(f64::to_radians);
     assert_eq!(first.target, PathTarget::Angles(q.to_vec()));
-    let load = TipLoad {
-        force: Vector3::new(100.0, -20.5, 0.0),
-        moment: Vector3::new(0.0, 0.0, -3.0),
-        axes: ForceAxes::Base,
-    };
+    let load =
+        TipLoad { force: Vector3::new(100.0, -20.5, 0.0), moment: Vector3::new(0.0, 0.0, -3.0), axes: ForceAxes::Base };
     assert_eq!(first.load, Some(load));
-    assert_eq!(
-        second.load, None,
-        "empty fields leave the load to the process"
-    );
+    assert_eq!(second.load, None, "empty fields leave the load to the process");
     assert_eq!(third.load.ok_or("no load")?.axes, ForceAxes::Workpiece);
-    assert_eq!(
-        write_path(&path.format, &path.points)?,
-        ANGLES.replace("1e-3", "0.001")
-    );
+    assert_eq!(write_path(&path.format, &path.points)?, ANGLES.replace("1e-3", "0.001"));
 
     // Axes for the whole table, and a row that knows better.
     let text = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,fx_n,fy_n,fz_n,axes\n\
                 0,0,-90,0,0,0,1,2,3,\n0,0,-90,0,0,0,1,2,3, Base \n";
     let path = read_path(text.as_bytes(), "p.csv", &cell, Some(ForceAxes::Path))?;
-    let axes: Vec<_> = path
-        .points
-        .iter()
-        .map(|p| p.load.map(|load| load.axes))
-        .collect();
+    let axes: Vec<_> = path.points.iter().map(|p| p.load.map(|load| load.axes)).collect();
     assert_eq!(axes, [Some(ForceAxes::Path), Some(ForceAxes::Base)]);
-    let names: Vec<_> = path
-        .points
-        .iter()
-        .map(|point| point.name.as_ref())
-        .collect();
+    let names: Vec<_> = path.points.iter().map(|point| point.name.as_ref()).collect();
     assert_eq!(names, ["1", "2"]);
     Ok(())
 }
 
 #[test]
 fn poses_are_turns_about_x_then_y_then_z() -> Check {
-    let (roll, pitch, yaw) = (
-        170f64.to_radians(),
-        5.5f64.to_radians(),
-        -30f64.to_radians(),
-    );
+    let (roll, pitch, yaw) = (170f64.to_radians(), 5.5f64.to_radians(), -30f64.to_radians());
     // Written out: W, P, R of FANUC; C, B, A of KUKA.
     let about_x = Matrix3::new(
         1.0,
@@ -141,10 +119,8 @@ fn poses_are_turns_about_x_then_y_then_z() -> Check {
         1.0,
     );
     let rotation = Rotation3::from_matrix_unchecked(about_z * about_y * about_x);
-    let local = Isometry3::from_parts(
-        Translation3::new(1.51, -0.2005, 0.6),
-        UnitQuaternion::from_rotation_matrix(&rotation),
-    );
+    let local =
+        Isometry3::from_parts(Translation3::new(1.51, -0.2005, 0.6), UnitQuaternion::from_rotation_matrix(&rotation));
     for more in ["", WORKPIECE] {
         let cell = cell_with(more);
         let path = read(POSES, &cell)?;
@@ -176,10 +152,7 @@ fn tool_axes_of_any_length() -> Check {
         assert!((axis.as_ref() - expected).norm() < 1e-15);
         assert_eq!(write_path(&path.format, &path.points)?, TOOL_AXES);
         let longer = TOOL_AXES.replace("0,0.6,-0.8", "0,6e3,-8e3");
-        assert_eq!(
-            write_path(&path.format, &read(&longer, &cell)?.points)?,
-            TOOL_AXES
-        );
+        assert_eq!(write_path(&path.format, &read(&longer, &cell)?.points)?, TOOL_AXES);
     }
     Ok(())
 }
@@ -237,10 +210,7 @@ fn a_path_is_written_in_other_columns() -> Check {
     let format = table.format.clone().angles(&cell);
     let text = write_path(&format, &points)?;
     let (heading, rows) = text.split_once('\n').ok_or("no rows")?;
-    assert_eq!(
-        heading,
-        "point,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,fx_n,fy_n,fz_n,axes"
-    );
+    assert_eq!(heading, "point,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,fx_n,fy_n,fz_n,axes");
     assert!(rows.starts_with("P1,0.25,0,"), "{rows}");
     let again = read(&text, &cell)?;
     assert_eq!(again.points, points, "the same to the last digit");
@@ -251,29 +221,17 @@ fn a_path_is_written_in_other_columns() -> Check {
     assert_eq!(back, POSES);
     let format = table.format.clone().with_kind(PathKind::ToolAxes, &cell);
     let text = write_path(&format, &table.points)?;
-    assert!(
-        text.starts_with("point,x_mm,y_mm,z_mm,axis_x,axis_y,axis_z,fx_n"),
-        "{text}"
-    );
+    assert!(text.starts_with("point,x_mm,y_mm,z_mm,axis_x,axis_y,axis_z,fx_n"), "{text}");
     assert!(text.contains("P1,1500,-200.5,600,0,0,-1,100"), "{text}");
 
     // From nothing, and with loads.
     let bare = PathFormat::new(PathKind::Poses, &cell);
     assert!(!bare.has_loads());
     let text = write_path(&bare, &table.points)?;
-    assert!(
-        text.starts_with("point,x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg\nP1,1500,"),
-        "{text}"
-    );
+    assert!(text.starts_with("point,x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg\nP1,1500,"), "{text}");
     let text = write_path(&bare.with_loads(&cell), &table.points)?;
-    assert!(
-        text.contains("P1,1500,-200.5,600,180,0,0,100,-20.5,0,0,0,0,path\n"),
-        "{text}"
-    );
-    assert!(
-        text.contains("P2,1510,-200.5,600,170,5.5,-30,,,,,,,\n"),
-        "{text}"
-    );
+    assert!(text.contains("P1,1500,-200.5,600,180,0,0,100,-20.5,0,0,0,0,path\n"), "{text}");
+    assert!(text.contains("P2,1510,-200.5,600,170,5.5,-30,,,,,,,\n"), "{text}");
     Ok(())
 }
 
@@ -285,30 +243,18 @@ fn european_tables_go_out_as_they_came_in() -> Check {
                 c,d;1520;-0,25;900;180;0;10,5;;;;\n";
     let table = read(text, &cell)?;
     assert_eq!(write_path(&table.format, &table.points)?, text);
-    let tabs = text
-        .replace(',', ".")
-        .replace(';', "\t")
-        .replace("a\tb", "a b");
+    let tabs = text.replace(',', ".").replace(';', "\t").replace("a\tb", "a b");
     let table = read(&tabs, &cell)?;
-    assert_eq!(
-        write_path(&table.format, &table.points)?,
-        tabs.replace('"', "")
-    );
+    assert_eq!(write_path(&table.format, &table.points)?, tabs.replace('"', ""));
     Ok(())
 }
 
 #[test]
 fn what_the_columns_cannot_hold_is_refused() -> Check {
     let cell = cell_with("");
-    let (angles, poses, axes) = (
-        read(ANGLES, &cell)?,
-        read(POSES, &cell)?,
-        read(TOOL_AXES, &cell)?,
-    );
+    let (angles, poses, axes) = (read(ANGLES, &cell)?, read(POSES, &cell)?, read(TOOL_AXES, &cell)?);
     let no_axes = TOOL_AXES.replace("axis_z", "axis_z,fx_n,fy_n,fz_n");
-    let no_axes = no_axes
-        .replace("00,0,0,-1", "00,0,0,-1,1,2,3")
-        .replace("-0.8", "-0.8,1,2,3");
+    let no_axes = no_axes.replace("00,0,0,-1", "00,0,0,-1,1,2,3").replace("-0.8", "-0.8,1,2,3");
     let no_axes = no_axes.replace("-1,0,0", "-1,0,0,1,2,3");
     let no_axes = read_path(no_axes.as_bytes(), "p.csv", &cell, Some(ForceAxes::Tool))?;
     let mut loaded = axes.points.clone();

@@ -7,12 +7,7 @@ use crate::common::set_ups::path_point;
 /// Numbers of few decimals, as controllers show them, or of many.
 fn number(largest: f64) -> impl Strategy<Value = f64> {
     let few = move |n: f64| (n * largest * 1e3).round() / 1e3;
-    prop_oneof![
-        (-1.0..1.0f64).prop_map(few),
-        -largest..largest,
-        Just(0.0),
-        Just(largest)
-    ]
+    prop_oneof![(-1.0..1.0f64).prop_map(few), -largest..largest, Just(0.0), Just(largest)]
 }
 
 fn vector(largest: f64) -> impl Strategy<Value = Vector3<f64>> {
@@ -21,11 +16,7 @@ fn vector(largest: f64) -> impl Strategy<Value = Vector3<f64>> {
 
 fn load() -> impl Strategy<Value = Option<TipLoad>> {
     let axes = prop::sample::select(ForceAxes::NAMES.map(|(_, axes)| axes).to_vec());
-    let load = (vector(1e3), vector(50.0), axes).prop_map(|(force, moment, axes)| TipLoad {
-        force,
-        moment,
-        axes,
-    });
+    let load = (vector(1e3), vector(50.0), axes).prop_map(|(force, moment, axes)| TipLoad { force, moment, axes });
     prop::option::of(load)
 }
 
@@ -41,10 +32,7 @@ fn pose() -> impl Strategy<Value = PathTarget> {
     (vector(3.0), number(180.0), pitch, number(180.0)).prop_map(|(position, roll, pitch, yaw)| {
         let [roll, pitch, yaw] = [roll, pitch, yaw].map(f64::to_radians);
         let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-        PathTarget::Pose(Isometry3::from_parts(
-            Translation3::from(position),
-            rotation,
-        ))
+        PathTarget::Pose(Isometry3::from_parts(Translation3::from(position), rotation))
     })
 }
 
@@ -55,14 +43,7 @@ fn tool_axis() -> impl Strategy<Value = PathTarget> {
 
 fn angles() -> impl Strategy<Value = PathTarget> {
     // Within the limits of all joints.
-    let q = [
-        number(75.0),
-        number(45.0),
-        number(40.0),
-        number(180.0),
-        number(100.0),
-        number(180.0),
-    ];
+    let q = [number(75.0), number(45.0), number(40.0), number(180.0), number(100.0), number(180.0)];
     q.prop_map(|q| {
         let mut q = q.map(f64::to_radians);
         q[2] -= 100f64.to_radians();
@@ -112,13 +93,7 @@ fn check(points: &[PathPoint], kind: PathKind, cell: &Cell) -> Result<(), TestCa
                 let turn = read.rotation.angle_to(&given.rotation);
                 prop_assert!(turn < 2e-11, "{}", turn);
             }
-            (
-                PathTarget::Axis {
-                    position: p,
-                    axis: a,
-                },
-                PathTarget::Axis { position, axis },
-            ) => {
+            (PathTarget::Axis { position: p, axis: a }, PathTarget::Axis { position, axis }) => {
                 prop_assert!((p - position).norm() < 1e-12);
                 prop_assert!((a.as_ref() - axis.as_ref()).norm() < 2e-12);
                 prop_assert!((a.norm() - 1.0).abs() < 1e-15);

@@ -6,10 +6,7 @@ use stiffarm_files::internals::{plain, wrapped};
 #[test]
 fn texts_keep_what_can_be_shown() {
     assert_eq!(plain("Größe \"A\";\n45°"), "Groesse _A__ 45 deg");
-    assert_eq!(
-        wrapped("measure unloaded, loaded", 10),
-        ["measure", "unloaded,", "loaded"]
-    );
+    assert_eq!(wrapped("measure unloaded, loaded", 10), ["measure", "unloaded,", "loaded"]);
     assert_eq!(wrapped("abcdefghij kl", 4), ["abcd", "efgh", "ij", "kl"]);
     assert_eq!(wrapped("", 4), [""]);
 }
@@ -29,17 +26,12 @@ proptest! {
 fn no_number_is_minus_nothing() {
     for language in Language::ALL {
         let mut program = small();
-        let Step::Move(first) = &mut program.steps[1] else {
-            panic!()
-        };
+        let Step::Move(first) = &mut program.steps[1] else { panic!() };
         first.q[0] = -1e-12;
         let files = write_program(&program, language, &options(language, 6)).unwrap();
         for word in files[0].text.split(|c: char| !"-.0123456789".contains(c)) {
             let is_nothing = word.starts_with('-') && word.contains('0');
-            assert!(
-                !is_nothing || word.contains(|c| ('1'..='9').contains(&c)),
-                "{word}"
-            );
+            assert!(!is_nothing || word.contains(|c| ('1'..='9').contains(&c)), "{word}");
         }
     }
 }

@@ -57,10 +57,7 @@ impl Tokens {
                 tokens.push(Token::Text(chars[begin + 1..at - 1].iter().collect()));
             } else if c.is_ascii_digit() || sign_of_number {
                 at += 1;
-                while chars
-                    .get(at)
-                    .is_some_and(|c| c.is_ascii_alphanumeric() || *c == '.')
-                {
+                while chars.get(at).is_some_and(|c| c.is_ascii_alphanumeric() || *c == '.') {
                     at += 1;
                 }
                 tokens.push(Token::Number(chars[begin..at].iter().collect()));
@@ -74,10 +71,7 @@ impl Tokens {
                 tokens.push(Token::Sign(c));
             }
         }
-        Ok(Tokens {
-            line: line.to_string(),
-            tokens: tokens.into_iter(),
-        })
+        Ok(Tokens { line: line.to_string(), tokens: tokens.into_iter() })
     }
 
     fn wrong<T>(&self, wanted: &str, got: Option<Token>) -> Checked<T> {
@@ -174,11 +168,7 @@ pub fn lines<'a>(file: &'a ProgramFile, end: &str, longest: usize) -> Checked<Ve
 pub fn name(name: &str, longest: usize) -> Checked<()> {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let begins = name.starts_with(|c: char| c.is_ascii_alphabetic());
-    if begins && name.chars().all(plain) && name.len() <= longest {
-        Ok(())
-    } else {
-        Err(format!("name {name}"))
-    }
+    if begins && name.chars().all(plain) && name.len() <= longest { Ok(()) } else { Err(format!("name {name}")) }
 }
 
 /// Fails unless it holds.

@@ -7,23 +7,14 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     let file = only(files)?;
     let lines = lines(file, "\r\n", 120)?;
     let mut rest = lines.iter().copied();
-    let mut next = || {
-        rest.next()
-            .ok_or_else(|| "the end came too early".to_string())
-    };
+    let mut next = || rest.next().ok_or_else(|| "the end came too early".to_string());
     holds(next()? == "/JOB", "/JOB")?;
     let own = next()?.strip_prefix("//NAME ").ok_or("//NAME")?;
     name(own, 32)?;
-    holds(
-        own == own.to_ascii_uppercase() && file.name == format!("{own}.jbi"),
-        "file name",
-    )?;
+    holds(own == own.to_ascii_uppercase() && file.name == format!("{own}.jbi"), "file name")?;
     holds(next()? == "//POS", "//POS")?;
     let counts = next()?.strip_prefix("///NPOS ").ok_or("///NPOS")?;
-    let count: usize = counts
-        .strip_suffix(",0,0,0,0,0")
-        .and_then(|n| n.parse().ok())
-        .ok_or("///NPOS")?;
+    let count: usize = counts.strip_suffix(",0,0,0,0,0").and_then(|n| n.parse().ok()).ok_or("///NPOS")?;
     let tool = next()?.strip_prefix("///TOOL ").ok_or("///TOOL")?;
     holds(tool.parse::<u8>().is_ok_and(|tool| tool < 64), "///TOOL")?;
     holds(next()? == "///POSTYPE PULSE", "///POSTYPE")?;
@@ -43,14 +34,7 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
         tokens.end()?;
         points.push(pulses);
     }
-    let head = [
-        "//INST",
-        "///DATE 2000/01/01 00:00",
-        "///COMM STIFFARM PLAN",
-        "///ATTR SC,RW",
-        "///GROUP1 RB1",
-        "NOP",
-    ];
+    let head = ["//INST", "///DATE 2000/01/01 00:00", "///COMM STIFFARM PLAN", "///ATTR SC,RW", "///GROUP1 RB1", "NOP"];
     for wanted in head {
         holds(next()? == wanted, wanted)?;
     }
@@ -79,9 +63,8 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
                 // The first words, as many as fit.
                 let left = text.strip_prefix(&shown).ok_or("the message is another")?;
                 let next = left.split(' ').nth(1).map_or(32, str::len);
-                let full_line = left.is_empty()
-                    || shown.len() == 32
-                    || (left.starts_with(' ') && shown.len() + 1 + next > 32);
+                let full_line =
+                    left.is_empty() || shown.len() == 32 || (left.starts_with(' ') && shown.len() + 1 + next > 32);
                 holds(full_line, "the message is not the first words")?;
                 found.waits.push(text);
                 full.clear();
@@ -105,9 +88,6 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
         tokens.end()?;
     }
     holds(rest.next().is_none(), "lines after END")?;
-    holds(
-        points.len() == found.moves.len(),
-        "a position that is not used",
-    )?;
+    holds(points.len() == found.moves.len(), "a position that is not used")?;
     Ok(found)
 }

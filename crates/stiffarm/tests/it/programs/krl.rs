@@ -87,20 +87,14 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
         tokens.end()?;
     }
     holds(ended && !waiting, "no END")?;
-    holds(
-        points.len() == found.moves.len(),
-        "a point that is not used",
-    )?;
+    holds(points.len() == found.moves.len(), "a point that is not used")?;
     Ok(found)
 }
 
 fn data(dat: &ProgramFile, own: &str, joints: usize) -> Checked<Vec<Vec<f64>>> {
     let lines = lines(dat, "\r\n", 200)?;
     let head = ["&ACCESS RVP", "&REL 1", &format!("DEFDAT {own}")];
-    holds(
-        lines.len() > head.len() && lines[..3] == head,
-        "head of the .dat",
-    )?;
+    holds(lines.len() > head.len() && lines[..3] == head, "head of the .dat")?;
     holds(lines.last() == Some(&"ENDDAT"), "ENDDAT")?;
     let mut points = Vec::new();
     let declared = lines[3..lines.len() - 1].iter();

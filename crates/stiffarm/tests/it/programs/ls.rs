@@ -9,25 +9,16 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     let own = lines[0].strip_prefix("/PROG  ").ok_or("/PROG")?;
     name(own, 36)?;
     holds(own == own.to_ascii_uppercase(), "capitals")?;
-    holds(
-        file.name == format!("{}.ls", own.to_ascii_lowercase()),
-        "file name",
-    )?;
+    holds(file.name == format!("{}.ls", own.to_ascii_lowercase()), "file name")?;
     let at = |section: &str| {
-        let mut found = lines
-            .iter()
-            .enumerate()
-            .filter(|(_, line)| **line == section);
+        let mut found = lines.iter().enumerate().filter(|(_, line)| **line == section);
         match (found.next(), found.next()) {
             (Some((at, _)), None) => Ok(at),
             _ => Err(format!("{section} once")),
         }
     };
     let (body, points, end) = (at("/MN")?, at("/POS")?, at("/END")?);
-    holds(
-        at("/ATTR")? == 1 && end + 1 == lines.len() && body < points,
-        "order",
-    )?;
+    holds(at("/ATTR")? == 1 && end + 1 == lines.len() && body < points, "order")?;
     let count = attributes(&lines[2..body])?;
     let statements = &lines[body + 1..points];
     holds(count == statements.len(), "LINE_COUNT")?;
@@ -36,12 +27,8 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     let mut said: Vec<&str> = Vec::new();
     let (mut frame_set, mut tool_set) = (false, false);
     for (i, line) in statements.iter().enumerate() {
-        let rest = line
-            .strip_prefix(&format!("{:4}:", i + 1))
-            .ok_or("line number")?;
-        let rest = rest
-            .strip_suffix(" ;")
-            .ok_or_else(|| format!("end: {line}"))?;
+        let rest = line.strip_prefix(&format!("{:4}:", i + 1)).ok_or("line number")?;
+        let rest = rest.strip_suffix(" ;").ok_or_else(|| format!("end: {line}"))?;
         if let Some(remark) = rest.strip_prefix("  !") {
             holds((1..=32).contains(&remark.len()), format!("remark {remark}"))?;
         } else if let Some(message) = rest.strip_prefix("  MESSAGE[") {
@@ -58,10 +45,7 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
         } else if rest == format!("  UTOOL_NUM={tool}") {
             tool_set = true;
         } else {
-            holds(
-                frame_set && tool_set && said.is_empty(),
-                "frames before moves",
-            )?;
+            holds(frame_set && tool_set && said.is_empty(), "frames before moves")?;
             let mut tokens = Tokens::of(rest, '"')?;
             tokens.word("J")?;
             tokens.word("P")?;
@@ -78,10 +62,7 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
             found.moves.push((target.clone(), speed));
         }
     }
-    holds(
-        targets.len() == found.moves.len(),
-        "a point that is not used",
-    )?;
+    holds(targets.len() == found.moves.len(), "a point that is not used")?;
     Ok(found)
 }
 
@@ -111,21 +92,14 @@ fn attributes(lines: &[&str]) -> Checked<usize> {
     let mut count = None;
     for (i, (line, key)) in lines.iter().zip(keys).enumerate() {
         let end = if (10..15).contains(&i) { ',' } else { ';' };
-        let line = line
-            .strip_suffix(end)
-            .ok_or_else(|| format!("end of {line}"))?;
+        let line = line.strip_suffix(end).ok_or_else(|| format!("end of {line}"))?;
         let (found, value) = line.split_once('=').ok_or("=")?;
         holds(found.trim_end() == key, key)?;
         let value = value.trim();
         let number = value.parse::<usize>();
         let sound = match key {
             "OWNER" => value == "MNEDITOR",
-            "COMMENT" => {
-                value.len() <= 18
-                    && value.len() > 2
-                    && value.starts_with('"')
-                    && value.ends_with('"')
-            }
+            "COMMENT" => value.len() <= 18 && value.len() > 2 && value.starts_with('"') && value.ends_with('"'),
             "CREATE" | "MODIFIED" => value == "DATE 00-01-01  TIME 00:00:00",
             "FILE_NAME" => value.is_empty(),
             "PROTECT" => value == "READ_WRITE",
@@ -157,11 +131,7 @@ fn positions(lines: &[&str], joints: usize) -> Checked<(Vec<Vec<f64>>, String)> 
         holds(*tool.get_or_insert(used.clone()) == used, "tools")?;
         let mut values = Vec::new();
         for (row, line) in point[3..each - 1].iter().enumerate() {
-            let line = if row + 1 < rows {
-                line.strip_suffix(',').ok_or("comma")?
-            } else {
-                line
-            };
+            let line = if row + 1 < rows { line.strip_suffix(',').ok_or("comma")? } else { line };
             let fields: Vec<&str> = line.strip_prefix('\t').ok_or("tab")?.split(",\t").collect();
             for field in fields {
                 let joint = values.len();

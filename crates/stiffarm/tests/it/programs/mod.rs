@@ -22,19 +22,12 @@ use stiffarm::model::posture::Posture;
 use stiffarm::model::robot::Robot;
 use stiffarm::plan::feasibility::forbidden;
 use stiffarm_files::program::{
-    Language, Program, ProgramFile, ProgramOptions, Start, Step, Stop, program_of_stops,
-    read_program, write_program,
+    Language, Program, ProgramFile, ProgramOptions, Start, Step, Stop, program_of_stops, read_program, write_program,
 };
 
 /// The six languages of controllers.
-const CONTROLLERS: [Language; 6] = [
-    Language::Krl,
-    Language::Rapid,
-    Language::Ls,
-    Language::Inform,
-    Language::Pdl2,
-    Language::Urscript,
-];
+const CONTROLLERS: [Language; 6] =
+    [Language::Krl, Language::Rapid, Language::Ls, Language::Inform, Language::Pdl2, Language::Urscript];
 
 /// As different as they are on real arms, both signs.
 const PULSES: [f64; 7] = [1341.38, 1341.38, -1341.38, 1000.0, 1000.0, 622.222, 1341.38];
@@ -86,26 +79,14 @@ fn expected(language: Language, program: &Program) -> Found {
 
 /// A seven-joint arm: the rows of Franka's Panda, with its limits in whole degrees.
 fn seven_joints() -> Robot {
-    let limits = [
-        [-166, 166],
-        [-101, 101],
-        [-166, 166],
-        [-176, -4],
-        [-166, 166],
-        [-1, 215],
-        [-166, 166],
-    ];
+    let limits = [[-166, 166], [-101, 101], [-166, 166], [-176, -4], [-166, 166], [-1, 215], [-166, 166]];
     let limits = limits.map(|pair| pair.map(|deg| f64::from(deg).to_radians()));
     panda().with_limits(&limits).unwrap()
 }
 
 /// An angle in radians, in whole hundredths of a degree where asked.
 fn rounded(angle: f64, hundredths: bool) -> f64 {
-    if hundredths {
-        ((angle.to_degrees() * 100.0).round() / 100.0).to_radians()
-    } else {
-        angle
-    }
+    if hundredths { ((angle.to_degrees() * 100.0).round() / 100.0).to_radians() } else { angle }
 }
 
 /// Random postures that the cell allows.
@@ -114,9 +95,7 @@ fn feasible(cell: &Cell, count: usize, hundredths: bool, seed: u64) -> Vec<Postu
     let mut postures = Vec::new();
     while postures.len() < count {
         let bounds = cell.bounds.iter();
-        let q: Vec<f64> = bounds
-            .map(|b| rounded(dice.between(b[0], b[1]), hundredths))
-            .collect();
+        let q: Vec<f64> = bounds.map(|b| rounded(dice.between(b[0], b[1]), hundredths)).collect();
         if forbidden(cell, &q).unwrap().is_none() {
             let name = format!("p{}", postures.len() + 1);
             postures.push(Posture { name, q });
@@ -131,67 +110,32 @@ fn within(robot: &Robot, count: usize, hundredths: bool, seed: u64) -> Vec<Postu
     let posture = |number: usize| {
         let limits = robot.joints().iter().map(|joint| joint.limits);
         let q = limits.map(|l| rounded(dice.between(l[0], l[1]), hundredths));
-        Posture {
-            name: format!("p{}", number + 1),
-            q: q.collect(),
-        }
+        Posture { name: format!("p{}", number + 1), q: q.collect() }
     };
     (0..count).map(posture).collect()
 }
 
 /// A program with everything in it: a start, ways, texts before a move.
 fn program(language: Language, postures: &[Posture]) -> Program {
-    let mut stops: Vec<Stop> = postures
-        .iter()
-        .map(|posture| Stop::new(posture.clone(), "measure unloaded, loaded, unloaded-2"))
-        .collect();
+    let mut stops: Vec<Stop> =
+        postures.iter().map(|posture| Stop::new(posture.clone(), "measure unloaded, loaded, unloaded-2")).collect();
     if let [first, second, ..] = postures {
         let half = first.q.iter().zip(&second.q).map(|(a, b)| 0.5 * (a + b));
         // A way has as many digits as its postures.
         let via = half.map(|angle| rounded(angle, true)).collect();
-        stops[1].via.push(Posture {
-            name: "p1-p2".into(),
-            q: via,
-        });
-        stops[1]
-            .before
-            .push("Unhook the rope before this move".into());
+        stops[1].via.push(Posture { name: "p1-p2".into(), q: via });
+        stops[1].before.push("Unhook the rope before this move".into());
     }
-    let home = Posture {
-        name: "home".into(),
-        q: postures[0]
-            .q
-            .iter()
-            .map(|a| rounded(0.5 * a, true))
-            .collect(),
-    };
-    let start = Start {
-        back: Vec::new(),
-        posture: home,
-    };
-    let header = vec![
-        "Generated motion program.".to_string(),
-        format!("plan sha256 {}", "a1".repeat(32)),
-    ];
-    program_of_stops(
-        language.name_for("plan a"),
-        header,
-        &stops,
-        Some(&start),
-        10,
-    )
+    let home = Posture { name: "home".into(), q: postures[0].q.iter().map(|a| rounded(0.5 * a, true)).collect() };
+    let start = Start { back: Vec::new(), posture: home };
+    let header = vec!["Generated motion program.".to_string(), format!("plan sha256 {}", "a1".repeat(32))];
+    program_of_stops(language.name_for("plan a"), header, &stops, Some(&start), 10)
 }
 
 #[test]
 fn the_way_back_to_the_start_has_via_postures_too() {
-    let posture = |name: &str, angle: f64| Posture {
-        name: name.into(),
-        q: vec![angle; 6],
-    };
-    let start = Start {
-        posture: posture("home", 0.0),
-        back: vec![posture("over", 0.1), posture("under", 0.2)],
-    };
+    let posture = |name: &str, angle: f64| Posture { name: name.into(), q: vec![angle; 6] };
+    let start = Start { posture: posture("home", 0.0), back: vec![posture("over", 0.1), posture("under", 0.2)] };
     let stops = [Stop::new(posture("1", 0.3), "measure")];
     let program = program_of_stops("plan", vec![], &stops, Some(&start), 10);
     let names: Vec<&str> = program.moves().map(|target| target.name.as_str()).collect();
@@ -203,8 +147,7 @@ fn agrees(language: Language, program: &Program, joints: usize, hundredths: bool
     let options = options(language, joints);
     let files = write_program(program, language, &options).unwrap();
     assert_eq!(files, write_program(program, language, &options).unwrap());
-    let found = check(language, &files, joints)
-        .unwrap_or_else(|e| panic!("{language:?}: {e}\n{}", files[0].text));
+    let found = check(language, &files, joints).unwrap_or_else(|e| panic!("{language:?}: {e}\n{}", files[0].text));
     let wanted = expected(language, program);
     // Half of the last digit: of pulses, of degrees.
     let digit = match (language, hundredths) {
@@ -237,10 +180,7 @@ fn agrees(language: Language, program: &Program, joints: usize, hundredths: bool
                         Language::Inform => 0.51 / 600.0,
                         _ => digit,
                     };
-                    assert!(
-                        (a - b).to_degrees().abs() <= tolerance,
-                        "{language:?} joint {j}: {a} {b}"
-                    );
+                    assert!((a - b).to_degrees().abs() <= tolerance, "{language:?} joint {j}: {a} {b}");
                 }
             }
             _ => panic!("{language:?}: {read:?} {step:?}"),
@@ -268,9 +208,7 @@ fn programs_of_6_and_50_postures_are_sound_and_read_back() {
 fn a_table_is_read_back_to_the_last_bit() {
     let robot = seven_joints();
     let mut written = program(Language::Csv, &within(&robot, 50, true, 9));
-    let Step::Move(first) = &mut written.steps[1] else {
-        panic!()
-    };
+    let Step::Move(first) = &mut written.steps[1] else { panic!() };
     first.name = "Größe \"A\", #1".to_string();
     written.header.clear();
     let files = write_program(&written, Language::Csv, &ProgramOptions::default()).unwrap();
@@ -280,14 +218,9 @@ fn a_table_is_read_back_to_the_last_bit() {
 
 /// A small program of each language.
 fn small() -> Program {
-    let posture = |name: &str, q: [f64; 6]| Posture {
-        name: name.into(),
-        q: q.map(f64::to_radians).into(),
-    };
-    let postures = [
-        posture("p1", [10.0, -20.0, 95.5, 0.0, 45.25, -180.0]),
-        posture("p2", [-10.0, 0.0, 80.0, 5.0, 30.0, 0.0]),
-    ];
+    let posture = |name: &str, q: [f64; 6]| Posture { name: name.into(), q: q.map(f64::to_radians).into() };
+    let postures =
+        [posture("p1", [10.0, -20.0, 95.5, 0.0, 45.25, -180.0]), posture("p2", [-10.0, 0.0, 80.0, 5.0, 30.0, 0.0])];
     program(Language::Ls, &postures)
 }
 
@@ -299,36 +232,17 @@ fn snapshots_of_a_small_program() {
         let files = write_program(&program, language, &options(language, 6)).unwrap();
         let mut shown = String::new();
         for file in &files {
-            let ends = if file.text.contains("\r\n") {
-                "CR LF"
-            } else {
-                "LF"
-            };
-            writeln!(
-                shown,
-                "== {} ({ends})\n{}",
-                file.name,
-                file.text.replace("\r\n", "\n")
-            )
-            .unwrap();
+            let ends = if file.text.contains("\r\n") { "CR LF" } else { "LF" };
+            writeln!(shown, "== {} ({ends})\n{}", file.name, file.text.replace("\r\n", "\n")).unwrap();
         }
         insta::assert_snapshot!(format!("program_{}", language.as_str()), shown);
     }
 }
 
 /// Files with line `at` of file `file` replaced.
-fn with_line(
-    files: &[ProgramFile],
-    file: usize,
-    at: usize,
-    new: Option<String>,
-) -> Vec<ProgramFile> {
+fn with_line(files: &[ProgramFile], file: usize, at: usize, new: Option<String>) -> Vec<ProgramFile> {
     let mut files = files.to_vec();
-    let end = if files[file].text.contains("\r\n") {
-        "\r\n"
-    } else {
-        "\n"
-    };
+    let end = if files[file].text.contains("\r\n") { "\r\n" } else { "\n" };
     let mut lines: Vec<String> = files[file].text.split(end).map(String::from).collect();
     match new {
         Some(new) => lines[at] = new,
@@ -346,9 +260,7 @@ fn is_comment(language: Language, line: &str) -> bool {
     match language {
         Language::Krl => line.starts_with("; "),
         Language::Rapid => line.starts_with('!'),
-        Language::Ls => line
-            .split_once(':')
-            .is_some_and(|(_, rest)| rest.trim_start().starts_with('!')),
+        Language::Ls => line.split_once(':').is_some_and(|(_, rest)| rest.trim_start().starts_with('!')),
         // Comments with a text are checked.
         Language::Inform => line.starts_with('\'') && !line.starts_with("'>"),
         Language::Pdl2 => line.starts_with("--"),
@@ -364,11 +276,7 @@ fn the_checkers_find_every_line_and_every_sign_that_is_missing() {
         let files = write_program(&program, language, &options(language, 6)).unwrap();
         let sound = check(language, &files, 6).unwrap();
         let differs = |broken: &[ProgramFile]| {
-            check(language, broken, 6)
-                != Ok(Found {
-                    moves: sound.moves.clone(),
-                    waits: sound.waits.clone(),
-                })
+            check(language, broken, 6) != Ok(Found { moves: sound.moves.clone(), waits: sound.waits.clone() })
         };
         let mut tried = 0;
         for (f, file) in files.iter().enumerate() {
@@ -377,14 +285,8 @@ fn the_checkers_find_every_line_and_every_sign_that_is_missing() {
                 if is_comment(language, line) {
                     continue;
                 }
-                assert!(
-                    differs(&with_line(&files, f, l, None)),
-                    "{language:?} without line: {line}"
-                );
-                for (at, sign) in line
-                    .char_indices()
-                    .filter(|(_, c)| "()[]{}\"';:,=%#/!&$".contains(*c))
-                {
+                assert!(differs(&with_line(&files, f, l, None)), "{language:?} without line: {line}");
+                for (at, sign) in line.char_indices().filter(|(_, c)| "()[]{}\"';:,=%#/!&$".contains(*c)) {
                     let mut new = line.to_string();
                     new.remove(at);
                     assert!(
@@ -394,10 +296,7 @@ fn the_checkers_find_every_line_and_every_sign_that_is_missing() {
                     tried += 1;
                 }
                 let again = format!("{line}\n{line}");
-                assert!(
-                    differs(&with_line(&files, f, l, Some(again))),
-                    "{language:?} twice: {line}"
-                );
+                assert!(differs(&with_line(&files, f, l, Some(again))), "{language:?} twice: {line}");
             }
         }
         assert!(tried > 50, "{language:?} {tried}");
@@ -410,22 +309,12 @@ fn the_checkers_find_wrong_counts_names_and_characters() {
         let mut program = small();
         program.name = language.name_for("plan");
         let mut files = write_program(&program, language, &options(language, 6)).unwrap();
-        let file = files
-            .iter_mut()
-            .find(|file| file.text.contains(old))
-            .unwrap();
+        let file = files.iter_mut().find(|file| file.text.contains(old)).unwrap();
         file.text = file.text.replacen(old, new, 1);
-        assert!(
-            check(language, &files, 6).is_err(),
-            "{language:?}: {old} -> {new}"
-        );
+        assert!(check(language, &files, 6).is_err(), "{language:?}: {old} -> {new}");
     };
     broken(Language::Ls, "LINE_COUNT\t= ", "LINE_COUNT\t= 1");
-    broken(
-        Language::Ls,
-        "MESSAGE[Cell",
-        "MESSAGE[Cellllllllllllllllllllll",
-    );
+    broken(Language::Ls, "MESSAGE[Cell", "MESSAGE[Cellllllllllllllllllllll");
     broken(Language::Ls, "J P[2]", "J P[3]");
     broken(Language::Ls, "J1= ", "J7= ");
     broken(Language::Inform, "///NPOS 5", "///NPOS 6");
@@ -435,11 +324,7 @@ fn the_checkers_find_wrong_counts_names_and_characters() {
     broken(Language::Krl, "A4 0.00,", "");
     broken(Language::Krl, "#VEL_PTP,5", "#VEL_PTP,0");
     broken(Language::Rapid, "9E9,9E9]", "9E9]");
-    broken(
-        Language::Rapid,
-        "MoveAbsJ jp1,v1000,fine",
-        "MoveAbsJ jp1,v1000,z10",
-    );
+    broken(Language::Rapid, "MoveAbsJ jp1,v1000,fine", "MoveAbsJ jp1,v1000,z10");
     broken(Language::Pdl2, "MOVE JOINT TO {", "MOVE LINEAR TO {");
     broken(Language::Pdl2, "-20.00", "-20,00");
     broken(Language::Urscript, "blocking=True", "blocking=False");

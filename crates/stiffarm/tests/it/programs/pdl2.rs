@@ -8,18 +8,8 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     let own = file.name.strip_suffix(".pdl").ok_or("pdl")?;
     name(own, 32)?;
     let lines = lines(file, "\r\n", 120)?;
-    let code: Vec<&str> = lines
-        .iter()
-        .map(|line| line.trim_start())
-        .filter(|line| !line.starts_with("--"))
-        .collect();
-    let head = [
-        &format!("PROGRAM {own}"),
-        "VAR",
-        "speed_before : INTEGER",
-        "BEGIN",
-        "speed_before := $ARM_SPD_OVR",
-    ];
+    let code: Vec<&str> = lines.iter().map(|line| line.trim_start()).filter(|line| !line.starts_with("--")).collect();
+    let head = [&format!("PROGRAM {own}"), "VAR", "speed_before : INTEGER", "BEGIN", "speed_before := $ARM_SPD_OVR"];
     let tail = ["$ARM_SPD_OVR := speed_before", &format!("END {own}")];
     let middle = code.strip_prefix(&head[..]).ok_or("head")?;
     let middle = middle.strip_suffix(&tail[..]).ok_or("end")?;

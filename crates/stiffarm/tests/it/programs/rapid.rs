@@ -69,10 +69,7 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
                 holds(*tool.get_or_insert(used.clone()) == used, "another tool")?;
                 tokens.signs(";")?;
                 let (percent, most) = speed.ok_or("no speed")?;
-                holds(
-                    most == 1000.0 && said.is_empty(),
-                    "speed, or a text without Stop",
-                )?;
+                holds(most == 1000.0 && said.is_empty(), "speed, or a text without Stop")?;
                 found.moves.push((q.clone(), percent));
             }
             _ => return Err(line.to_string()),
@@ -80,10 +77,7 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
         tokens.end()?;
     }
     holds(part == 2, "PROC and ENDPROC")?;
-    holds(
-        points.len() == found.moves.len(),
-        "a point that is not used",
-    )?;
+    holds(points.len() == found.moves.len(), "a point that is not used")?;
     Ok(found)
 }
 
@@ -96,11 +90,7 @@ fn target(tokens: &mut Tokens, joints: usize) -> Checked<Vec<f64>> {
             6 => tokens.signs("],[")?,
             _ => tokens.signs(",")?,
         }
-        if axis < joints {
-            values.push(tokens.number(2, 4)?)
-        } else {
-            tokens.exactly("9E9")?
-        }
+        if axis < joints { values.push(tokens.number(2, 4)?) } else { tokens.exactly("9E9")? }
     }
     tokens.signs("]]")?;
     Ok(values)

@@ -4,8 +4,8 @@ use super::{CONTROLLERS, options, small};
 use stiffarm::Code;
 use stiffarm::model::posture::Posture;
 use stiffarm_files::program::{
-    Difference, Language, Move, Program, ProgramFile, ProgramOptions, Stop, compare_moves,
-    missing_stops, program_of_stops, read_program, write_program,
+    Difference, Language, Move, Program, ProgramFile, ProgramOptions, Stop, compare_moves, missing_stops,
+    program_of_stops, read_program, write_program,
 };
 
 fn written(language: Language) -> (Program, Vec<ProgramFile>) {
@@ -22,10 +22,7 @@ fn read(language: Language, files: &[ProgramFile]) -> stiffarm::Result<Program> 
 /// The files with the first `old` replaced by `new`.
 fn edited(files: &[ProgramFile], old: &str, new: &str) -> Vec<ProgramFile> {
     let mut files = files.to_vec();
-    let file = files
-        .iter_mut()
-        .find(|file| file.text.contains(old))
-        .unwrap_or_else(|| panic!("{old}"));
+    let file = files.iter_mut().find(|file| file.text.contains(old)).unwrap_or_else(|| panic!("{old}"));
     file.text = file.text.replacen(old, new, 1);
     files
 }
@@ -53,11 +50,7 @@ fn faults_are_told_with_their_place() {
         (Language::Inform, "///POSTYPE PULSE", "///POSTYPE BASE"),
         (Language::Inform, "MOVJ C00001", "MOVL C00001"),
         (Language::Pdl2, "MOVE JOINT TO {10.00, ", "MOVE JOINT TO {"),
-        (
-            Language::Pdl2,
-            "MOVE JOINT TO {10.00",
-            "MOVE JOINT TO pnt0001j",
-        ),
+        (Language::Pdl2, "MOVE JOINT TO {10.00", "MOVE JOINT TO pnt0001j"),
         (Language::Pdl2, "MOVE JOINT", "MOVE LINEAR"),
         (Language::Urscript, "movej([", "movej(["),
         (Language::Urscript, "movej([", "movej(p["),
@@ -79,60 +72,32 @@ fn faults_are_told_with_their_place() {
 #[test]
 fn what_a_language_cannot_hold_is_refused() {
     let mut told = String::new();
-    let posture = |joints: usize| Posture {
-        name: "p1".into(),
-        q: vec![0.5; joints],
-    };
-    let mut refused = |language: Language,
-                       joints: usize,
-                       change: &dyn Fn(&mut Program, &mut ProgramOptions)| {
+    let posture = |joints: usize| Posture { name: "p1".into(), q: vec![0.5; joints] };
+    let mut refused = |language: Language, joints: usize, change: &dyn Fn(&mut Program, &mut ProgramOptions)| {
         let mut options = options(language, joints.min(7));
         let stop = Stop::new(posture(joints), "measure");
         let mut program = program_of_stops(language.name_for("plan"), vec![], &[stop], None, 10);
         change(&mut program, &mut options);
         let error = write_program(&program, language, &options).unwrap_err();
-        told += &format!(
-            "{}: [{}] {error}\n",
-            language.as_str(),
-            error.code().as_str()
-        );
+        told += &format!("{}: [{}] {error}\n", language.as_str(), error.code().as_str());
         error.code()
     };
     let nothing = |_: &mut Program, _: &mut ProgramOptions| {};
     assert_eq!(refused(Language::Urscript, 7, &nothing), Code::Unsupported);
     assert_eq!(refused(Language::Inform, 8, &nothing), Code::Unsupported);
     assert_eq!(refused(Language::Krl, 4, &nothing), Code::Unsupported);
-    for language in [
-        Language::Krl,
-        Language::Rapid,
-        Language::Ls,
-        Language::Inform,
-        Language::Pdl2,
-    ] {
-        assert_eq!(
-            refused(language, 7, &|_, o| o.controller_axes = None),
-            Code::MissingKey
-        );
+    for language in [Language::Krl, Language::Rapid, Language::Ls, Language::Inform, Language::Pdl2] {
+        assert_eq!(refused(language, 7, &|_, o| o.controller_axes = None), Code::MissingKey);
     }
-    refused(Language::Krl, 7, &|_, o| {
-        o.controller_axes = Some(vec![1, 2, 3, 4, 5, 6, 6])
-    });
+    refused(Language::Krl, 7, &|_, o| o.controller_axes = Some(vec![1, 2, 3, 4, 5, 6, 6]));
     refused(Language::Inform, 6, &|_, o| o.pulses_per_degree = None);
-    refused(Language::Inform, 6, &|_, o| {
-        o.pulses_per_degree = Some(vec![1000.0; 5])
-    });
-    refused(Language::Inform, 6, &|_, o| {
-        o.pulses_per_degree = Some(vec![0.0; 6])
-    });
-    refused(Language::Krl, 6, &|_, o| {
-        o.pulses_per_degree = Some(vec![1000.0; 6])
-    });
+    refused(Language::Inform, 6, &|_, o| o.pulses_per_degree = Some(vec![1000.0; 5]));
+    refused(Language::Inform, 6, &|_, o| o.pulses_per_degree = Some(vec![0.0; 6]));
+    refused(Language::Krl, 6, &|_, o| o.pulses_per_degree = Some(vec![1000.0; 6]));
     refused(Language::Krl, 6, &|_, o| o.tool = Some("gripper".into()));
     refused(Language::Rapid, 6, &|_, o| o.tool = Some("tool 1".into()));
     refused(Language::Urscript, 6, &|_, o| o.tool = Some("1".into()));
-    refused(Language::Krl, 6, &|p, _| {
-        p.name = "a_name_of_25_characters__".into()
-    });
+    refused(Language::Krl, 6, &|p, _| p.name = "a_name_of_25_characters__".into());
     refused(Language::Ls, 6, &|p, _| p.name = "small".into());
     refused(Language::Rapid, 6, &|p, _| p.name = "1st".into());
     refused(Language::Pdl2, 6, &|p, _| p.name = "Move".into());
@@ -143,10 +108,7 @@ fn what_a_language_cannot_hold_is_refused() {
             }
         }
     };
-    assert_eq!(
-        refused(Language::Krl, 6, &|p, _| first(p, &|m| m.q[2] = f64::NAN)),
-        Code::NotFinite
-    );
+    assert_eq!(refused(Language::Krl, 6, &|p, _| first(p, &|m| m.q[2] = f64::NAN)), Code::NotFinite);
     refused(Language::Krl, 6, &|p, _| first(p, &|m| m.speed_percent = 0));
     let long = |p: &mut Program, _: &mut ProgramOptions| {
         let step = p.steps[1].clone();
@@ -176,22 +138,11 @@ fn changes_at_the_pendant_are_found_and_nothing_else() {
         let other = read(language, &edited(&files, old, new)).unwrap();
         let found: Vec<&Move> = other.moves().collect();
         let differences = compare_moves(&planned, &found, language, tolerance);
-        let [
-            Difference::Angle {
-                posture,
-                joint: 3,
-                planned_deg,
-                found_deg,
-            },
-        ] = &differences[..]
-        else {
+        let [Difference::Angle { posture, joint: 3, planned_deg, found_deg }] = &differences[..] else {
             panic!("{language:?} {differences:?}");
         };
         assert_eq!(posture, "p1");
-        assert!(
-            (planned_deg - 95.5).abs() < 1e-9 && (found_deg - 95.75).abs() < 1e-3,
-            "{language:?} {found_deg}"
-        );
+        assert!((planned_deg - 95.5).abs() < 1e-9 && (found_deg - 95.75).abs() < 1e-3, "{language:?} {found_deg}");
         let sentence = differences[0].sentence(&["a".into(), "b".into(), "joint 3".into()]);
         assert!(sentence.starts_with("p1: joint 3 at 95.7"), "{sentence}");
     }
@@ -211,19 +162,12 @@ fn moves_that_are_missing_added_or_elsewhere_are_named() {
     without.remove(2);
     named("Missing", &compare(&without));
     let mut more = planned.clone();
-    let extra = Move {
-        name: "p3".into(),
-        ..planned[1].clone()
-    };
+    let extra = Move { name: "p3".into(), ..planned[1].clone() };
     more.insert(2, &extra);
     named("Added", &compare(&more));
     let mut exchanged = planned.clone();
     exchanged.swap(1, 3);
-    assert!(
-        compare(&exchanged)
-            .iter()
-            .all(|d| matches!(d, Difference::Order { .. }))
-    );
+    assert!(compare(&exchanged).iter().all(|d| matches!(d, Difference::Order { .. })));
     assert!(!compare(&exchanged).is_empty());
 }
 
@@ -237,10 +181,7 @@ fn a_stop_that_was_taken_out_is_named() {
         (Language::Pdl2, "  PAUSE\r\n"),
         (Language::Urscript, ", blocking=True"),
     ] {
-        let posture = |name: &str| Posture {
-            name: name.into(),
-            q: vec![0.5; 6],
-        };
+        let posture = |name: &str| Posture { name: name.into(), q: vec![0.5; 6] };
         let stops = ["p1", "p2"].map(|name| Stop::new(posture(name), "measure"));
         let program = program_of_stops(language.name_for("plan"), vec![], &stops, None, 10);
         let mut files = write_program(&program, language, &options(language, 6)).unwrap();
@@ -251,13 +192,7 @@ fn a_stop_that_was_taken_out_is_named() {
         let (head, tail) = text.split_at(first);
         files[0].text = head.to_string() + &tail.replacen(stop, "", 1);
         let found = missing_stops(&read(language, &files).unwrap());
-        assert_eq!(
-            found,
-            [Difference::NoStop {
-                posture: "p1".into()
-            }],
-            "{language:?}"
-        );
+        assert_eq!(found, [Difference::NoStop { posture: "p1".into() }], "{language:?}");
     }
 }
 
@@ -267,28 +202,20 @@ fn listings_as_controllers_write_them_are_read() {
     let text = format!(
         "/PROG  A\n/ATTR\n/MN\n   1:  ! posture p1 ;\n   2:J P[1:over there] 10% FINE    ;\n   3:  PAUSE ;\n/POS\n{point}/END\n"
     );
-    let file = ProgramFile {
-        name: "a.ls".into(),
-        text,
-    };
+    let file = ProgramFile { name: "a.ls".into(), text };
     let program = read(Language::Ls, &[file]).unwrap();
     let first = program.moves().next().unwrap();
     assert_eq!(first.name, "p1");
     assert!((first.q[1].to_degrees() + 0.242).abs() < 1e-12);
     let text = "MODULE A\r\n  CONST jointtarget  here := [[1,2,3,4,5,6], [9E+09,9E+09,9E+09,9E+09,9E+09,9E+09]];\r\n  PROC A_run()\r\n    MoveAbsJ  here\\NoEOffs, v100, fine, tool0 \\WObj:=wobj0;\r\n    MoveAbsJ [[1,2,3,4,5,7],[9E9,9E9,9E9,9E9,9E9,9E9]]\\NoEOffs,v100,fine,tool0;\r\n  ENDPROC\r\nENDMODULE\r\n";
-    let file = ProgramFile {
-        name: "a.mod".into(),
-        text: text.into(),
-    };
+    let file = ProgramFile { name: "a.mod".into(), text: text.into() };
     let program = read(Language::Rapid, &[file]).unwrap();
     let names: Vec<&str> = program.moves().map(|m| m.name.as_str()).collect();
     assert_eq!(names, ["move 1", "move 2"]);
     let src = "DEF a()\nBAS (#VEL_PTP, 12.6)\nptp xp1\nPTP {A1 1, A2 2, A3 3, A4 4, A5 5, A6 6, E1 0.0}\nEND\n";
     let dat = "DEFDAT A PUBLIC\nDECL GLOBAL E6AXIS XP1={E6AXIS: A1 1.0,A2 2.0,A3 3.0,A4 4.0,A5 5.0,A6 6.0,E1 0.0,E2 0.0}\nDECL FDAT FP1={TOOL_NO 1}\nENDDAT\n";
-    let files = [("a.src", src), ("a.dat", dat)].map(|(name, text)| ProgramFile {
-        name: name.into(),
-        text: text.into(),
-    });
+    let files =
+        [("a.src", src), ("a.dat", dat)].map(|(name, text)| ProgramFile { name: name.into(), text: text.into() });
     let program = read(Language::Krl, &files).unwrap();
     let moves: Vec<&Move> = program.moves().collect();
     assert_eq!((moves.len(), moves[0].speed_percent), (2, 13));
@@ -298,10 +225,7 @@ fn listings_as_controllers_write_them_are_read() {
 #[test]
 fn files_of_another_language_or_none_are_refused() {
     for language in CONTROLLERS {
-        let nothing = |name: &str| ProgramFile {
-            name: name.into(),
-            text: String::new(),
-        };
+        let nothing = |name: &str| ProgramFile { name: name.into(), text: String::new() };
         let files = match language {
             Language::Krl => vec![nothing("a.src"), nothing("a.dat")],
             _ => vec![nothing("a.txt")],

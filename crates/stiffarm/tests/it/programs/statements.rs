@@ -77,37 +77,12 @@ const PUT: [(Language, &[&str]); 7] = [
             "  25:  //PAUSE ;",
         ],
     ),
-    (
-        Language::Inform,
-        &[
-            "JUMP *OVER",
-            "CALL JOB:SUB",
-            "SFTON P000",
-            "SPEED VJ=100.00",
-            "SET B000 1",
-        ],
-    ),
+    (Language::Inform, &["JUMP *OVER", "CALL JOB:SUB", "SFTON P000", "SPEED VJ=100.00", "SET B000 1"]),
     (
         Language::Pdl2,
-        &[
-            "GOTO over",
-            "IF FALSE THEN",
-            "FOR i := 1 TO 3 DO",
-            "sub",
-            "$TOOL := spindle",
-            "$ARM_SPD_OVR := 100",
-        ],
+        &["GOTO over", "IF FALSE THEN", "FOR i := 1 TO 3 DO", "sub", "$TOOL := spindle", "$ARM_SPD_OVR := 100"],
     ),
-    (
-        Language::Urscript,
-        &[
-            "  if False:",
-            "  while True:",
-            "  sub()",
-            "  set_tcp(p[0,0,0.1,0,0,0])",
-            "  halt",
-        ],
-    ),
+    (Language::Urscript, &["  if False:", "  while True:", "  sub()", "  set_tcp(p[0,0,0.1,0,0,0])", "  halt"]),
     (Language::Csv, &["6,wait,,,,,,,,,go on"]),
 ];
 
@@ -117,35 +92,19 @@ const CHANGED: [(Language, &str, &str); 17] = [
     (Language::Krl, ",A6 -180.00}", ",A6 -180.00,E1 500.0}"),
     (Language::Krl, "(#INITMOV,0)", "(#INITMOV,1)"),
     (Language::Rapid, "VelSet 10,1000;", "VelSet 100,1000;"),
-    (
-        Language::Rapid,
-        "jp2,v1000,fine,tool0;",
-        "jp2,v5000,fine,tool0;",
-    ),
-    (
-        Language::Rapid,
-        "jp2,v1000,fine,tool0;",
-        "jp2,v1000,fine,tool1;",
-    ),
+    (Language::Rapid, "jp2,v1000,fine,tool0;", "jp2,v5000,fine,tool0;"),
+    (Language::Rapid, "jp2,v1000,fine,tool0;", "jp2,v1000,fine,tool1;"),
     (Language::Rapid, "[9E9,9E9", "[500,9E9"),
     (Language::Ls, "J P[2] 10% FINE", "J P[2] 100% FINE"),
     (Language::Ls, "UTOOL_NUM=1", "UTOOL_NUM=2"),
     (Language::Ls, "UF : 0, UT : 1,", "UF : 1, UT : 1,"),
-    (
-        Language::Ls,
-        "J6=   -180.00 deg",
-        "J6=   -180.00 deg,\tE1=   500.000  mm",
-    ),
+    (Language::Ls, "J6=   -180.00 deg", "J6=   -180.00 deg,\tE1=   500.000  mm"),
     (Language::Inform, "VJ=10.00", "VJ=100.00"),
     (Language::Inform, "///TOOL 0", "///TOOL 1"),
     (Language::Pdl2, "$ARM_SPD_OVR := 10", "$ARM_SPD_OVR := 100"),
     (Language::Urscript, "v=0.1047", "v=1.0472"),
     (Language::Urscript, "a=0.5", "a=5"),
-    (
-        Language::Csv,
-        "p1,10,-20,95.5,0,45.25,-180,10,",
-        "p1,10,-20,95.5,0,45.25,-180,100,",
-    ),
+    (Language::Csv, "p1,10,-20,95.5,0,45.25,-180,10,", "p1,10,-20,95.5,0,45.25,-180,100,"),
 ];
 
 /// What is found in files beside moves and waits, which are those of the plan.
@@ -154,17 +113,12 @@ fn found(language: Language, files: &[ProgramFile]) -> Vec<Difference> {
     let planned = written(language);
     let read = |files: &[ProgramFile]| read_program(files, language, &options, 6).unwrap();
     let (own, other) = (read(&planned), read(files));
-    let moves = |program: &stiffarm_files::program::Program| -> Vec<Move> {
-        program.moves().cloned().collect()
-    };
+    let moves = |program: &stiffarm_files::program::Program| -> Vec<Move> { program.moves().cloned().collect() };
     let (own, moved) = (moves(&own), moves(&other));
     let (own, moved): (Vec<&Move>, Vec<&Move>) = (own.iter().collect(), moved.iter().collect());
     // Whoever looks at these alone calls it the same program.
     let told = compare_moves(&own, &moved, language, 1e-5);
-    assert!(
-        told.iter().all(|d| matches!(d, Difference::Angle { .. })),
-        "{language:?} {told:?}"
-    );
+    assert!(told.iter().all(|d| matches!(d, Difference::Angle { .. })), "{language:?} {told:?}");
     if language != Language::Csv {
         assert_eq!(missing_stops(&other), [], "{language:?}");
     }
@@ -180,11 +134,7 @@ fn a_line_that_is_put_in_is_named_with_its_number() {
             let file = files.iter().find(|file| file.text.contains(put)).unwrap();
             let at = file.text.lines().position(|line| line == *put).unwrap() + 1;
             let told = found(language, &files);
-            let expected = Difference::Line {
-                file: file.name.clone(),
-                line: at,
-                text: put.trim().to_string(),
-            };
+            let expected = Difference::Line { file: file.name.clone(), line: at, text: put.trim().to_string() };
             assert_eq!(told, [expected], "{language:?}");
             let sentence = told[0].sentence(&[]);
             assert!(sentence.contains(&format!(":{at}: ")) && sentence.ends_with(put.trim()));
@@ -196,17 +146,10 @@ fn a_line_that_is_put_in_is_named_with_its_number() {
 fn a_line_that_is_changed_is_named_with_what_stood_there() {
     for (language, old, new) in CHANGED {
         let told = found(language, &edited(language, old, new));
-        let [
-            Difference::Line { text, .. },
-            Difference::MissingLine { text: before, .. },
-        ] = &told[..]
-        else {
+        let [Difference::Line { text, .. }, Difference::MissingLine { text: before, .. }] = &told[..] else {
             panic!("{language:?} {new}: {told:?}");
         };
-        assert!(
-            text.contains(new.trim()) && before.contains(old.trim()),
-            "{told:?}"
-        );
+        assert!(text.contains(new.trim()) && before.contains(old.trim()), "{told:?}");
     }
 }
 
@@ -228,9 +171,7 @@ fn a_line_that_is_taken_out_or_moved_is_named() {
     }
     // The same lines, and the job ends before the last posture.
     let mut files = edited(Language::Inform, "\r\nEND\r\n", "\r\n");
-    files[0].text = files[0]
-        .text
-        .replacen("MOVJ C00003", "END\r\nMOVJ C00003", 1);
+    files[0].text = files[0].text.replacen("MOVJ C00003", "END\r\nMOVJ C00003", 1);
     let told = found(Language::Inform, &files);
     assert!(
         matches!(&told[..], [Difference::Line { text, .. }, Difference::MissingLine { .. }] if text == "END"),
@@ -256,30 +197,14 @@ fn angles_comments_spaces_and_notes_may_differ() {
         (Language::Rapid, ",95.50,", ", 95.750,"),
         (Language::Rapid, "[9E9,9E9", "[9E+09, 9E+09"),
         (Language::Ls, "95.50 deg", "95.750  deg"),
-        (
-            Language::Ls,
-            "DATE 00-01-01  TIME 00:00:00",
-            "DATE 26-11-24  TIME 13:05:00",
-        ),
-        (
-            Language::Ls,
-            "  15:J P[2] 10% FINE ;",
-            "  16:J P[2] 10% FINE    ;",
-        ),
+        (Language::Ls, "DATE 00-01-01  TIME 00:00:00", "DATE 26-11-24  TIME 13:05:00"),
+        (Language::Ls, "  15:J P[2] 10% FINE ;", "  16:J P[2] 10% FINE    ;"),
         (Language::Inform, ",-128102,", ",-128437,"),
-        (
-            Language::Inform,
-            "///DATE 2000/01/01 00:00",
-            "///DATE 2026/11/24 13:05",
-        ),
+        (Language::Inform, "///DATE 2000/01/01 00:00", "///DATE 2026/11/24 13:05"),
         (Language::Pdl2, ", 95.50,", ", 95.75,"),
         (Language::Urscript, ", 1.66678944,", ", 1.67115276,"),
         (Language::Csv, ",95.5,", ",95.75,"),
     ] {
-        assert_eq!(
-            found(language, &edited(language, old, new)),
-            [],
-            "{language:?} {new}"
-        );
+        assert_eq!(found(language, &edited(language, old, new)), [], "{language:?} {new}");
     }
 }

@@ -12,10 +12,7 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     holds(lines.last() == Some(&"end"), "end")?;
     let mut found = Found::default();
     for line in &lines[1..lines.len() - 1] {
-        let line = line
-            .strip_prefix("  ")
-            .filter(|l| !l.starts_with(' '))
-            .ok_or("indent")?;
+        let line = line.strip_prefix("  ").filter(|l| !l.starts_with(' ')).ok_or("indent")?;
         if line.starts_with("# ") {
             continue;
         }

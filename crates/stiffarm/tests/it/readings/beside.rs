@@ -11,11 +11,7 @@ fn in_order() -> (Vec<String>, Vec<String>) {
         for (state, z) in [("unloaded", 900.0), ("loaded", 899.25)] {
             for (point, x) in [("left", 1500.0), ("right", 1350.0)] {
                 sheet.push(format!("P{posture},{state},{point},,,\n"));
-                readings.push(format!(
-                    "{},{},{z}\n",
-                    x + 10.5 * f64::from(posture),
-                    100 * posture
-                ));
+                readings.push(format!("{},{},{z}\n", x + 10.5 * f64::from(posture), 100 * posture));
             }
         }
     }
@@ -30,10 +26,7 @@ fn a_reading_taken_twice_or_left_out_is_named_by_its_line() -> Check {
     let sheet = "posture,state,point,x_mm,y_mm,z_mm\n".to_string() + &sheet.concat();
     let read = |readings: &[String]| {
         let export = "X [mm],Y [mm],Z [mm]\n".to_string() + &readings.concat();
-        let files = [
-            (sheet.as_bytes(), "sheet.csv"),
-            (export.as_bytes(), "export.csv"),
-        ];
+        let files = [(sheet.as_bytes(), "sheet.csv"), (export.as_bytes(), "export.csv")];
         read_measurements_of(&files, &rope_cell(), Some(&plan)).map(|_| ())
     };
     read(&readings)?;
@@ -76,24 +69,10 @@ fn what_columns_say_of_an_export_is_not_said_of_our_own_sheet() -> Check {
         ("ignore = ['Point']", points),
         ("ignore = ['Point']\nseparator = 'comma'", points),
         ("ignore = ['POINT', 'State']\nx_mm = 'X [mm]'", points),
-        (
-            "separator = 'space'\norder = ['x_mm', 'y_mm', 'z_mm']",
-            spaces,
-        ),
+        ("separator = 'space'\norder = ['x_mm', 'y_mm', 'z_mm']", spaces),
     ] {
-        let table = read(
-            &[
-                ("sheet.csv", sheet.as_bytes()),
-                ("export.csv", export.as_bytes()),
-            ],
-            columns,
-        );
-        assert_same(
-            &table.map_err(|e| format!("{columns}: {e}"))?,
-            &wanted,
-            false,
-            columns,
-        );
+        let table = read(&[("sheet.csv", sheet.as_bytes()), ("export.csv", export.as_bytes())], columns);
+        assert_same(&table.map_err(|e| format!("{columns}: {e}"))?, &wanted, false, columns);
     }
     // Workbooks: the sheet of the export is none of ours.
     let own = workbook::workbook(&[("Readings", workbook::cells(sheet))]);
@@ -110,40 +89,16 @@ fn what_columns_say_of_an_export_is_not_said_of_our_own_sheet() -> Check {
 fn columns_without_a_heading_can_be_left_out() -> Check {
     let wanted = planned(PLAIN, &rope_cell())?;
     // Nothing stands in them: they need no word.
-    let empty = PLAIN
-        .replace("x_mm", ",x_mm")
-        .replace(",left,", ",left,,")
-        .replace(",right,", ",right,,");
-    assert_same(
-        &read(&[("r.csv", empty.as_bytes())], "")?,
-        &wanted,
-        true,
-        "empty",
-    );
+    let empty = PLAIN.replace("x_mm", ",x_mm").replace(",left,", ",left,,").replace(",right,", ",right,,");
+    assert_same(&read(&[("r.csv", empty.as_bytes())], "")?, &wanted, true, "empty");
     let filled = empty.replace(",,", ",ok,").replace(",ok,x_mm", ",,x_mm");
     let error = read(&[("r.csv", filled.as_bytes())], "").unwrap_err();
-    assert!(
-        error
-            .hint_text()
-            .unwrap_or_default()
-            .contains("ignore = [\"\"]"),
-        "{error}"
-    );
-    assert_same(
-        &read(&[("r.csv", filled.as_bytes())], "ignore = ['']")?,
-        &wanted,
-        true,
-        "filled",
-    );
+    assert!(error.hint_text().unwrap_or_default().contains("ignore = [\"\"]"), "{error}");
+    assert_same(&read(&[("r.csv", filled.as_bytes())], "ignore = ['']")?, &wanted, true, "filled");
     // Behind the last heading, in some rows.
     let behind = PLAIN.replacen("12.5\n", "12.5,door open,again\n", 1);
     assert!(read(&[("r.csv", behind.as_bytes())], "").is_err());
-    assert_same(
-        &read(&[("r.csv", behind.as_bytes())], "ignore = ['']")?,
-        &wanted,
-        true,
-        "behind",
-    );
+    assert_same(&read(&[("r.csv", behind.as_bytes())], "ignore = ['']")?, &wanted, true, "behind");
     Ok(())
 }
 
@@ -151,32 +106,21 @@ fn columns_without_a_heading_can_be_left_out() -> Check {
 fn names_of_states_may_hold_what_separates_names() -> Check {
     let export = |rows: [&str; 3]| {
         let rows = rows.iter().zip(["900.25", "899.5", "898.75"]);
-        let rows: String = rows
-            .map(|(name, z)| format!("{name},1500.5,-200.5,{z}\n"))
-            .collect();
+        let rows: String = rows.map(|(name, z)| format!("{name},1500.5,-200.5,{z}\n")).collect();
         format!("Name,X [mm],Y [mm],Z [mm]\n{rows}")
     };
     let names = |text: &str, columns: &str| -> stiffarm::Result<Vec<String>> {
         let table = read(&[("export.csv", text.as_bytes())], columns)?;
-        let states = table.postures.iter().flat_map(|p| {
-            p.states
-                .iter()
-                .map(|s| format!("{} {}", p.posture.name, s.state))
-        });
+        let states =
+            table.postures.iter().flat_map(|p| p.states.iter().map(|s| format!("{} {}", p.posture.name, s.state)));
         Ok(states.collect())
     };
     let pattern = "name = 'Name'\nname_pattern = '{posture}-{state}-{point}'";
     let text = export(["P1-unloaded-left", "P1-up-250-left", "P1-up-500-left"]);
-    assert_eq!(
-        names(&text, pattern)?,
-        ["P1 unloaded", "P1 up-250", "P1 up-500"]
-    );
+    assert_eq!(names(&text, pattern)?, ["P1 unloaded", "P1 up-250", "P1 up-500"]);
     let turned = "name = 'Name'\nname_pattern = '{point}_{state}_{posture}'";
     let text = export(["left_unloaded_2_P1", "left_up_250_P1", "left_up_500_P1"]);
-    assert_eq!(
-        names(&text, turned)?,
-        ["P1 unloaded_2", "P1 up_250", "P1 up_500"]
-    );
+    assert_eq!(names(&text, turned)?, ["P1 unloaded_2", "P1 up_250", "P1 up_500"]);
     Ok(())
 }
 
@@ -187,9 +131,7 @@ fn columns_are_left_out_by_letter_or_number_as_well() -> Check {
     let with_more = |heading: &str| -> String {
         let lines = PLAIN.lines().enumerate().map(|(i, line)| {
             let more = if i == 0 { heading } else { "ok" };
-            let [posture, state, rest] = line.splitn(3, ',').collect::<Vec<_>>()[..] else {
-                panic!("{line}")
-            };
+            let [posture, state, rest] = line.splitn(3, ',').collect::<Vec<_>>()[..] else { panic!("{line}") };
             let last = if i == 0 { "" } else { ",?" };
             format!("{posture},{state},{more},{rest}{last}\n")
         });
@@ -197,24 +139,14 @@ fn columns_are_left_out_by_letter_or_number_as_well() -> Check {
     };
     let text = with_more("Status");
     assert!(read(&[("r.csv", text.as_bytes())], "").is_err());
-    for columns in [
-        "ignore = ['C', 'I']",
-        "ignore = ['3', '9']",
-        "ignore = ['status', 'I']",
-    ] {
+    for columns in ["ignore = ['C', 'I']", "ignore = ['3', '9']", "ignore = ['status', 'I']"] {
         let table = read(&[("r.csv", text.as_bytes())], columns)?;
         assert_same(&table, &wanted, true, columns);
-        let left_out = table
-            .remarks
-            .iter()
-            .filter(|r| r.code == "columns-left-out");
+        let left_out = table.remarks.iter().filter(|r| r.code == "columns-left-out");
         let said: Vec<&String> = left_out.map(|remark| &remark.sentence).collect();
         let [said] = said[..] else { panic!("{said:?}") };
         assert!(said.contains("9 without a heading of r.csv"), "{said}");
-        assert_eq!(
-            said.contains("column 3 (\"Status\")"),
-            !columns.contains("status")
-        );
+        assert_eq!(said.contains("column 3 (\"Status\")"), !columns.contains("status"));
     }
     // A heading of this name is meant, whatever its place.
     let named = with_more("C").replace(",?", "");
@@ -235,10 +167,7 @@ fn readings_without_names_are_followed_as_they_come() -> Check {
     let sheet = "posture,state,point,x_mm,y_mm,z_mm\n".to_string() + &sheet.concat();
     let look = |readings: &[String]| -> stiffarm::Result<ReadingTable> {
         let export = "X [mm],Y [mm],Z [mm]\n".to_string() + &readings.concat();
-        let files = [
-            (sheet.as_bytes(), "sheet.csv"),
-            (export.as_bytes(), "export.csv"),
-        ];
+        let files = [(sheet.as_bytes(), "sheet.csv"), (export.as_bytes(), "export.csv")];
         match read_growing_measurements(&files, &rope_cell(), Some(&plan))? {
             Measurements::Readings(table) => Ok(table),
             Measurements::Displacements(_) => panic!("the table has positions"),
@@ -254,20 +183,10 @@ fn readings_without_names_are_followed_as_they_come() -> Check {
     let mut twice = readings[..12].to_vec();
     twice.insert(6, twice[5].clone());
     let error = look(&twice).unwrap_err();
-    assert!(
-        error
-            .message()
-            .contains("line 8 is that of line 7 once more"),
-        "{error}"
-    );
+    assert!(error.message().contains("line 8 is that of line 7 once more"), "{error}");
     let mut missing = readings[..12].to_vec();
     missing.remove(6);
     let error = look(&missing).unwrap_err();
-    assert!(
-        error
-            .message()
-            .contains("P2 loaded left (line 8 of sheet.csv) has none"),
-        "{error}"
-    );
+    assert!(error.message().contains("P2 loaded left (line 8 of sheet.csv) has none"), "{error}");
     Ok(())
 }

@@ -76,11 +76,7 @@ fn eleven_exports_hold_the_same_readings() -> Check {
         &format!("{sa}order = ['name', 'x_m', 'y_m', 'z_m', 'time_s']"),
         true,
     )?;
-    check(
-        &[export!("polyworks-style.csv")],
-        "time_s = 'Zeit'\nname_pattern = '{posture}_{state}_{point}'",
-        true,
-    )?;
+    check(&[export!("polyworks-style.csv")], "time_s = 'Zeit'\nname_pattern = '{posture}_{state}_{point}'", true)?;
     check(
         &[export!("metrolog-style.txt")],
         "name = 'Label'\nname_pattern = '{point} / {posture} / {state}'\nx_mm = 'X'\ny_mm = 'Y'\nz_mm = 'Z'\n\
@@ -114,11 +110,7 @@ fn eleven_exports_hold_the_same_readings() -> Check {
          y_mm = 'Actual Y'\nz_mm = 'Actual Z'\ntime_s = 'Measured at'",
         true,
     )?;
-    check(
-        &[export!("leica.csv")],
-        "profile = 'leica'\nname_pattern = '{posture}/{state}/{point}'",
-        true,
-    )?;
+    check(&[export!("leica.csv")], "profile = 'leica'\nname_pattern = '{posture}/{state}/{point}'", true)?;
     assert_eq!(count, 11);
     // A table of our own is still read with a profile, and one whose names stand apart.
     let own = read(&[("own.csv", PLAIN.as_bytes())], sa)?;
@@ -155,18 +147,10 @@ fn uncertainties_and_temperatures_are_those_of_their_rows() -> Check {
     assert_eq!(states[1].readings[0].expanded, None);
     let below = own.replace(",4,5,6", ",4,-5,6");
     let error = planned(&below, &cell).unwrap_err().to_string();
-    assert!(
-        error.contains("An uncertainty is not below zero."),
-        "{error}"
-    );
+    assert!(error.contains("An uncertainty is not below zero."), "{error}");
     // Without the profile the encoding has to be said.
     let error = self::read(&[export!("leica.csv")], "").unwrap_err();
-    assert!(
-        error
-            .hint_text()
-            .unwrap_or_default()
-            .contains("encoding = \"latin-1\"")
-    );
+    assert!(error.hint_text().unwrap_or_default().contains("encoding = \"latin-1\""));
     Ok(())
 }
 
@@ -184,11 +168,7 @@ fn a_sheet_names_readings_that_have_no_names() -> Check {
         .collect();
     let rows = PLAIN.lines().skip(1).enumerate().map(|(i, row)| {
         let names: Vec<&str> = row.split(',').take(3).collect();
-        format!(
-            "{},,,,{}\n",
-            names.join(","),
-            if names[1] == "loaded" { 100 + i } else { 0 }
-        )
+        format!("{},,,,{}\n", names.join(","), if names[1] == "loaded" { 100 + i } else { 0 })
     });
     let rows: Vec<String> = rows.collect();
     let heading = "posture,state,point,x_mm,y_mm,z_mm,load_n\n";
@@ -197,31 +177,21 @@ fn a_sheet_names_readings_that_have_no_names() -> Check {
     let profile = "profile = 'leica'";
     let wanted = planned(PLAIN, &rope_cell())?;
     // In either order.
-    for files in [
-        [("sheet.csv", &whole[..]), (name, &nameless[..])],
-        [(name, &nameless[..]), ("sheet.csv", &whole[..])],
-    ] {
+    for files in
+        [[("sheet.csv", &whole[..]), (name, &nameless[..])], [(name, &nameless[..]), ("sheet.csv", &whole[..])]]
+    {
         // The loads are those of the sheet, and alike within a posture and state.
         let error = read(&files, profile).unwrap_err().to_string();
         assert!(error.contains("differs from"), "{error}");
     }
-    let alike: Vec<String> = rows
-        .iter()
-        .map(|row| row.replace(",103", ",102").replace(",107", ",106"))
-        .collect();
+    let alike: Vec<String> = rows.iter().map(|row| row.replace(",103", ",102").replace(",107", ",106")).collect();
     let whole = sheet(&alike);
     let table = read(&[("sheet.csv", &whole), (name, &nameless)], profile)?;
     assert_same(&table, &wanted, true, "by a sheet");
     assert_eq!(table.postures[1].states[1].load, Some(106.0));
-    assert_eq!(
-        table.postures[0].states[0].readings[1].temperature,
-        Some(20.25)
-    );
+    assert_eq!(table.postures[0].states[0].readings[1].temperature, Some(20.25));
     let said: Vec<&str> = table.remarks.iter().map(|f| f.sentence.as_str()).collect();
-    assert_eq!(
-        said,
-        ["leica.csv has no names: sheet.csv says row by row what its 8 readings are of."]
-    );
+    assert_eq!(said, ["leica.csv has no names: sheet.csv says row by row what its 8 readings are of."]);
     // A row more or less is not guessed at.
     let short = sheet(&alike[..7]);
     let error = read(&[("sheet.csv", &short), (name, &nameless)], profile).unwrap_err();
@@ -231,17 +201,10 @@ fn a_sheet_names_readings_that_have_no_names() -> Check {
     );
     // Alone they say what is missing.
     let error = read(&[(name, &nameless)], profile).unwrap_err();
-    assert!(
-        error
-            .hint_text()
-            .unwrap_or_default()
-            .contains("the sheet in whose order")
-    );
+    assert!(error.hint_text().unwrap_or_default().contains("the sheet in whose order"));
     // A sheet that is filled in is a table like any other.
     let filled = whole.clone();
-    let filled = String::from_utf8(filled)?
-        .replace(",,,,", ",1,2,3,")
-        .into_bytes();
+    let filled = String::from_utf8(filled)?.replace(",,,,", ",1,2,3,").into_bytes();
     let error = read(&[("sheet.csv", &filled), (name, &nameless)], profile).unwrap_err();
     assert_eq!(error.code(), stiffarm::Code::Conflict);
     Ok(())
@@ -272,25 +235,15 @@ fn each_refused_export_says_the_next_step() {
     let (_, metrolog) = export!("metrolog-style.txt");
     let (_, faro) = export!("faro-style.xlsx");
     let (_, two) = export!("two-files-P1.csv");
-    let named = "name = 'Group'\nname_pattern = '{posture}.{state}'\npoint = 'Target'\nx_mm = 'X'\ny_mm = 'Y'\nz_mm = 'Z'";
+    let named =
+        "name = 'Group'\nname_pattern = '{posture}.{state}'\npoint = 'Target'\nx_mm = 'X'\ny_mm = 'Y'\nz_mm = 'Z'";
     let clocks = |times: [&str; 3]| {
-        let rows = [
-            ",unloaded,left,1,2,3,",
-            ",unloaded,right,1,2,3,",
-            ",loaded,left,1,2,3,",
-        ];
-        let rows = rows
-            .iter()
-            .zip(times)
-            .map(|(row, time)| format!("P1{row}{time}\n"));
+        let rows = [",unloaded,left,1,2,3,", ",unloaded,right,1,2,3,", ",loaded,left,1,2,3,"];
+        let rows = rows.iter().zip(times).map(|(row, time)| format!("P1{row}{time}\n"));
         let rows: String = rows.collect();
         format!("posture,state,point,x_mm,y_mm,z_mm,time_s\n{rows}").into_bytes()
     };
-    let either = clocks([
-        "5/11/2026 14:05:00",
-        "6/11/2026 14:05:00",
-        "7/11/2026 9:00:00",
-    ]);
+    let either = clocks(["5/11/2026 14:05:00", "6/11/2026 14:05:00", "7/11/2026 9:00:00"]);
     let mixed = clocks(["5/11/2026 14:05:00", "", "14:05:00"]);
     let midnight = clocks(["23:59:50", "23:59:58", "0:00:10"]);
     let words = clocks(["0", "a minute later", "2"]);
@@ -304,16 +257,8 @@ fn each_refused_export_says_the_next_step() {
     note("no heading, spaces", &[("sa.txt", space)], "comment = '//'");
     note("remarks of another sign", &[("sa.txt", comma)], "");
     note("headings that are not known", &[("two.csv", two)], "");
-    note(
-        "the same below titles",
-        &[("leica.csv", leica)],
-        "ignore = ['Job']",
-    );
-    note(
-        "names that hold several",
-        &[("poly.csv", poly)],
-        "time_s = 'Zeit'",
-    );
+    note("the same below titles", &[("leica.csv", leica)], "ignore = ['Job']");
+    note("names that hold several", &[("poly.csv", poly)], "time_s = 'Zeit'");
     note(
         "a name that does not fit",
         &[("poly.csv", poly)],
@@ -334,26 +279,14 @@ fn each_refused_export_says_the_next_step() {
     note("midnight", &[("m.csv", &midnight)], "");
     note("no time", &[("m.csv", &words)], "");
     note("two orders", &[("m.csv", &turned)], "");
-    note(
-        "the order is another",
-        &[("m.csv", &turned)],
-        "dates = 'day-first'",
-    );
-    note(
-        "files that differ",
-        &[("a.csv", two), ("b.csv", PLAIN.as_bytes())],
-        named,
-    );
+    note("the order is another", &[("m.csv", &turned)], "dates = 'day-first'");
+    note("files that differ", &[("a.csv", two), ("b.csv", PLAIN.as_bytes())], named);
     note("the wrong sheet", &[("faro.xlsx", faro)], "");
     note("no such sheet", &[("faro.xlsx", faro)], "sheet = 'Point'");
     insta::assert_snapshot!("refused_exports", report);
     // With the order given, the same file is read.
     assert!(read(&[("m.csv", &either)], "dates = 'month-first'").is_ok());
-    let one_day = clocks([
-        "5/11/2026 14:05:00",
-        "5/11/2026 14:06:00",
-        "5/11/2026 14:07:00",
-    ]);
+    let one_day = clocks(["5/11/2026 14:05:00", "5/11/2026 14:06:00", "5/11/2026 14:07:00"]);
     assert!(read(&[("m.csv", &one_day)], "").is_ok());
 }
 
@@ -378,10 +311,7 @@ fn slips_in_the_columns_of_a_cell() {
              robot.limits_deg = [[-170, 170], [-75, 95]]\ntool.loading_point_mm = [200, 0, 250]\n\
              [[tool.measuring_point]]\nname = 'left'\nposition_mm = [150, 0, 200]\n[load]\n{ROPE}\n[columns]\n{columns}\n"
         );
-        report += &format!(
-            "» {columns}\n{}\n",
-            parse_cell(&text, "cell.toml").unwrap_err()
-        );
+        report += &format!("» {columns}\n{}\n", parse_cell(&text, "cell.toml").unwrap_err());
     }
     insta::assert_snapshot!("slips_in_columns", report);
 }
@@ -399,11 +329,7 @@ fn forces_in_the_names_of_states_are_those_of_the_sheet() -> Check {
         let states = table.postures[0].states.iter();
         states.map(|s| (s.state.clone(), s.load)).collect()
     };
-    let named = [
-        ("unloaded", None),
-        ("up-250", Some(250.0)),
-        ("up-500", Some(500.0)),
-    ];
+    let named = [("unloaded", None), ("up-250", Some(250.0)), ("up-500", Some(500.0))];
     let named = named.map(|(state, load)| (state.to_string(), load));
     assert_eq!(loads(&table), named);
     let said = &table.remarks[0];
@@ -421,9 +347,7 @@ fn forces_in_the_names_of_states_are_those_of_the_sheet() -> Check {
     let table = planned(&given, &rope_cell())?;
     assert_eq!(table.postures[0].states[3].load, Some(450.0));
     assert!(table.remarks.is_empty());
-    let unclear = export
-        .replace("up-250", "first")
-        .replace("up-500", "second");
+    let unclear = export.replace("up-250", "first").replace("up-500", "second");
     let error = read(&[("export.csv", unclear.as_bytes())], columns).unwrap_err();
     assert!(error.hint_text().unwrap().contains("up-250"), "{error}");
     Ok(())
@@ -442,10 +366,7 @@ fn a_table_in_utf_16_is_read_where_it_says_so() -> Check {
         let cut = read(&bytes[..bytes.len() - 1]).unwrap_err();
         assert!(cut.message().contains("ends within a character"), "{cut}");
         // Without the mark nothing says it.
-        assert_eq!(
-            read(&bytes[2..]).unwrap_err().code(),
-            stiffarm::Code::TableHeading
-        );
+        assert_eq!(read(&bytes[2..]).unwrap_err().code(), stiffarm::Code::TableHeading);
     }
     Ok(())
 }

@@ -6,10 +6,7 @@ use stiffarm::measure::{not_measured_yet, prepare};
 /// The sheet of three postures with the readings of `filled` in it: posture, state, point.
 fn sheet(filled: impl Fn(&str, &str, &str) -> bool) -> String {
     let mut three = postures();
-    three.push(Posture {
-        name: "P3".to_string(),
-        q: vec![0.3, 0.4],
-    });
+    three.push(Posture { name: "P3".to_string(), q: vec![0.3, 0.4] });
     let csv = reading_sheet(&three, &SheetOptions::default(), &rope_cell()).to_csv();
     let rows = (0..).zip(csv.lines()).map(|(line, row)| {
         let mut fields: Vec<&str> = row.split(',').collect();
@@ -33,20 +30,13 @@ fn rows_without_a_position_are_not_measured_yet() -> Check {
     assert_eq!(sentence(&all), "");
 
     // Posture by posture, as a day goes on.
-    let part = readings(
-        &sheet(|p, s, _| p == "P1" || (p == "P2" && s == "unloaded")),
-        &cell,
-    )?;
+    let part = readings(&sheet(|p, s, _| p == "P1" || (p == "P2" && s == "unloaded")), &cell)?;
     assert_eq!(part.postures, all.postures[..1]);
     assert_eq!(part.incomplete.len(), 1);
     assert_eq!(part.incomplete[0].states, all.postures[1].states[..1]);
     assert_eq!(part.filled(), 6);
     let first = &part.pending[0];
-    let names = (
-        first.posture.as_str(),
-        first.state.as_str(),
-        first.point.as_str(),
-    );
+    let names = (first.posture.as_str(), first.state.as_str(), first.point.as_str());
     assert_eq!((names, first.line), (("P2", "loaded", "left"), 8));
     assert_eq!(part.pending.len(), 6);
     assert_eq!(
@@ -58,23 +48,14 @@ fn rows_without_a_position_are_not_measured_yet() -> Check {
     // Written and read again it is the same.
     let written = write_readings(&part, &cell);
     let again = readings(&written, &cell)?;
-    assert_eq!(
-        without_lines(again.clone()).postures,
-        without_lines(part.clone()).postures
-    );
+    assert_eq!(without_lines(again.clone()).postures, without_lines(part.clone()).postures);
     assert_eq!(sentence(&again), sentence(&part));
     assert_eq!(write_readings(&again, &cell), written);
 
     // One point of a state is missing: what is there counts.
-    let point = readings(
-        &sheet(|p, s, q| p != "P2" || s == "unloaded" || q == "left"),
-        &cell,
-    )?;
+    let point = readings(&sheet(|p, s, q| p != "P2" || s == "unloaded" || q == "left"), &cell)?;
     assert_eq!((point.postures.len(), point.incomplete.len()), (3, 0));
-    assert_eq!(
-        sentence(&point),
-        "Not measured yet: posture P2 (loaded at right); 11 of 12 rows are filled in."
-    );
+    assert_eq!(sentence(&point), "Not measured yet: posture P2 (loaded at right); 11 of 12 rows are filled in.");
     Ok(())
 }
 
@@ -106,19 +87,13 @@ fn a_sheet_that_says_nothing_yet_is_an_error() -> Check {
 fn a_workbook_to_fill_in_holds_what_its_text_holds() -> Check {
     use stiffarm_files::table::write_sheet_workbook;
     let mut options = SheetOptions::default();
-    options.states = ["up-250", "up-500, slowly", "007"]
-        .map(String::from)
-        .to_vec();
+    options.states = ["up-250", "up-500, slowly", "007"].map(String::from).to_vec();
     options.drift = true;
     options.base_reflector = true;
     for cell in [rope_cell(), sensor_cell()] {
         let sheet = reading_sheet(&postures(), &options, &cell);
         let bytes = write_sheet_workbook(&sheet, &cell)?;
-        assert_eq!(
-            bytes,
-            write_sheet_workbook(&sheet, &cell)?,
-            "the same bytes"
-        );
+        assert_eq!(bytes, write_sheet_workbook(&sheet, &cell)?, "the same bytes");
         let read = read_readings(&bytes, "m.xlsx", &cell, None)?;
         assert_eq!(read, readings(&sheet.to_csv(), &cell)?);
         assert_eq!(read.pending.len(), sheet.rows.len());

@@ -13,31 +13,17 @@ fn a_pattern_splits_names_at_its_texts() {
     };
     let three = "{posture}::{state}::{point}";
     assert_eq!(split(three, "P1::up-250::left").unwrap(), "P1|up-250|left");
-    assert_eq!(
-        split(three, "P1:: up-250 ::a::b").unwrap(),
-        "P1|up-250|a::b"
-    );
+    assert_eq!(split(three, "P1:: up-250 ::a::b").unwrap(), "P1|up-250|a::b");
     assert_eq!(split(three, "P1::up-250"), None);
     assert_eq!(split(three, "P1::::left"), None);
-    assert_eq!(
-        split("{}::{posture}_{state}::{point}", "A::7_loaded::3").unwrap(),
-        "7|loaded|3"
-    );
+    assert_eq!(split("{}::{posture}_{state}::{point}", "A::7_loaded::3").unwrap(), "7|loaded|3");
     assert_eq!(split("<{point}>", "<left>").unwrap(), "left");
     assert_eq!(split("<{point}>", "left"), None);
 }
 
 #[test]
 fn patterns_that_cannot_split_are_refused() {
-    for wrong in [
-        "",
-        "posture",
-        "{posture",
-        "{}",
-        "{pose}",
-        "{posture}{point}",
-        "{point}-{point}",
-    ] {
+    for wrong in ["", "posture", "{posture", "{}", "{pose}", "{posture}{point}", "{point}-{point}"] {
         assert!(NamePattern::parse(wrong).is_err(), "{wrong}");
     }
 }
@@ -109,10 +95,7 @@ fn forces_and_what_was_not_measured_are_no_positions() {
         match wanted {
             // What is one of ours is not in the list.
             Some("x_mm") => assert!(!hint.contains("X in mm"), "{hint}"),
-            Some(key) => assert!(
-                hint.contains(&format!(", {key} = \"{name}\"")),
-                "{name}: {hint}"
-            ),
+            Some(key) => assert!(hint.contains(&format!(", {key} = \"{name}\"")), "{name}: {hint}"),
             None => assert!(!hint.contains(&format!("= \"{name}\"")), "{name}: {hint}"),
         }
     }
@@ -120,20 +103,11 @@ fn forces_and_what_was_not_measured_are_no_positions() {
 
 #[test]
 fn counts_of_a_sensor_are_no_forces() {
-    for name in [
-        "Fx counts",
-        "Fx_counts",
-        "fx (adc)",
-        "Force X raw",
-        "cnts Fx",
-    ] {
+    for name in ["Fx counts", "Fx_counts", "fx (adc)", "Force X raw", "cnts Fx"] {
         let text = format!("{}\n", FULL.lines().next().unwrap()).replace("fx_n", name);
         let error = readings(&text, &sensor_cell()).unwrap_err();
         let hint = error.hint_text().unwrap_or_default();
-        assert!(
-            hint.contains("counts per N") && hint.contains("fx_n"),
-            "{name}: {hint}"
-        );
+        assert!(hint.contains("counts per N") && hint.contains("fx_n"), "{name}: {hint}");
         assert!(!hint.contains("fx_kn"), "{name}: {hint}");
     }
 }
@@ -141,10 +115,7 @@ fn counts_of_a_sensor_are_no_forces() {
 #[test]
 fn torques_are_moments() -> Check {
     let wanted = without_lines(readings(FULL, &sensor_cell())?);
-    for [x, y, z] in [
-        ["Tx [Nm]", "Ty [Nm]", "Tz [Nm]"],
-        ["Tx (N-m)", "Ty (N-m)", "Tz (N-m)"],
-    ] {
+    for [x, y, z] in [["Tx [Nm]", "Ty [Nm]", "Tz [Nm]"], ["Tx (N-m)", "Ty (N-m)", "Tz (N-m)"]] {
         let text = FULL.replace("mx_nm,my_nm,mz_nm", &[x, y, z].join(","));
         assert_eq!(without_lines(readings(&text, &sensor_cell())?), wanted);
     }
@@ -167,10 +138,7 @@ fn a_binary_file_is_told_by_its_name() {
     ] {
         let error = read_readings(&bytes, "trial.c3d", &rope_cell(), None).unwrap_err();
         assert!(error.message().contains(what), "{error}");
-        assert!(
-            !error.hint_text().unwrap_or_default().contains("latin-1"),
-            "{error}"
-        );
+        assert!(!error.hint_text().unwrap_or_default().contains("latin-1"), "{error}");
     }
 }
 
@@ -235,25 +203,14 @@ fn one_moment_in_many_forms() -> Check {
     ] {
         assert_eq!(times(&[midnight, text])?, [0.0, time], "{text}");
     }
-    for wrong in [
-        "noon",
-        "25:00:00",
-        "14:5x",
-        "31/31/2026 1:00",
-        "2026-02-30 1:00",
-        "1:2:3:4",
-        "13:00 pm",
-    ] {
+    for wrong in ["noon", "25:00:00", "14:5x", "31/31/2026 1:00", "2026-02-30 1:00", "1:2:3:4", "13:00 pm"] {
         assert!(times(&[wrong, wrong]).is_err(), "{wrong}");
     }
     Ok(())
 }
 
 fn rope(magnitude: f64) -> Load {
-    Load::Rope {
-        anchor: Vector3::zeros(),
-        magnitude,
-    }
+    Load::Rope { anchor: Vector3::zeros(), magnitude }
 }
 
 /// The forces that a sheet of these states under `load` is filled in with.
@@ -261,59 +218,31 @@ fn filled_in(states: &[&str], load: &Load) -> Vec<Option<f64>> {
     let mut cell = rope_cell();
     cell.setup.load = load.clone();
     let mut options = SheetOptions::default();
-    options.states = std::iter::once("unloaded-0")
-        .chain(states.iter().copied())
-        .map(String::from)
-        .collect();
+    options.states = std::iter::once("unloaded-0").chain(states.iter().copied()).map(String::from).collect();
     let sheet = reading_sheet(&postures()[..1], &options, &cell);
-    let of = |state: &&str| {
-        sheet
-            .rows
-            .iter()
-            .find(|row| row.state == *state)
-            .unwrap()
-            .load
-    };
+    let of = |state: &&str| sheet.rows.iter().find(|row| row.state == *state).unwrap().load;
     states.iter().map(of).collect()
 }
 
 #[test]
 fn the_only_state_has_the_load_of_the_cell_and_a_number_its_own() {
     let rope = rope(-500.0);
-    assert_eq!(
-        filled_in(&["unloaded", "loaded"], &rope),
-        [None, Some(500.0)]
-    );
+    assert_eq!(filled_in(&["unloaded", "loaded"], &rope), [None, Some(500.0)]);
     assert_eq!(filled_in(&["loaded-2"], &rope), [Some(500.0)]);
     assert_eq!(
-        filled_in(
-            &["up-250", "500N", "load-300", "up250", "0.4kN", "250-up"],
-            &rope
-        ),
+        filled_in(&["up-250", "500N", "load-300", "up250", "0.4kN", "250-up"], &rope),
         [250.0, 500.0, 300.0, 250.0, 400.0, 250.0].map(Some)
     );
     // A light preload may be named with its force, and does not make the load one of several.
     let states = ["preload-100", "loaded"];
     assert_eq!(filled_in(&states, &rope), [Some(100.0), Some(500.0)]);
-    assert_eq!(
-        filled_in(&["preload", "loaded"], &rope),
-        [None, Some(500.0)]
-    );
+    assert_eq!(filled_in(&["preload", "loaded"], &rope), [None, Some(500.0)]);
 }
 
 #[test]
 fn what_is_not_certain_stays_empty() {
     let rope = rope(500.0);
-    for unclear in [
-        "up-600",
-        "up-250-2",
-        "250kg",
-        "50%",
-        "1.2.3",
-        "2026-11-23",
-        "2nd",
-        "x.5",
-    ] {
+    for unclear in ["up-600", "up-250-2", "250kg", "50%", "1.2.3", "2026-11-23", "2nd", "x.5"] {
         assert_eq!(filled_in(&[unclear], &rope), [None], "{unclear}");
     }
     // Several states of one load without a number.
@@ -323,15 +252,8 @@ fn what_is_not_certain_stays_empty() {
 
 #[test]
 fn load_cases_have_their_own() {
-    let case = |name: &str, load| LoadCase {
-        name: name.to_string(),
-        load,
-        loading_point: None,
-    };
-    let weight = Load::Weight {
-        magnitude: 120.0,
-        direction: -Vector3::z(),
-    };
+    let case = |name: &str, load| LoadCase { name: name.to_string(), load, loading_point: None };
+    let weight = Load::Weight { magnitude: 120.0, direction: -Vector3::z() };
     let load = Load::Cases(vec![case("side-300", rope(300.0)), case("weight", weight)]);
     let states = ["unloaded", "side-300", "unloaded-2", "weight"];
     let found = filled_in(&states, &load);

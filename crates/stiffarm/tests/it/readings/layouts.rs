@@ -16,10 +16,7 @@ P1,loaded,right,1350.75,-50.5,899.75,12.5,-30
 fn same(text: &str) -> Check {
     let table = readings(text, &rope_cell()).map_err(|error| format!("{text}{error}"))?;
     assert_eq!(
-        without_lines(ReadingTable {
-            remarks: Vec::new(),
-            ..table
-        }),
+        without_lines(ReadingTable { remarks: Vec::new(), ..table }),
         without_lines(readings(WHOLE, &rope_cell())?),
         "{text}"
     );
@@ -44,26 +41,15 @@ fn a_unit_may_stand_behind_any_sign() -> Check {
     ] {
         let of = |axis: &str| {
             let other = sign.replacen(['x', 'X'], axis, 1);
-            if other.contains(',') {
-                format!("\"{other}\"")
-            } else {
-                other
-            }
+            if other.contains(',') { format!("\"{other}\"") } else { other }
         };
-        let heading = HEADING
-            .replace("x_mm", &of("x"))
-            .replace("y_mm", &of("y"))
-            .replace("z_mm", &of("z"));
+        let heading = HEADING.replace("x_mm", &of("x")).replace("y_mm", &of("y")).replace("z_mm", &of("z"));
         same(&WHOLE.replace(HEADING, &heading))?;
     }
     // A unit that we do not have is none, and a word is no unit.
     for other in ["x / cm", "x mm max", "x1 / mm"] {
         let error = readings(&WHOLE.replace("x_mm", other), &rope_cell()).unwrap_err();
-        assert_eq!(
-            error.code(),
-            stiffarm::Code::TableHeading,
-            "{other}: {error}"
-        );
+        assert_eq!(error.code(), stiffarm::Code::TableHeading, "{other}: {error}");
     }
     Ok(())
 }
@@ -74,11 +60,7 @@ fn numbers_as_typesetters_and_spreadsheets_write_them() -> Check {
         same(&WHOLE.replace(",-", &format!(",{minus}")))?;
     }
     for blank in ["\u{202f}", "\u{a0}", "\u{2009}", "'", "\u{2019}"] {
-        same(
-            &WHOLE
-                .replace("1500.", &format!("1{blank}500."))
-                .replace("1350.", &format!("1{blank}350.")),
-        )?;
+        same(&WHOLE.replace("1500.", &format!("1{blank}500.")).replace("1350.", &format!("1{blank}350.")))?;
     }
     same(&WHOLE.replace("-200.5", "\u{2212}\u{202f}200.5"))?;
     let semicolons = WHOLE.replace(',', ";").replace('.', ",");
@@ -86,11 +68,7 @@ fn numbers_as_typesetters_and_spreadsheets_write_them() -> Check {
     // Commas separate, and each number with a fraction stands in quotation marks.
     let quoted = |text: &str| -> String {
         let field = |field: &str| {
-            if field.contains('.') {
-                format!("\"{}\"", field.replace('.', ","))
-            } else {
-                field.to_string()
-            }
+            if field.contains('.') { format!("\"{}\"", field.replace('.', ",")) } else { field.to_string() }
         };
         let line = |line: &str| line.split(',').map(field).collect::<Vec<_>>().join(",") + "\n";
         text.lines().map(line).collect()
@@ -99,10 +77,7 @@ fn numbers_as_typesetters_and_spreadsheets_write_them() -> Check {
     // Not where one has a point, or a comma may part thousands.
     let cell = rope_cell();
     let mixed = quoted(WHOLE).replace("\"900,25\"", "900.25");
-    assert_eq!(
-        readings(&mixed, &cell).unwrap_err().code(),
-        stiffarm::Code::DecimalComma
-    );
+    assert_eq!(readings(&mixed, &cell).unwrap_err().code(), stiffarm::Code::DecimalComma);
     let thousands = "P1,unloaded,left,\"1,408\",2,3,0,0\nP1,loaded,left,\"1,408\",2,3,0,0\n";
     let error = readings(&format!("{HEADING}{thousands}"), &cell).unwrap_err();
     assert_eq!(error.code(), stiffarm::Code::DecimalComma, "{error}");
@@ -128,21 +103,11 @@ fn rows_of_means_and_remarks_below_the_readings_are_left_out() -> Check {
         let table = readings(&text, &rope_cell())?;
         let said: Vec<&str> = table.remarks.iter().map(|r| r.code.as_str()).collect();
         assert_eq!(said, [codes::ROWS_LEFT_OUT], "{below}");
-        assert!(
-            table.remarks[0].sentence.contains("line 6 (\"") || below.starts_with(",,,,"),
-            "{:?}",
-            table.remarks
-        );
+        assert!(table.remarks[0].sentence.contains("line 6 (\"") || below.starts_with(",,,,"), "{:?}", table.remarks);
     }
     // A row between the readings, a posture of that name, a row that is not complete: not silently.
-    let mean =
-        "Mean,unloaded,left,1500,-200,900,12.5,-30\nMean,loaded,left,1500,-200,899,12.5,-30\n";
-    assert_eq!(
-        readings(&format!("{WHOLE}{mean}"), &rope_cell())?
-            .postures
-            .len(),
-        2
-    );
+    let mean = "Mean,unloaded,left,1500,-200,900,12.5,-30\nMean,loaded,left,1500,-200,899,12.5,-30\n";
+    assert_eq!(readings(&format!("{WHOLE}{mean}"), &rope_cell())?.postures.len(), 2);
     let second = WHOLE.replace("P1,loaded,left", "Door open\nP1,loaded,left");
     assert!(readings(&second, &rope_cell()).is_err());
     assert!(readings(&format!("{WHOLE}P1,,,,,,,\n"), &rope_cell()).is_err());
@@ -170,10 +135,7 @@ fn names_and_loads_in_the_first_row_of_a_group_hold_for_all_of_it() -> Check {
     // A wrench once per state, as its first row has it.
     let cell = cell_with("kind = 'measured'", "");
     let forces = |rest: &str| {
-        let rows = WHOLE
-            .lines()
-            .skip(1)
-            .zip([",0,0,0", ",0,0,0", ",1,2,-500", rest]);
+        let rows = WHOLE.lines().skip(1).zip([",0,0,0", ",0,0,0", ",1,2,-500", rest]);
         let rows: String = rows.map(|(row, force)| format!("{row}{force}\n")).collect();
         format!("{},fx_n,fy_n,fz_n\n{rows}", HEADING.trim_end())
     };
@@ -223,9 +185,7 @@ fn a_position_of_zeros_and_a_lost_decimal_sign_are_named_by_their_rows() {
     }
     insta::assert_snapshot!("no_readings", report);
     // A dial that was set to zero reads zeros, and another point is no lost sign.
-    let dial = WHOLE
-        .replace("1500.125,-200.5,900.25", "0,0,0")
-        .replace("1500.25,-200.75,899.5", "0.1,0.2,-0.7");
+    let dial = WHOLE.replace("1500.125,-200.5,900.25", "0,0,0").replace("1500.25,-200.75,899.5", "0.1,0.2,-0.7");
     assert!(readings(&dial, &rope_cell()).is_ok());
     let swapped = text.replace("1500.25,-200.75,899.5", "1350.75,-50.5,899.75");
     assert!(readings(&swapped, &rope_cell()).is_ok());

@@ -27,14 +27,11 @@ use stiffarm::model::measurement::{
 };
 use stiffarm::model::posture::Posture;
 use stiffarm_files::cell::parse_cell;
-use stiffarm_files::table::{
-    SheetOptions, read_measurements, read_postures, reading_sheet, write_readings,
-};
+use stiffarm_files::table::{SheetOptions, read_measurements, read_postures, reading_sheet, write_readings};
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 
-const SENSOR: &str =
-    "[sensor]\nmount = 'flange'\nxyz_mm = [0, 0, 60]\nrpy_deg = [0, 0, 30]\nreports = 'by_robot'\n";
+const SENSOR: &str = "[sensor]\nmount = 'flange'\nxyz_mm = [0, 0, 60]\nrpy_deg = [0, 0, 30]\nreports = 'by_robot'\n";
 
 fn sensor_cell() -> Cell {
     cell_with("kind = 'measured'", SENSOR)
@@ -63,12 +60,7 @@ P2,up-500,left,1500.5,-201,898.75,500
 ";
 
 fn postures() -> Vec<Posture> {
-    read_postures(
-        POSTURES.as_bytes(),
-        "postures.csv",
-        &rope_cell().setup.robot,
-    )
-    .unwrap()
+    read_postures(POSTURES.as_bytes(), "postures.csv", &rope_cell().setup.robot).unwrap()
 }
 
 fn readings(text: &str, cell: &Cell) -> stiffarm::Result<ReadingTable> {
@@ -95,19 +87,9 @@ fn rows_are_grouped_by_posture_and_state() -> Check {
     let names: Vec<_> = table
         .postures
         .iter()
-        .flat_map(|p| {
-            p.states
-                .iter()
-                .map(|s| (p.posture.name.as_str(), s.state.as_str()))
-        })
+        .flat_map(|p| p.states.iter().map(|s| (p.posture.name.as_str(), s.state.as_str())))
         .collect();
-    let expected = [
-        ("P1", "unloaded"),
-        ("P1", "up"),
-        ("P1", "unloaded-2"),
-        ("P2", "preload"),
-        ("P2", "up"),
-    ];
+    let expected = [("P1", "unloaded"), ("P1", "up"), ("P1", "unloaded-2"), ("P2", "preload"), ("P2", "up")];
     assert_eq!(names, expected);
 
     let [unloaded, up, again] = &table.postures[0].states[..] else {
@@ -115,10 +97,7 @@ fn rows_are_grouped_by_posture_and_state() -> Check {
     };
     let targets: Vec<_> = unloaded.readings.iter().map(|r| &r.target).collect();
     let base = ReadingTarget::Base("base-2".to_string());
-    assert_eq!(
-        targets,
-        [&ReadingTarget::Point(0), &ReadingTarget::Point(1), &base]
-    );
+    assert_eq!(targets, [&ReadingTarget::Point(0), &ReadingTarget::Point(1), &base]);
     let first = &unloaded.readings[0];
     assert_eq!(first.position.as_slice(), [1.500125, -0.2005, 0.90025]);
     assert_eq!((first.time, first.line), (Some(10.5), 2));
@@ -151,11 +130,7 @@ fn where_angles_and_forces_come_from() -> Check {
     assert_eq!(table.wrench_columns, WrenchColumns::None);
     let posture = &table.postures[0];
     assert_eq!(posture.posture, postures()[1]);
-    let loads: Vec<_> = posture
-        .states
-        .iter()
-        .map(|s| (s.load, s.angles.clone()))
-        .collect();
+    let loads: Vec<_> = posture.states.iter().map(|s| (s.load, s.angles.clone())).collect();
     let expected = [(None, None), (Some(250.0), None), (Some(500.0), None)];
     assert_eq!(loads, expected);
     // A load in kilonewtons; the unloaded state may say 0.
@@ -171,32 +146,17 @@ fn where_angles_and_forces_come_from() -> Check {
     // One loaded state needs no load: the cell's is meant.
     let one = "posture,state,point,x_mm,y_mm,z_mm\nP1,loaded,left,1,2,3\nP1,unloaded,left,1,2,4\n";
     let table = planned(one, &cell)?;
-    assert!(
-        table.postures[0]
-            .states
-            .iter()
-            .all(|s| s.load.is_none() && s.wrench.is_none())
-    );
+    assert!(table.postures[0].states.iter().all(|s| s.load.is_none() && s.wrench.is_none()));
     // Angles of the table beside those planned: the measured ones count.
     let both = "posture,state,point,x_mm,y_mm,z_mm,q1_deg,q2_deg\n\
                 P1,loaded,left,1,2,3,13,-31\nP1,unloaded,left,1,2,4,12.6,-30.5\n";
     let table = planned(both, &cell)?;
-    assert_eq!(
-        table.postures[0].posture.q,
-        [12.6f64, -30.5].map(f64::to_radians)
-    );
+    assert_eq!(table.postures[0].posture.q, [12.6f64, -30.5].map(f64::to_radians));
     // Without an unloaded state, those of the first.
-    let preload = both
-        .replace("unloaded", "preload")
-        .replace("z_mm,q1", "z_mm,load_n,q1");
-    let preload = preload
-        .replace(",3,13", ",3,500,13")
-        .replace(",4,12.6", ",4,100,12.6");
+    let preload = both.replace("unloaded", "preload").replace("z_mm,q1", "z_mm,load_n,q1");
+    let preload = preload.replace(",3,13", ",3,500,13").replace(",4,12.6", ",4,100,12.6");
     let table = readings(&preload, &cell)?;
-    assert_eq!(
-        table.postures[0].posture.q,
-        [13.0f64, -31.0].map(f64::to_radians)
-    );
+    assert_eq!(table.postures[0].posture.q, [13.0f64, -31.0].map(f64::to_radians));
     Ok(())
 }
 
@@ -261,15 +221,10 @@ fn headings_of_another_software() -> Check {
     let mapping = "[columns]\ndx_mm = 'ΔX'\ndy_mm = 'ΔY'\ndz_mm = 'ΔZ'\nignore = ['x_mm']\n";
     let text = "posture,point,δx,Δy,Δz,x_mm,q1_deg,q2_deg\nP1,left,1,2,3,4,5,6\n";
     let cell = cell_with(ROPE, mapping);
-    let Measurements::Displacements(read) =
-        read_measurements(text.as_bytes(), "d.csv", &cell, None)?
-    else {
+    let Measurements::Displacements(read) = read_measurements(text.as_bytes(), "d.csv", &cell, None)? else {
         panic!("displacements");
     };
-    assert_eq!(
-        read[0].displacements[0].value,
-        Vector3::new(1e-3, 2e-3, 3e-3)
-    );
+    assert_eq!(read[0].displacements[0].value, Vector3::new(1e-3, 2e-3, 3e-3));
     Ok(())
 }
 
@@ -278,8 +233,7 @@ fn the_heading_says_what_a_table_holds() -> Check {
     let cell = sensor_cell();
     let read = |text: &str| read_measurements(text.as_bytes(), "m.csv", &cell, None);
     assert_eq!(read(FULL)?, Measurements::Readings(readings(FULL, &cell)?));
-    let displacements =
-        "posture,point,dx_mm,dy_mm,dz_mm,fx_n,fy_n,fz_n,q1_deg,q2_deg\nP1,left,1,2,3,4,5,6,7,8\n";
+    let displacements = "posture,point,dx_mm,dy_mm,dz_mm,fx_n,fy_n,fz_n,q1_deg,q2_deg\nP1,left,1,2,3,4,5,6,7,8\n";
     assert!(matches!(read(displacements)?, Measurements::Displacements(d) if d.len() == 1));
     let mut report = String::new();
     for text in [

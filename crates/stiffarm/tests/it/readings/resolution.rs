@@ -10,10 +10,7 @@ fn rounded(step: Option<f64>) -> stiffarm::Result<(Cell, Measured)> {
     let cell = builtin::cell("comau")?;
     let postures = builtin::postures("comau-group1", &cell.setup.robot)?;
     let mut table = simulated_readings(&cell, &postures, 1)?;
-    let states = table
-        .postures
-        .iter_mut()
-        .flat_map(|posture| &mut posture.states);
+    let states = table.postures.iter_mut().flat_map(|posture| &mut posture.states);
     for reading in states.flat_map(|state| &mut state.readings) {
         let round = |value: f64| step.map_or(value, |step| (value / step).round() * step);
         reading.position = reading.position.map(round);
@@ -31,35 +28,19 @@ fn a_step_of_the_readings_is_said_and_is_part_of_their_noise() -> Check {
         (25.4e-6, Severity::Caution, "multiples of 0.001 in"),
     ] {
         let (cell, measured) = rounded(Some(step))?;
-        let said: Vec<_> = measured
-            .findings()
-            .filter(|f| f.code == codes::READING_RESOLUTION)
-            .collect();
+        let said: Vec<_> = measured.findings().filter(|f| f.code == codes::READING_RESOLUTION).collect();
         assert_eq!(said.len(), 1, "{step}");
         assert_eq!(said[0].severity, severity, "{step}");
         assert!(said[0].sentence.contains(word), "{}", said[0].sentence);
         // Nothing else is told of it: no drift, no base that moves, no copied rows.
-        let others: Vec<_> = measured
-            .findings()
-            .filter(|f| f.code != codes::READING_RESOLUTION)
-            .collect();
-        assert!(
-            others.iter().all(|f| f.severity == Severity::Note),
-            "{step}: {others:?}"
-        );
+        let others: Vec<_> = measured.findings().filter(|f| f.code != codes::READING_RESOLUTION).collect();
+        assert!(others.iter().all(|f| f.severity == Severity::Note), "{step}: {others:?}");
         let (with, own) = (measured.noise(&cell), cell.noise);
         let added = with.reading_variance - own.reading_variance;
         assert!((added - step * step / 12.0).abs() < 1e-9 * added, "{step}");
     }
     let (cell, measured) = rounded(None)?;
-    assert!(
-        measured
-            .findings()
-            .all(|finding| finding.code != codes::READING_RESOLUTION)
-    );
-    assert_eq!(
-        measured.noise(&cell).reading_variance,
-        cell.noise.reading_variance
-    );
+    assert!(measured.findings().all(|finding| finding.code != codes::READING_RESOLUTION));
+    assert_eq!(measured.noise(&cell).reading_variance, cell.noise.reading_variance);
     Ok(())
 }

@@ -4,10 +4,7 @@ use super::*;
 use crate::common::cases;
 
 fn number() -> impl Strategy<Value = f64> {
-    prop_oneof![
-        (-9_999_999..9_999_999i32).prop_map(|n| f64::from(n) / 1e7),
-        -1e3..1e3f64,
-    ]
+    prop_oneof![(-9_999_999..9_999_999i32).prop_map(|n| f64::from(n) / 1e7), -1e3..1e3f64,]
 }
 
 fn vector() -> impl Strategy<Value = Vector3<f64>> {
@@ -20,11 +17,7 @@ fn wrench() -> impl Strategy<Value = Wrench> {
 
 /// Readings of a state; the first is of the first point, so that every loaded
 /// state shares one with the unloaded.
-fn any_state(
-    name: &'static str,
-    forces: WrenchColumns,
-    times: bool,
-) -> impl Strategy<Value = StateReadings> {
+fn any_state(name: &'static str, forces: WrenchColumns, times: bool) -> impl Strategy<Value = StateReadings> {
     let target = prop_oneof![
         Just(ReadingTarget::Point(0)),
         Just(ReadingTarget::Point(1)),
@@ -32,11 +25,7 @@ fn any_state(
         Just(ReadingTarget::Base("base-2".to_string())),
     ];
     let reading = (target, vector(), prop::option::of(number()));
-    let state = (
-        prop::collection::vec(reading, 1..6),
-        wrench(),
-        1.0..900.0f64,
-    );
+    let state = (prop::collection::vec(reading, 1..6), wrench(), 1.0..900.0f64);
     state.prop_map(move |(mut readings, wrench, load)| {
         readings[0].0 = ReadingTarget::Point(0);
         let loaded = Role::of(name) != Role::Unloaded;
@@ -65,11 +54,8 @@ fn any_state(
 }
 
 fn any_table() -> impl Strategy<Value = ReadingTable> {
-    let columns = prop_oneof![
-        Just(WrenchColumns::None),
-        Just(WrenchColumns::Force),
-        Just(WrenchColumns::ForceAndMoment),
-    ];
+    let columns =
+        prop_oneof![Just(WrenchColumns::None), Just(WrenchColumns::Force), Just(WrenchColumns::ForceAndMoment),];
     (columns, any::<bool>()).prop_flat_map(|(columns, times)| {
         let states = (
             any_state("unloaded", columns, times),
@@ -90,8 +76,7 @@ fn any_table() -> impl Strategy<Value = ReadingTable> {
                     for (i, state) in states.iter_mut().enumerate() {
                         // Up to 0.3° of servo give.
                         let give = 0.1 * i as f64;
-                        state.angles =
-                            Some(vec![(q1 + give).to_radians(), (q2 - give).to_radians()]);
+                        state.angles = Some(vec![(q1 + give).to_radians(), (q2 - give).to_radians()]);
                     }
                     PostureReadings {
                         posture: Posture {

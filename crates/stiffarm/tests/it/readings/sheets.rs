@@ -15,31 +15,11 @@ fn sheets_to_fill_in() -> Check {
     let mut report = String::new();
     for (what, cell, options) in [
         ("rope", rope_cell(), options(&[], false, false)),
-        (
-            "rope, loads, drift, base",
-            rope_cell(),
-            options(&["up-250", "up-500"], true, true),
-        ),
-        (
-            "preload",
-            rope_cell(),
-            options(&["preload", "loaded"], false, false),
-        ),
-        (
-            "states in an order of one's own",
-            rope_cell(),
-            options(&["loaded", "unloaded"], true, false),
-        ),
-        (
-            "sensor",
-            sensor_cell(),
-            options(&["up", "down"], false, false),
-        ),
-        (
-            "measured",
-            cell_with("kind = 'measured'", ""),
-            options(&[], false, false),
-        ),
+        ("rope, loads, drift, base", rope_cell(), options(&["up-250", "up-500"], true, true)),
+        ("preload", rope_cell(), options(&["preload", "loaded"], false, false)),
+        ("states in an order of one's own", rope_cell(), options(&["loaded", "unloaded"], true, false)),
+        ("sensor", sensor_cell(), options(&["up", "down"], false, false)),
+        ("measured", cell_with("kind = 'measured'", ""), options(&[], false, false)),
     ] {
         let sheet = reading_sheet(one, &options, &cell).to_csv();
         report += &format!("» {what}\n{sheet}\n");
@@ -52,11 +32,7 @@ fn sheets_to_fill_in() -> Check {
             let loaded = Role::of(fields[1]) == Role::Loaded || fields[1] == "preload";
             let blank = 3..fields.len() - 2;
             let force = if loaded { "7" } else { "" };
-            for (i, name) in heading
-                .split(',')
-                .enumerate()
-                .filter(|(i, _)| blank.contains(i))
-            {
+            for (i, name) in heading.split(',').enumerate().filter(|(i, _)| blank.contains(i)) {
                 fields[i] = if name.ends_with("_mm") { "5" } else { force };
             }
             fields.join(",") + "\n"
@@ -94,23 +70,13 @@ fn sheets_leave_out_points_that_the_tracker_does_not_see() -> Check {
     let cell = parse_cell(&three, "cell.toml")?;
     let plan = stiffarm_files::builtin::postures("comau-group1", &cell.setup.robot)?;
     let hidden: Vec<Vec<usize>> = plan.iter().map(|p| cell.hidden_points(&p.q)).collect();
-    assert!(
-        hidden.iter().any(|own| own.len() == 1) && hidden.iter().any(Vec::is_empty),
-        "{hidden:?}"
-    );
+    assert!(hidden.iter().any(|own| own.len() == 1) && hidden.iter().any(Vec::is_empty), "{hidden:?}");
     let sheet = reading_sheet(&plan, &SheetOptions::default(), &cell);
     for (posture, hidden) in plan.iter().zip(&hidden) {
         for (number, point) in cell.setup.tool.measuring_points.iter().enumerate() {
             let mut rows = sheet.rows.iter();
-            let has_row =
-                rows.any(|row| row.posture.name == posture.name && row.point == point.name);
-            assert_eq!(
-                has_row,
-                !hidden.contains(&number),
-                "{} {}",
-                posture.name,
-                point.name
-            );
+            let has_row = rows.any(|row| row.posture.name == posture.name && row.point == point.name);
+            assert_eq!(has_row, !hidden.contains(&number), "{} {}", posture.name, point.name);
         }
     }
     // The sheet to fill in and the page to tick off go by the same rows.

@@ -25,10 +25,7 @@ const SLIPS: &[(&str, &str)] = &[
     ("P1,unloaded,right", "P1,unload,right"),
     ("P2,preload,right", "P2,pre-load,right"),
     ("1350.5,-50.5,899.75,100,0,-500", "1350.5,-50.5,899.75,,,"),
-    (
-        "1350.5,-50.5,899.75,100,0,-500",
-        "1350.5,-50.5,899.75,100,1,-500",
-    ),
+    ("1350.5,-50.5,899.75,100,0,-500", "1350.5,-50.5,899.75,100,1,-500"),
     ("1350.5,-50.5,899.75,100", "1350.5,,899.75,100"),
     ("1350,-50.25,900.5,,,,,,", "1350,-50.25,900.5,1,2,,,,"),
     ("1350,-50.25,900.5,,,,,,", "1350,-50.25,900.5,1,2,3,4,5,6"),
@@ -57,59 +54,31 @@ fn slips_in_a_table_of_readings() {
     note("no state", planned(without_state, &rope));
     let moments = "posture,state,point,x_mm,y_mm,z_mm,mx_nm,my_nm,mz_nm\nP1,up,left,1,2,3,4,5,6\n";
     note("moments only", planned(moments, &rope));
-    note(
-        "unknown to the plan",
-        planned(&ROPE_LOADS.replace("P2", "P22"), &rope),
-    );
+    note("unknown to the plan", planned(&ROPE_LOADS.replace("P2", "P22"), &rope));
     let far = "posture,state,point,x_mm,y_mm,z_mm,q1_deg,q2_deg\n\
                P1,unloaded,left,1,2,3,12.5,-32.5\nP1,loaded,left,1,2,4,12.5,-32.5\n";
     note("angles far from the plan", planned(far, &rope));
-    note(
-        "load below zero",
-        planned(&ROPE_LOADS.replace(",250", ",-250"), &rope),
-    );
-    note(
-        "load of zero",
-        planned(&ROPE_LOADS.replace(",250", ",0"), &rope),
-    );
-    note(
-        "unloaded with a load",
-        planned(&ROPE_LOADS.replace("900.25,", "900.25,250"), &rope),
-    );
+    note("load below zero", planned(&ROPE_LOADS.replace(",250", ",-250"), &rope));
+    note("load of zero", planned(&ROPE_LOADS.replace(",250", ",0"), &rope));
+    note("unloaded with a load", planned(&ROPE_LOADS.replace("900.25,", "900.25,250"), &rope));
     let unknown = ROPE_LOADS.replace("-250", "").replace("up-500", "down");
     let unknown = unknown.replace(",load_n", "").replace(",250\n", "\n");
-    let unknown = unknown
-        .replace(",500\n", "\n")
-        .replace("900.25,\n", "900.25\n");
+    let unknown = unknown.replace(",500\n", "\n").replace("900.25,\n", "900.25\n");
     note("loads of a rope untold", planned(&unknown, &rope));
-    note(
-        "one load of two",
-        planned(
-            &ROPE_LOADS
-                .replace(",500\n", ",\n")
-                .replace("up-500", "down"),
-            &rope,
-        ),
-    );
+    note("one load of two", planned(&ROPE_LOADS.replace(",500\n", ",\n").replace("up-500", "down"), &rope));
     let wrench = cell_with("kind = 'wrench'\nforce_n = [0, 0, -500]\naxes = 'base'", "");
     note("loads of a wrench untold", planned(&unknown, &wrench));
     note("load_n for a wrench", planned(ROPE_LOADS, &wrench));
     let measured = cell_with("kind = 'measured'", "");
     note("load_n for a measured load", planned(ROPE_LOADS, &measured));
-    note(
-        "no forces for a measured load",
-        planned(&unknown, &measured),
-    );
+    note("no forces for a measured load", planned(&unknown, &measured));
     note("no forces of a sensor", planned(&unknown, &cell));
     // The columns of another software that are not there.
     let mapping = MAPPING.replace("' Center Z'", "'Centre Z'");
     let cell = cell_with(ROPE, &mapping);
     note("a foreign heading misspelt", readings(FOREIGN, &cell));
     let ignored = mapping.replace("'never there'", "'Center Z'");
-    note(
-        "a foreign heading not found",
-        readings(FOREIGN, &cell_with(ROPE, &ignored)),
-    );
+    note("a foreign heading not found", readings(FOREIGN, &cell_with(ROPE, &ignored)));
     let twice = FOREIGN.replace("CENTER Z", "X_mm");
     let cell = cell_with(ROPE, &MAPPING.replace("' Center Z'", "'Center Z'"));
     note("ours and theirs", readings(&twice, &cell));
@@ -118,19 +87,11 @@ fn slips_in_a_table_of_readings() {
 
 #[test]
 fn newtons_below_a_heading_in_kilonewtons_are_told_by_the_heading() {
-    let wrong = ROPE_LOADS
-        .replace("load_n", "load_kn")
-        .replace(",500\n", ",1000\n");
+    let wrong = ROPE_LOADS.replace("load_n", "load_kn").replace(",500\n", ",1000\n");
     let error = planned(&wrong, &rope_cell()).unwrap_err();
-    assert!(
-        error.message().contains("1000 kN cannot be meant"),
-        "{error}"
-    );
+    assert!(error.message().contains("1000 kN cannot be meant"), "{error}");
     let hint = error.hint_text().unwrap();
-    assert!(
-        hint.contains("load_kn says kn") && hint.contains("name the column load_n"),
-        "{hint}"
-    );
+    assert!(hint.contains("load_kn says kn") && hint.contains("name the column load_n"), "{hint}");
 }
 
 #[test]
@@ -145,10 +106,7 @@ fn two_fields_are_a_decimal_only_where_commas_can_stand_for_points() {
     ] {
         let error = error(row);
         assert_eq!(error.code(), stiffarm::Code::TableRow, "{row}: {error}");
-        assert!(
-            error.message().starts_with("Fields in this row: 7"),
-            "{error}"
-        );
+        assert!(error.message().starts_with("Fields in this row: 7"), "{error}");
     }
     let error = error("P1,unloaded,left,1500,125,-200,5,900,25");
     assert!(error.message().contains("(1500,125)"), "{error}");
@@ -158,22 +116,13 @@ fn two_fields_are_a_decimal_only_where_commas_can_stand_for_points() {
 fn a_heading_of_two_rows_is_told_with_the_row_to_write() {
     let row = "P1,unloaded,left,1500.125,-200.5,900.25\n";
     for (heading, wanted) in [
-        (
-            "posture,state,point,position [mm],,\n,,,x,y,z\n",
-            "posture,state,point,x_mm,y_mm,z_mm",
-        ),
-        (
-            "posture,state,point,coordinates,,\n,,,X [m],Y [m],Z [m]\n",
-            "posture,state,point,x_m,y_m,z_m",
-        ),
+        ("posture,state,point,position [mm],,\n,,,x,y,z\n", "posture,state,point,x_mm,y_mm,z_mm"),
+        ("posture,state,point,coordinates,,\n,,,X [m],Y [m],Z [m]\n", "posture,state,point,x_m,y_m,z_m"),
         (
             "posture,state,point,position [mm],,,load,time,operator\n,,,x,y,z,[N],[s],\n",
             "posture,state,point,x_mm,y_mm,z_mm,load_n,time_s,operator",
         ),
-        (
-            "posture,state,point,x,y,z,load\n,,,mm,mm,mm,N\n",
-            "posture,state,point,x_mm,y_mm,z_mm,load_n",
-        ),
+        ("posture,state,point,x,y,z,load\n,,,mm,mm,mm,N\n", "posture,state,point,x_mm,y_mm,z_mm,load_n"),
     ] {
         let error = planned(&format!("{heading}{row}"), &rope_cell()).unwrap_err();
         assert!(error.message().contains("two rows"), "{error}");
@@ -183,9 +132,7 @@ fn a_heading_of_two_rows_is_told_with_the_row_to_write() {
             continue;
         }
         let text = format!("{wanted}\n{row}");
-        assert!(
-            !planned(&text, &rope_cell()).is_err_and(|e| e.code() == stiffarm::Code::TableHeading)
-        );
+        assert!(!planned(&text, &rope_cell()).is_err_and(|e| e.code() == stiffarm::Code::TableHeading));
     }
 }
 
@@ -196,9 +143,7 @@ fn every_column_is_on_the_page() {
     let with_unknown = ROPE_LOADS.replacen("posture,state", "posture,nonsense", 1);
     let error = readings(&with_unknown, &rope_cell()).unwrap_err();
     let hint = error.hint_text().unwrap_or_default();
-    let listed = hint
-        .split_once("known columns: ")
-        .map_or("", |(_, all)| all);
+    let listed = hint.split_once("known columns: ").map_or("", |(_, all)| all);
     let listed = listed.split_once(';').map_or("", |(all, _)| all);
     // The page speaks of angles by that of the first joint.
     let columns = listed.split(", ").filter(|name| *name != "q2_deg");

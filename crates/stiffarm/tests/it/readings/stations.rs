@@ -27,10 +27,7 @@ fn stations_are_read_written_and_left_open_where_there_is_one() -> Check {
     let again = readings(&written, &cell)?;
     assert_eq!(again.stations(), ["front", "side"]);
     // Without the column, and with nothing in it, no station is named.
-    for text in [
-        PLAIN.to_string(),
-        two().replace(",front", ",").replace(",side", ","),
-    ] {
+    for text in [PLAIN.to_string(), two().replace(",front", ",").replace(",side", ",")] {
         let table = planned(&text, &cell)?;
         assert!(table.stations().is_empty());
         assert!(!write_readings(&table, &cell).contains("station"));
@@ -43,11 +40,7 @@ fn stations_are_read_written_and_left_open_where_there_is_one() -> Check {
         let first = posture != last;
         last = posture;
         let (row, _) = line.rsplit_once(',').unwrap_or_default();
-        if first {
-            format!("{line}\n")
-        } else {
-            format!("{row},\n")
-        }
+        if first { format!("{line}\n") } else { format!("{row},\n") }
     });
     let table = planned(&thin.collect::<String>(), &cell)?;
     assert_eq!(table.stations(), ["front", "side"]);
@@ -57,10 +50,7 @@ fn stations_are_read_written_and_left_open_where_there_is_one() -> Check {
 #[test]
 fn stations_of_other_software_are_mapped() -> Check {
     let theirs = two().replace("station", "Instrument");
-    let table = read(
-        &[("export.csv", theirs.as_bytes())],
-        "station = \"Instrument\"",
-    )?;
+    let table = read(&[("export.csv", theirs.as_bytes())], "station = \"Instrument\"")?;
     assert_eq!(table.stations(), ["front", "side"]);
     let error = read(&[("export.csv", theirs.as_bytes())], "").unwrap_err();
     let hint = error.hint_text().unwrap_or_default();
@@ -89,10 +79,7 @@ fn a_posture_has_one_station_and_every_posture_has_it() -> Check {
     let cell = rope_cell();
     for (change, said, hinted) in [
         (
-            (
-                "P1,loaded,left,1500.25,-200.75,899.5,61,front",
-                "P1,loaded,left,1500.25,-200.75,899.5,61,side",
-            ),
+            ("P1,loaded,left,1500.25,-200.75,899.5,61,front", "P1,loaded,left,1500.25,-200.75,899.5,61,side"),
             "Posture \"P1\" is read from station side here and from station front on line 2.",
             "unloaded and loaded rows of its own",
         ),
@@ -102,20 +89,14 @@ fn a_posture_has_one_station_and_every_posture_has_it() -> Check {
             "name the station of every posture",
         ),
         (
-            (
-                "P1,loaded,right,1350.1875,-50.5,899.75,75.25,front",
-                "P1,loaded,right,1350.1875,-50.5,899.75,75.25,",
-            ),
+            ("P1,loaded,right,1350.1875,-50.5,899.75,75.25,front", "P1,loaded,right,1350.1875,-50.5,899.75,75.25,"),
             "This row is read from no station",
             "name the station of every posture",
         ),
     ] {
         let error = planned(&two().replace(change.0, change.1), &cell).unwrap_err();
         assert!(error.message().contains(said), "{error}");
-        assert!(
-            error.hint_text().unwrap_or_default().contains(hinted),
-            "{error}"
-        );
+        assert!(error.hint_text().unwrap_or_default().contains(hinted), "{error}");
         assert!(error.to_string().contains("line"), "{error}");
     }
     Ok(())

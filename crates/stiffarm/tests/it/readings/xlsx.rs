@@ -1,8 +1,6 @@
 //! Workbooks.
 
-use super::workbook::{
-    Cell as Held, Entry, archive, cells, deflated_letters, workbook, workbook_of, workbook_with,
-};
+use super::workbook::{Cell as Held, Entry, archive, cells, deflated_letters, workbook, workbook_of, workbook_with};
 use super::*;
 
 const GOLDEN: &[u8] = include_bytes!("../../golden/xlsx/readings.xlsx");
@@ -43,10 +41,7 @@ fn every_table_of_text_can_be_a_workbook() -> Check {
     // The table may begin anywhere; gaps between rows do not matter.
     let moved: String = FULL.lines().map(|line| format!(",,{line}\n,\n")).collect();
     let bytes = workbook(&[("Sheet1", cells(&format!(",\n,\n{moved}")))]);
-    assert_eq!(
-        without_lines(read(&bytes, &cell)?),
-        without_lines(readings(FULL, &cell)?)
-    );
+    assert_eq!(without_lines(read(&bytes, &cell)?), without_lines(readings(FULL, &cell)?));
     Ok(())
 }
 
@@ -54,10 +49,7 @@ fn every_table_of_text_can_be_a_workbook() -> Check {
 fn a_cell_in_the_last_corner_costs_no_memory() {
     // Row 1048576, column XFD: as a rectangle these would be 1.7e10 cells.
     let cell = sensor_cell();
-    let far = workbook_with(
-        &[("Sheet1", cells(FULL))],
-        "<row r=\"1048576\"><c r=\"XFD1048576\"><v>1</v></c></row>",
-    );
+    let far = workbook_with(&[("Sheet1", cells(FULL))], "<row r=\"1048576\"><c r=\"XFD1048576\"><v>1</v></c></row>");
     let error = read(&far, &cell).unwrap_err();
     insta::assert_snapshot!(error, @r#"
     readings.xlsx:1048576:16384: "1" lies beyond the last column of the heading.
@@ -70,17 +62,11 @@ fn cells_far_away_are_refused_and_cost_no_memory() {
     let cell = sensor_cell();
     let with = |row: &str| {
         let rows = cells(FULL).split_off(1);
-        read(&workbook_with(&[("Sheet1", vec![])], row), &cell)
-            .map(|_| rows.len())
-            .unwrap_err()
-            .to_string()
+        read(&workbook_with(&[("Sheet1", vec![])], row), &cell).map(|_| rows.len()).unwrap_err().to_string()
     };
     // In the heading, where it makes the table as wide as the sheet.
     let legal = with("<row r=\"1\"><c r=\"A1\"><v>1</v></c><c r=\"XFD1\"><v>1</v></c></row>");
-    assert!(
-        legal.starts_with("readings.xlsx:1:16384: The heading is 16384 columns wide"),
-        "{legal}"
-    );
+    assert!(legal.starts_with("readings.xlsx:1:16384: The heading is 16384 columns wide"), "{legal}");
     let beyond = with("<row r=\"1\"><c r=\"A1\"><v>1</v></c><c r=\"ZZZZZZ1\"><v>1</v></c></row>");
     assert!(beyond.contains("beyond the last row or column"), "{beyond}");
     // Letters and digits that no number holds.
@@ -151,21 +137,12 @@ fn slips_in_a_workbook() {
     note("a number as text", &with(4, 3, Held::Text("1500,25")));
     note("a text", &with(4, 3, Held::Text("1500 mm")));
     note("an empty cell", &with(4, 3, Held::Empty));
-    note(
-        "a remark beside the table",
-        &with(4, 16, Held::Text("door open")),
-    );
+    note("a remark beside the table", &with(4, 16, Held::Text("door open")));
     note("an unknown column", &with(0, 12, Held::Text("Timestamp")));
     note("empty", &[("Sheet1", Vec::new())]);
-    note(
-        "empty, and data in another",
-        &[("Cover", Vec::new()), ("Data", cells(FULL))],
-    );
+    note("empty, and data in another", &[("Cover", Vec::new()), ("Data", cells(FULL))]);
     let cover = || vec![vec![Held::Text("Stiffness"), Held::Text("2026")]];
-    note(
-        "a cover sheet",
-        &[("Cover", cover()), ("Data", cells(FULL))],
-    );
+    note("a cover sheet", &[("Cover", cover()), ("Data", cells(FULL))]);
     note("a cover sheet alone", &[("Cover", cover())]);
     insta::assert_snapshot!("workbook_slips", report);
 }
@@ -193,30 +170,13 @@ fn merged_cells_hold_for_each_of_their_rows() -> Check {
     let whole = "posture,state,point,x_mm,y_mm,z_mm,load_n,q1_deg,q2_deg\n\
         1,unloaded,left,1500.125,-200.5,900.25,,12.5,-30\n1,unloaded,right,1350.0625,-50.25,900.5,,12.5,-30\n\
         1,up-250,left,1500.25,-200.75,899.5,250,12.5,-30\n1,up-250,right,1350.1875,-50.5,899.75,250,12.5,-30\n";
-    let regions = [
-        "A1:I1",
-        "A3:A6",
-        "B3:B4",
-        "B5:B6",
-        "G5:G6",
-        "H3:H6",
-        "I3:I6",
-        "A9:A1048576",
-    ];
-    let regions: String = regions
-        .iter()
-        .map(|r| format!("<mergeCell ref=\"{r}\"/>"))
-        .collect();
+    let regions = ["A1:I1", "A3:A6", "B3:B4", "B5:B6", "G5:G6", "H3:H6", "I3:I6", "A9:A1048576"];
+    let regions: String = regions.iter().map(|r| format!("<mergeCell ref=\"{r}\"/>")).collect();
     let more = format!("</sheetData><mergeCells count=\"8\">{regions}</mergeCells><sheetData>");
     let mut table = read(&workbook_with(&[("Sheet1", cells(merged))], &more), &cell)?;
     let said = table.remarks.remove(0);
     assert_eq!(said.code, stiffarm::findings::codes::MERGED_CELLS);
-    assert!(
-        said.sentence
-            .contains("posture, state, load_n, q1_deg and q2_deg"),
-        "{}",
-        said.sentence
-    );
+    assert!(said.sentence.contains("posture, state, load_n, q1_deg and q2_deg"), "{}", said.sentence);
     assert_eq!(without_lines(table), without_lines(readings(whole, &cell)?));
     // Where they are not merged, what stands in the first rows alone is carried down; one that was
     // forgotten is not.
@@ -284,23 +244,13 @@ fn hidden_rows_and_columns_are_said() -> Check {
         format!("<row r=\"{}\"{hidden}>{fields}</row>", number + 2)
     };
     let said = |hidden: &[usize], columns: &str| -> stiffarm::Result<Vec<(String, String)>> {
-        let rows = (0..7).map(|number| {
-            row(
-                number,
-                if hidden.contains(&number) {
-                    " ht=\"15\" hidden=\"1\""
-                } else {
-                    ""
-                },
-            )
-        });
+        let rows =
+            (0..7).map(|number| row(number, if hidden.contains(&number) { " ht=\"15\" hidden=\"1\"" } else { "" }));
         let more: String = rows.collect();
         let more = more + "</sheetData>" + columns + "<sheetData>";
         let table = read(&workbook_with(&[("Monday", sheet.clone())], &more), &cell)?;
         let remarks = table.remarks.iter();
-        Ok(remarks
-            .map(|r| (format!("{:?}", r.severity), r.sentence.clone()))
-            .collect())
+        Ok(remarks.map(|r| (format!("{:?}", r.severity), r.sentence.clone())).collect())
     };
     assert_eq!(said(&[], "")?, []);
     let [(severity, sentence)] = &said(&[2, 3, 5], "")?[..] else {
@@ -313,16 +263,10 @@ fn hidden_rows_and_columns_are_said() -> Check {
          Take the filter off and delete what is not to count."
     );
     // Columns are mostly hidden for want of room.
-    let [(severity, sentence)] = &said(
-        &[],
-        "<cols><col min=\"8\" max=\"12\" hidden=\"true\"/></cols>",
-    )?[..] else {
+    let [(severity, sentence)] = &said(&[], "<cols><col min=\"8\" max=\"12\" hidden=\"true\"/></cols>")?[..] else {
         panic!("one remark");
     };
     assert_eq!(severity, "Note");
-    assert!(
-        sentence.contains("2 hidden columns (q1_deg and q2_deg)"),
-        "{sentence}"
-    );
+    assert!(sentence.contains("2 hidden columns (q1_deg and q2_deg)"), "{sentence}");
     Ok(())
 }

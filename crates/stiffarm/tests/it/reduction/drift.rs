@@ -12,12 +12,7 @@ fn drift_is_removed_by_time_and_by_order() {
     let cell = reference_cell();
     let options = Experiment {
         base_from_tracker: tracker_pose(),
-        states: states(&[
-            ("unloaded", 0.0, 2),
-            ("up", 0.5, 2),
-            ("full", 1.0, 2),
-            ("unloaded-2", 0.0, 2),
-        ]),
+        states: states(&[("unloaded", 0.0, 2), ("up", 0.5, 2), ("full", 1.0, 2), ("unloaded-2", 0.0, 2)]),
         seconds_per_reading: 5.0,
         drift: Vector3::new(3e-7, 2e-7, -4e-7),
         ..Experiment::default()
@@ -34,12 +29,7 @@ fn drift_is_removed_by_time_and_by_order() {
     }
     let by_order = reduced_by(&cell, &table, tracker_pose());
     assert!(by_order.drift.as_ref().unwrap().rate_m_per_hour.is_none());
-    assert!(
-        by_order
-            .measured
-            .iter()
-            .all(|m| m.displacements[0].time.is_none())
-    );
+    assert!(by_order.measured.iter().all(|m| m.displacements[0].time.is_none()));
     assert_displaced(&cell, &by_order.measured, factor, None);
     // Some times only: the order again, and a note.
     table.postures[2].states[1].readings[0].time = Some(4.0);
@@ -72,12 +62,7 @@ fn one_state_read_before_and_after_the_load_shows_drift_by_its_times() {
     }
     let result = reduced_by(&cell, &table, Isometry3::identity());
     assert_displaced(&cell, &result.measured, |_| 1.0, None);
-    assert!(
-        result
-            .measured
-            .iter()
-            .all(|m| m.displacements[0].readings == 1 && variance(&m.displacements[0]) == 0.5)
-    );
+    assert!(result.measured.iter().all(|m| m.displacements[0].readings == 1 && variance(&m.displacements[0]) == 0.5));
     // Two readings and a line leave no degree of freedom.
     assert!(result.repeatability.is_none());
 }
@@ -92,11 +77,7 @@ fn drift_goes_with_the_temperature() {
         ..Experiment::default()
     };
     let mut table = take(&cell, &options, 1);
-    assert!(
-        reduced_by(&cell, &table, tracker_pose())
-            .temperatures
-            .is_none()
-    );
+    assert!(reduced_by(&cell, &table, tracker_pose()).temperatures.is_none());
     // The air warms by 0.3 K in each posture, and everything moves with it.
     let slope = Vector3::new(4e-6, -2e-6, 5e-6);
     for (p, posture) in table.postures.iter_mut().enumerate() {
@@ -115,10 +96,7 @@ fn drift_goes_with_the_temperature() {
     assert!((found_here.highest_c - 20.3 - (table.postures.len() - 1) as f64).abs() < 1e-12);
     assert!((found_here.largest_change_k - 0.3).abs() < 1e-12);
     let drift = Vector3::from(found_here.drift_m_per_k.unwrap());
-    assert!(
-        (drift - tracker_pose().rotation * slope).norm() < 1e-9,
-        "{drift}"
-    );
+    assert!((drift - tracker_pose().rotation * slope).norm() < 1e-9, "{drift}");
     assert_eq!(found(&result, "temperature")[0].severity, Severity::Note);
     for reading in table.postures[0].states[0].readings.iter_mut() {
         reading.temperature = Some(18.0);
@@ -131,12 +109,7 @@ fn drift_goes_with_the_temperature() {
 fn a_load_after_the_last_unloaded_reading_takes_the_nearest() {
     let cell = reference_cell();
     let options = Experiment {
-        states: states(&[
-            ("unloaded", 0.0, 1),
-            ("loaded", 1.0, 1),
-            ("unloaded-2", 0.0, 3),
-            ("loaded-2", 1.0, 1),
-        ]),
+        states: states(&[("unloaded", 0.0, 1), ("loaded", 1.0, 1), ("unloaded-2", 0.0, 3), ("loaded-2", 1.0, 1)]),
         ..Experiment::default()
     };
     let mut table = take(&cell, &options, 1);
@@ -156,9 +129,7 @@ fn a_load_after_the_last_unloaded_reading_takes_the_nearest() {
     let [first, second] = [first, second].map(|m| &m.displacements[0]);
     // 1 + 3 readings on a line, taken in its middle: 1/4 + 1/4·1/3 = 1/3. The second state has the 3 readings for
     // itself, which count one half in the first.
-    assert!(
-        (variance(first) - 1.0 / 3.0).abs() < 1e-12 && (variance(second) - 1.0 / 3.0).abs() < 1e-12
-    );
+    assert!((variance(first) - 1.0 / 3.0).abs() < 1e-12 && (variance(second) - 1.0 / 3.0).abs() < 1e-12);
     assert!((first.shared_reference(second) - 0.5 / 3.0).abs() < 1e-12);
     assert_eq!(found(&result, "drift-unknown").len(), 1);
 }
@@ -180,29 +151,17 @@ fn shuffled(table: &ReadingTable, seed: u64) -> ReadingTable {
         }
     }
     rows.shuffle(&mut rng);
-    let mut out = ReadingTable {
-        postures: Vec::new(),
-        ..table.clone()
-    };
+    let mut out = ReadingTable { postures: Vec::new(), ..table.clone() };
     for (posture, state, reading) in rows {
-        let known = out
-            .postures
-            .iter()
-            .position(|own| own.posture == posture.posture);
+        let known = out.postures.iter().position(|own| own.posture == posture.posture);
         let at = known.unwrap_or_else(|| {
-            out.postures.push(PostureReadings {
-                states: Vec::new(),
-                ..posture.clone()
-            });
+            out.postures.push(PostureReadings { states: Vec::new(), ..posture.clone() });
             out.postures.len() - 1
         });
         let states = &mut out.postures[at].states;
         let known = states.iter().position(|own| own.state == state.state);
         let at = known.unwrap_or_else(|| {
-            states.push(StateReadings {
-                readings: Vec::new(),
-                ..state.clone()
-            });
+            states.push(StateReadings { readings: Vec::new(), ..state.clone() });
             states.len() - 1
         });
         states[at].readings.push(reading);
@@ -256,33 +215,16 @@ fn references_covary_as_their_readings_do() {
     let (cell, table) = a_day();
     let of = |table: &ReadingTable| reduced_by(&cell, table, tracker_pose()).measured;
     let exact = of(&table);
-    let state = |name: &str| {
-        exact
-            .iter()
-            .position(|m| m.posture == exact[0].posture && m.state == name)
-            .unwrap()
-    };
+    let state = |name: &str| exact.iter().position(|m| m.posture == exact[0].posture && m.state == name).unwrap();
     let states = ["up-250", "full", "down-250"].map(state);
-    let point = |m: &MeasuredPosture| {
-        m.displacements
-            .iter()
-            .find(|d| d.point == 1)
-            .unwrap()
-            .clone()
-    };
+    let point = |m: &MeasuredPosture| m.displacements.iter().find(|d| d.point == 1).unwrap().clone();
     let rotation = tracker_pose().rotation;
     // What one reading counts in each reference, along x of the tracker.
     let mut counts: Vec<[f64; 3]> = Vec::new();
-    let posture = table
-        .postures
-        .iter()
-        .position(|p| p.posture.name == exact[0].posture.name)
-        .unwrap();
+    let posture = table.postures.iter().position(|p| p.posture.name == exact[0].posture.name).unwrap();
     for (s, own) in table.postures[posture].states.iter().enumerate() {
         for r in 0..own.readings.len() {
-            if own.readings[r].target != ReadingTarget::Point(1)
-                || !own.state.starts_with("unloaded")
-            {
+            if own.readings[r].target != ReadingTarget::Point(1) || !own.state.starts_with("unloaded") {
                 continue;
             }
             let mut moved = table.clone();

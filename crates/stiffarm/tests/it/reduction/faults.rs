@@ -59,16 +59,11 @@ fn faults_of_a_table_are_errors() {
     table = good.clone();
     table.postures.truncate(1);
     for state in &mut table.postures[0].states {
-        state
-            .readings
-            .retain(|r| r.target == ReadingTarget::Point(0) || r.target == ReadingTarget::Point(2));
+        state.readings.retain(|r| r.target == ReadingTarget::Point(0) || r.target == ReadingTarget::Point(2));
     }
     let error = reduce(&cell, &table, &ReduceOptions::default()).unwrap_err();
     assert_eq!(error.code(), Code::TooFewData);
-    let broken = Isometry3::from_parts(
-        Translation3::new(f64::NAN, 0.0, 0.0),
-        UnitQuaternion::identity(),
-    );
+    let broken = Isometry3::from_parts(Translation3::new(f64::NAN, 0.0, 0.0), UnitQuaternion::identity());
     let error = reduce(&cell, &table, &given(broken)).unwrap_err();
     assert_eq!(error.code(), Code::NotFinite);
     assert!(reduce(&cell, &table, &given(tracker_pose())).is_ok());
@@ -90,10 +85,7 @@ fn a_reduction_is_saved_without_its_displacements() {
             assert!((entry - rotation[(i, j)]).abs() < 1e-15);
         }
     }
-    assert_eq!(
-        saved["findings"].as_array().unwrap().len(),
-        result.findings.len()
-    );
+    assert_eq!(saved["findings"].as_array().unwrap().len(), result.findings.len());
     assert_eq!(saved["base_motion"].as_array().unwrap().len(), 6);
     assert!(saved["drift"].is_object() && saved["wrench_check"].is_object());
 }
@@ -105,25 +97,12 @@ fn postures_and_points_without_reference_are_named() {
     let mut table = take(&cell, &Experiment::default(), 1);
     table.postures[0].states.remove(0);
     table.postures[1].states.remove(1);
-    keep(&mut table.postures[2].states[0], |t| {
-        *t != ReadingTarget::Point(3)
-    });
+    keep(&mut table.postures[2].states[0], |t| *t != ReadingTarget::Point(3));
     let result = reduced(&cell, &table);
     assert_eq!(result.measured.len(), 4);
-    let points: Vec<usize> = result.measured[0]
-        .displacements
-        .iter()
-        .map(|d: &Displacement| d.point)
-        .collect();
-    assert_eq!(
-        (result.measured[0].posture.name.as_str(), points),
-        ("3", vec![0, 1, 2])
-    );
-    for code in [
-        "posture-without-reference",
-        "posture-without-load",
-        "point-without-reference",
-    ] {
+    let points: Vec<usize> = result.measured[0].displacements.iter().map(|d: &Displacement| d.point).collect();
+    assert_eq!((result.measured[0].posture.name.as_str(), points), ("3", vec![0, 1, 2]));
+    for code in ["posture-without-reference", "posture-without-load", "point-without-reference"] {
         assert_eq!(found(&result, code).len(), 1, "{:?}", codes(&result));
     }
 }
@@ -139,10 +118,7 @@ fn findings_in_words() {
         match reduce(cell, table, options) {
             Ok(result) => {
                 for f in &result.findings {
-                    text += &format!(
-                        "{:?} {} [{}] {}\n",
-                        f.severity, f.code, f.subject, f.sentence
-                    );
+                    text += &format!("{:?} {} [{}] {}\n", f.severity, f.code, f.subject, f.sentence);
                 }
             }
             Err(error) => text += &format!("error {}: {error}\n", error.code().as_str()),
@@ -200,9 +176,7 @@ fn findings_in_words() {
 
     let mut few = table.clone();
     for state in few.postures.iter_mut().flat_map(|p| &mut p.states) {
-        state
-            .readings
-            .retain(|r| !matches!(&r.target, ReadingTarget::Base(name) if name != "base"));
+        state.readings.retain(|r| !matches!(&r.target, ReadingTarget::Base(name) if name != "base"));
     }
     show("one base reflector", &cell, &few, &none);
 
@@ -211,12 +185,8 @@ fn findings_in_words() {
     gap.postures[1].states.pop();
     gap.postures[2].states.remove(0);
     gap.postures[2].states.pop();
-    keep(&mut gap.postures[4].states[0], |t| {
-        *t != ReadingTarget::Point(1)
-    });
-    keep(&mut gap.postures[4].states[3], |t| {
-        *t != ReadingTarget::Point(1)
-    });
+    keep(&mut gap.postures[4].states[0], |t| *t != ReadingTarget::Point(1));
+    keep(&mut gap.postures[4].states[3], |t| *t != ReadingTarget::Point(1));
     gap.postures[5].states.truncate(1);
     show("gaps", &cell, &gap, &none);
 

@@ -36,14 +36,8 @@ fn everything(preload: f64, tilt: f64) -> Experiment {
         seconds_per_reading: 7.0,
         drift: Vector3::new(2e-8, -1e-8, 3e-8),
         servo_deflection: Some(GIVE.to_vec()),
-        tool_weight: Some(ToolWeight {
-            mass_kg: 30.0,
-            centre: Vector3::new(0.03, 0.02, 0.15),
-        }),
-        sensor_offset: Wrench {
-            force: Vector3::new(12.0, -30.0, 8.0),
-            moment: Vector3::new(1.0, 2.0, -3.0),
-        },
+        tool_weight: Some(ToolWeight { mass_kg: 30.0, centre: Vector3::new(0.03, 0.02, 0.15) }),
+        sensor_offset: Wrench { force: Vector3::new(12.0, -30.0, 8.0), moment: Vector3::new(1.0, 2.0, -3.0) },
         ..Experiment::default()
     }
 }
@@ -54,19 +48,13 @@ fn everything_at_once_comes_back() {
     cell.sensor = Some(sensor());
     // Against a preload, axes are those of the preloaded arm: its base has
     // turned by some µrad and its servo given way.
-    for (preload, tilt, displacement_limit, wrench_limit) in [
-        (0.0, 2e-8, 1e-11, 1e-12),
-        (0.2, 0.0, 1e-11, 1e-4),
-        (0.2, 2e-8, 1e-5, 1e-4),
-    ] {
+    for (preload, tilt, displacement_limit, wrench_limit) in
+        [(0.0, 2e-8, 1e-11, 1e-12), (0.2, 0.0, 1e-11, 1e-4), (0.2, 2e-8, 1e-5, 1e-4)]
+    {
         let options = everything(preload, tilt);
         let table = take(&cell, &options, 1);
         let factor = |state: &str| {
-            if state == "full" {
-                1.0 - preload
-            } else {
-                0.5 - preload
-            }
+            if state == "full" { 1.0 - preload } else { 0.5 - preload }
         };
         let result = reduced_by(&cell, &table, tracker_pose());
         assert_eq!(result.measured.len(), 18);
@@ -91,10 +79,7 @@ fn everything_at_once_comes_back() {
             assert!(displacements.all(|d| (0.25..=0.5).contains(&d.shared_reference(d))));
         }
         let full = &result.measured[1];
-        assert_eq!(
-            (full.state.as_str(), full.displacements[0].readings),
-            ("full", 3)
-        );
+        assert_eq!((full.state.as_str(), full.displacements[0].readings), ("full", 3));
         assert_eq!(result.base_motion.len(), 6);
         let mut motions = result.base_motion.iter();
         assert!(motions.all(|b| b.turn_removed && b.state == "full"));
@@ -122,11 +107,7 @@ fn base_motion_is_taken_back() {
         (result, error)
     };
     let all = base_reflectors();
-    let line = [
-        named("a", [0.1, 0.2, 0.1]),
-        named("b", [0.3, 0.4, 0.1]),
-        named("c", [0.7, 0.8, 0.1]),
-    ];
+    let line = [named("a", [0.1, 0.2, 0.1]), named("b", [0.3, 0.4, 0.1]), named("c", [0.7, 0.8, 0.1])];
     // A shift needs one reflector, a turn three that are not on a line.
     for reflectors in [&all[..1], &all[..2], &all[..], &line[..]] {
         let (result, error) = with(reflectors, 0.0);
@@ -161,10 +142,7 @@ fn a_reflector_read_in_some_states_only_is_left_out_of_its_posture() {
     let options = Experiment {
         states: there_and_back(1),
         base_reflectors: base_reflectors(),
-        base_compliance: Some(BaseCompliance {
-            tilt: 0.0,
-            shift: 8e-8,
-        }),
+        base_compliance: Some(BaseCompliance { tilt: 0.0, shift: 8e-8 }),
         ..Experiment::default()
     };
     let mut table = take(&cell, &options, 1);
@@ -174,28 +152,16 @@ fn a_reflector_read_in_some_states_only_is_left_out_of_its_posture() {
     let result = reduced(&cell, &table);
     assert_eq!(found(&result, "base-reflector-incomplete").len(), 2);
     assert_eq!(found(&result, "base-motion-unknown").len(), 1);
-    let motions: Vec<(&str, usize)> = result
-        .base_motion
-        .iter()
-        .map(|m| (m.posture.as_str(), m.reflectors))
-        .collect();
+    let motions: Vec<(&str, usize)> = result.base_motion.iter().map(|m| (m.posture.as_str(), m.reflectors)).collect();
     assert_eq!(motions, [("1", 2), ("3", 3), ("4", 3), ("5", 3), ("6", 3)]);
-    let good: Vec<MeasuredPosture> = result
-        .measured
-        .iter()
-        .filter(|m| m.posture.name != "2")
-        .cloned()
-        .collect();
+    let good: Vec<MeasuredPosture> = result.measured.iter().filter(|m| m.posture.name != "2").cloned().collect();
     assert_displaced(&cell, &good, |_| 1.0, None);
 }
 
 #[test]
 fn servo_give_needs_angles_that_change() {
     let cell = reference_cell();
-    let options = Experiment {
-        servo_deflection: Some(GIVE.to_vec()),
-        ..Experiment::default()
-    };
+    let options = Experiment { servo_deflection: Some(GIVE.to_vec()), ..Experiment::default() };
     let mut table = take(&cell, &options, 1);
     let result = reduced(&cell, &table);
     assert_eq!(found(&result, "servo-give")[0].severity, Severity::Note);
@@ -208,28 +174,16 @@ fn servo_give_needs_angles_that_change() {
         state.angles = Some(vec![0.1; 6]);
     }
     let result = reduced_by(&cell, &table, Isometry3::identity());
-    assert!(
-        result
-            .measured
-            .iter()
-            .all(|m| m.servo_deflection.is_none() && m.posture.q == vec![0.1; 6])
-    );
+    assert!(result.measured.iter().all(|m| m.servo_deflection.is_none() && m.posture.q == vec![0.1; 6]));
 }
 
 #[test]
 fn the_trackers_covariance_is_turned_into_base_axes() {
     let mut cell = reference_cell();
-    let accuracy = TrackerAccuracy {
-        station: Vector3::new(0.1, 0.2, 0.3),
-        range: 4e-6,
-        range_per_metre: 1e-6,
-        angle: 6e-6,
-    };
+    let accuracy =
+        TrackerAccuracy { station: Vector3::new(0.1, 0.2, 0.3), range: 4e-6, range_per_metre: 1e-6, angle: 6e-6 };
     cell.tracker.accuracy = Some(accuracy);
-    let options = Experiment {
-        base_from_tracker: tracker_pose(),
-        ..Experiment::default()
-    };
+    let options = Experiment { base_from_tracker: tracker_pose(), ..Experiment::default() };
     let table = take(&cell, &options, 1);
     let result = reduced(&cell, &table);
     let covariance = result.measured[0].displacements[0].covariance.unwrap();
@@ -248,17 +202,9 @@ fn the_trackers_covariance_is_turned_into_base_axes() {
 #[test]
 fn what_the_tracker_states_of_a_reading_comes_before_its_accuracy() {
     let cell = reference_cell();
-    let options = Experiment {
-        base_from_tracker: tracker_pose(),
-        states: there_and_back(2),
-        ..Experiment::default()
-    };
+    let options = Experiment { base_from_tracker: tracker_pose(), states: there_and_back(2), ..Experiment::default() };
     let mut table = take(&cell, &options, 1);
-    assert!(
-        reduced(&cell, &table).measured[0].displacements[0]
-            .covariance
-            .is_none()
-    );
+    assert!(reduced(&cell, &table).measured[0].displacements[0].covariance.is_none());
     for state in table.postures.iter_mut().flat_map(|p| &mut p.states) {
         for i in 0..state.readings.len() {
             let [before, own] = [&state.readings[..i], &state.readings[i..]];
@@ -294,10 +240,7 @@ fn largest_difference(a: &[MeasuredPosture], b: &[MeasuredPosture]) -> f64 {
         assert_eq!((&a.posture, &a.state), (&b.posture, &b.state));
         assert_eq!(a.displacements.len(), b.displacements.len());
         for (x, y) in a.displacements.iter().zip(&b.displacements) {
-            assert_eq!(
-                (x.point, x.readings, &x.reference),
-                (y.point, y.readings, &y.reference)
-            );
+            assert_eq!((x.point, x.readings, &x.reference), (y.point, y.readings, &y.reference));
             largest = largest.max((x.value - y.value).amax());
         }
     }

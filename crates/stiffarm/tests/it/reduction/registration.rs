@@ -16,29 +16,15 @@ fn registration_comes_from_the_unloaded_readings() {
     assert!(difference.rotation.angle() < 1e-14 && difference.translation.vector.norm() < 1e-13);
     let registration = result.registration.as_ref().unwrap();
     assert!(!registration.given && registration.rms_m < 1e-13);
-    assert!(
-        registration
-            .turn_standard_error_rad
-            .unwrap()
-            .iter()
-            .all(|e| *e < 1e-13)
-    );
+    assert!(registration.turn_standard_error_rad.unwrap().iter().all(|e| *e < 1e-13));
     assert!(registration.fit.is_some());
     assert_eq!(registration.postures.len(), 6);
-    assert!(
-        registration
-            .postures
-            .iter()
-            .all(|p| p.used && p.points.len() == 4)
-    );
+    assert!(registration.postures.iter().all(|p| p.used && p.points.len() == 4));
     assert_displaced(&cell, &result.measured, |_| 1.0, Some(GIVE));
     // Given, by the options or by the cell: the same, and the readings check it.
     let mut with_pose = cell.clone();
     with_pose.tracker.base_from_tracker = Some(tracker_pose());
-    for result in [
-        reduced_by(&cell, &table, tracker_pose()),
-        reduced(&with_pose, &table),
-    ] {
+    for result in [reduced_by(&cell, &table, tracker_pose()), reduced(&with_pose, &table)] {
         let registration = result.registration.as_ref().unwrap();
         assert!(registration.given && registration.rms_m < 1e-13 && registration.fit.is_none());
         assert!(found(&result, "given-registration").is_empty());
@@ -68,10 +54,7 @@ fn one_or_two_wrong_postures_do_not_spoil_the_registration() {
         let registration = result.registration.as_ref().unwrap();
         let left_out: Vec<usize> = (0..6).filter(|i| !registration.postures[*i].used).collect();
         assert_eq!(left_out, wrong);
-        let difference = result
-            .base_from_tracker
-            .rotation
-            .angle_to(&tracker_pose().rotation);
+        let difference = result.base_from_tracker.rotation.angle_to(&tracker_pose().rotation);
         assert!(difference < 2e-5, "{difference:e}");
         assert_eq!(found(&result, "registration-outlier").len(), 1);
         // Left out of the registration only.
@@ -82,10 +65,7 @@ fn one_or_two_wrong_postures_do_not_spoil_the_registration() {
 #[test]
 fn a_given_transform_that_is_wrong_is_named() {
     let cell = reference_cell();
-    let options = Experiment {
-        base_from_tracker: tracker_pose(),
-        ..Experiment::default()
-    };
+    let options = Experiment { base_from_tracker: tracker_pose(), ..Experiment::default() };
     let table = take(&cell, &options, 1);
     let turned = pose(0.0, 0.0, 0.0, [0.0, 0.0, 0.005]) * tracker_pose();
     let result = reduce(&cell, &table, &given(turned)).unwrap();

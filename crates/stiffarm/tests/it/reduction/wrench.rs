@@ -4,28 +4,13 @@ use super::*;
 
 #[test]
 fn the_wrench_of_a_flange_sensor_comes_back_in_load_coordinates() {
-    for (mount, reports_by_robot) in [
-        (Mount::Flange, true),
-        (Mount::Flange, false),
-        (Mount::Base, true),
-    ] {
+    for (mount, reports_by_robot) in [(Mount::Flange, true), (Mount::Flange, false), (Mount::Base, true)] {
         let mut cell = reference_cell();
-        cell.sensor = Some(Sensor {
-            mount,
-            reports_by_robot,
-            mirrored: None,
-            ..sensor()
-        });
+        cell.sensor = Some(Sensor { mount, reports_by_robot, mirrored: None, ..sensor() });
         let options = Experiment {
             force: ForceRecord::ForceAndMoment,
-            tool_weight: Some(ToolWeight {
-                mass_kg: 55.0,
-                centre: Vector3::new(0.1, 0.0, 0.2),
-            }),
-            sensor_offset: Wrench {
-                force: Vector3::new(5.0, 5.0, -9.0),
-                moment: Vector3::new(0.3, 0.1, 0.7),
-            },
+            tool_weight: Some(ToolWeight { mass_kg: 55.0, centre: Vector3::new(0.1, 0.0, 0.2) }),
+            sensor_offset: Wrench { force: Vector3::new(5.0, 5.0, -9.0), moment: Vector3::new(0.3, 0.1, 0.7) },
             ..Experiment::default()
         };
         let result = reduced(&cell, &take(&cell, &options, 1));
@@ -34,10 +19,7 @@ fn the_wrench_of_a_flange_sensor_comes_back_in_load_coordinates() {
         let point = result.wrench_check.unwrap().application_point.unwrap();
         assert!(point.distance_m < 1e-12 && point.determined, "{point:?}");
         // Forces alone: through the loading point.
-        let forces = Experiment {
-            force: ForceRecord::Force,
-            ..options
-        };
+        let forces = Experiment { force: ForceRecord::Force, ..options };
         let result = reduced(&cell, &take(&cell, &forces, 1));
         let error = wrench_error(&cell, &result.measured, |_| 1.0);
         assert!(error < 1e-12, "{mount:?}: {error:e}");
@@ -51,19 +33,11 @@ fn each_source_of_the_wrench() {
     let levels = states(&[("unloaded", 0.0, 1), ("up", 0.5, 1), ("full", 1.0, 1)]);
     let factor = |state: &str| if state == "up" { 0.5 } else { 1.0 };
     let run = |force, states: &[ExperimentState]| {
-        let options = Experiment {
-            states: states.to_vec(),
-            force,
-            ..Experiment::default()
-        };
+        let options = Experiment { states: states.to_vec(), force, ..Experiment::default() };
         reduced(&cell, &take(&cell, &options, 1))
     };
     // No sensor: forces on the robot in base axes.
-    for force in [
-        ForceRecord::Force,
-        ForceRecord::ForceAndMoment,
-        ForceRecord::Load,
-    ] {
+    for force in [ForceRecord::Force, ForceRecord::ForceAndMoment, ForceRecord::Load] {
         let result = run(force, &levels);
         let error = wrench_error(&cell, &result.measured, factor);
         assert!(error < 1e-13, "{force:?}: {error:e}");
@@ -81,10 +55,7 @@ fn each_source_of_the_wrench() {
     assert!(result.measured.iter().all(|m| m.wrench.is_none()));
     assert!(result.wrench_check.is_none());
     // Unloaded rows without force count as zero.
-    let options = Experiment {
-        force: ForceRecord::Force,
-        ..Experiment::default()
-    };
+    let options = Experiment { force: ForceRecord::Force, ..Experiment::default() };
     let mut table = take(&cell, &options, 1);
     for posture in &mut table.postures {
         posture.states[0].wrench = None;
@@ -120,16 +91,11 @@ fn a_drifting_sensor_is_taken_along_its_line() {
 fn forces_that_contradict_the_cell_are_errors() {
     let cell = reference_cell();
     let with = |force, first: &str| {
-        let options = Experiment {
-            states: states(&[(first, 0.0, 1), ("loaded", 1.0, 1)]),
-            force,
-            ..Experiment::default()
-        };
+        let options =
+            Experiment { states: states(&[(first, 0.0, 1), ("loaded", 1.0, 1)]), force, ..Experiment::default() };
         take(&cell, &options, 1)
     };
-    let error = |cell: &Cell, table: &ReadingTable| {
-        reduce(cell, table, &given(Isometry3::identity())).unwrap_err()
-    };
+    let error = |cell: &Cell, table: &ReadingTable| reduce(cell, table, &given(Isometry3::identity())).unwrap_err();
     let mut measured = cell.clone();
     measured.setup.load = Load::Measured;
     let nothing = with(ForceRecord::Nothing, "unloaded");
@@ -145,10 +111,7 @@ fn forces_that_contradict_the_cell_are_errors() {
         assert!(error.message().contains("preload"), "{error}");
     }
     // A preload of unknown force in a cell with a rope.
-    assert_eq!(
-        error(&cell, &with(ForceRecord::Nothing, "preload")).code(),
-        Code::MissingKey
-    );
+    assert_eq!(error(&cell, &with(ForceRecord::Nothing, "preload")).code(), Code::MissingKey);
 }
 
 /// A sensor with left-handed axes, whose x counts the other way: named by the forces, and read as stated.
@@ -156,10 +119,7 @@ fn forces_that_contradict_the_cell_are_errors() {
 fn a_mirrored_axis_of_a_sensor_is_named_and_can_be_stated() {
     let mut honest = sensor_cell();
     honest.sensor.as_mut().unwrap().mirrored = Some(0);
-    let options = Experiment {
-        force: ForceRecord::ForceAndMoment,
-        ..Experiment::default()
-    };
+    let options = Experiment { force: ForceRecord::ForceAndMoment, ..Experiment::default() };
     let table = take(&honest, &options, 3);
     let right = reduced(&honest, &table);
     assert!(found(&right, "force-direction").is_empty());
@@ -169,9 +129,5 @@ fn a_mirrored_axis_of_a_sensor_is_named_and_can_be_stated() {
     let wrong = reduced(&plain, &table);
     let said = found(&wrong, "force-direction");
     assert_eq!(said.len(), 1, "{:?}", wrong.findings);
-    assert!(
-        said[0].sentence.contains("mirrored_axis = \"x\""),
-        "{}",
-        said[0].sentence
-    );
+    assert!(said[0].sentence.contains("mirrored_axis = \"x\""), "{}", said[0].sentence);
 }

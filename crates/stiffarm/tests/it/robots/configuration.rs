@@ -8,11 +8,7 @@ fn kuka(degrees: [f64; 6]) -> (String, u8, u8) {
     let robot = Robot::from_catalogue("kuka-kr210-r2700-2").unwrap();
     let q = degrees.map(deg_to_rad);
     let configuration = Configuration::of(&robot, &q).unwrap();
-    (
-        configuration.words(),
-        kuka_status(&robot, &q).unwrap(),
-        kuka_turn(&q),
-    )
+    (configuration.words(), kuka_status(&robot, &q).unwrap(), kuka_turn(&q))
 }
 
 #[test]

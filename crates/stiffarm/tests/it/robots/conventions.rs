@@ -8,22 +8,10 @@ use stiffarm_files::table::read_dh_rows;
 /// Modified rows α [deg], a, d [mm], offset [deg] as their makers' sheets and public models have them; the last two are in no
 /// catalogue.
 const ARMS: [(&str, [[f64; 4]; 6]); 4] = [
-    (
-        "FANUC R-2000iC/165F",
-        six([670.0, 312.0, 1075.0, 225.0, 1280.0, 215.0]),
-    ),
-    (
-        "COMAU NJ 165-3.0",
-        six([830.0, 400.0, 1175.0, 250.0, 1444.0, 230.0]),
-    ),
-    (
-        "KUKA KR 210 R2700 extra",
-        six([675.0, 350.0, 1150.0, -41.0, 1200.0, 215.0]),
-    ),
-    (
-        "ABB IRB 6700-205/2.80",
-        six([780.0, 320.0, 1280.0, 200.0, 1182.5, 200.0]),
-    ),
+    ("FANUC R-2000iC/165F", six([670.0, 312.0, 1075.0, 225.0, 1280.0, 215.0])),
+    ("COMAU NJ 165-3.0", six([830.0, 400.0, 1175.0, 250.0, 1444.0, 230.0])),
+    ("KUKA KR 210 R2700 extra", six([675.0, 350.0, 1150.0, -41.0, 1200.0, 215.0])),
+    ("ABB IRB 6700-205/2.80", six([780.0, 320.0, 1280.0, 200.0, 1182.5, 200.0])),
 ];
 
 const fn six([d1, a2, a3, a4, d4, d6]: [f64; 6]) -> [[f64; 4]; 6] {
@@ -42,8 +30,7 @@ fn standard(modified: &[[f64; 4]], last: [f64; 2]) -> Vec<[f64; 4]> {
     let between = modified.iter().skip(1).map(|row| [row[0], row[1]]);
     let own = modified.iter().map(|row| [row[2], row[3]]);
     let rows = between.chain([last]).zip(own);
-    rows.map(|([alpha, a], [d, offset])| [alpha, a, d, offset])
-        .collect()
+    rows.map(|([alpha, a], [d, offset])| [alpha, a, d, offset]).collect()
 }
 
 /// Reads rows as `convention` means them: `refused`, `doubted`, or nothing is said.
@@ -95,20 +82,10 @@ fn the_wrong_convention_is_named() {
             ("as written", rows.to_vec(), modified, "refused"),
             ("as written", plain.clone(), standard_rows, "refused"),
             ("calibrated", calibrated(&rows, 1), modified, "refused"),
-            (
-                "calibrated",
-                calibrated(&plain, 2),
-                standard_rows,
-                "refused",
-            ),
+            ("calibrated", calibrated(&plain, 2), standard_rows, "refused"),
             ("on a slope", on_slope.to_vec(), modified, "doubted"),
             ("with its tool", with_tool.clone(), standard_rows, "doubted"),
-            (
-                "with its tool, calibrated",
-                calibrated(&with_tool, 3),
-                standard_rows,
-                "doubted",
-            ),
+            ("with its tool, calibrated", calibrated(&with_tool, 3), standard_rows, "doubted"),
         ] {
             assert_eq!(said(&rows, convention), "", "{name} {form}");
             assert_eq!(said(&rows, convention.other()), expected, "{name} {form}");
@@ -121,14 +98,7 @@ fn the_wrong_convention_is_named() {
 fn the_right_convention_is_not_doubted() {
     let written = |entry: &CatalogueEntry| -> Vec<[f64; 4]> {
         let rows = entry.dh_rows();
-        let row = |r: &DhRow| {
-            [
-                r.alpha.to_degrees(),
-                1e3 * r.a,
-                1e3 * r.d,
-                r.offset.to_degrees(),
-            ]
-        };
+        let row = |r: &DhRow| [r.alpha.to_degrees(), 1e3 * r.a, 1e3 * r.d, r.offset.to_degrees()];
         rows.iter().map(row).collect()
     };
     for entry in catalogue() {

@@ -67,11 +67,7 @@ fn poses_are_those_of_the_samples() {
 /// Some descriptions round quarter turns to five or six digits.
 fn snapped(angle: f64) -> f64 {
     let quarter = (angle / FRAC_PI_2).round() * FRAC_PI_2;
-    if (angle - quarter).abs() < 2e-5 {
-        quarter
-    } else {
-        angle
-    }
+    if (angle - quarter).abs() < 2e-5 { quarter } else { angle }
 }
 
 #[test]
@@ -85,19 +81,14 @@ fn poses_are_those_of_the_descriptions() {
         let (base, tip) = (text("base_frame"), text("flange_frame"));
         let names = data["joint_names"].as_array().unwrap().iter();
         let names: Vec<String> = names.map(|n| n.as_str().unwrap().to_string()).collect();
-        let mut moved: Vec<&String> = path(&joints, base, tip)
-            .into_iter()
-            .filter(|j| j.kind != "fixed")
-            .map(|j| &j.name)
-            .collect();
+        let mut moved: Vec<&String> =
+            path(&joints, base, tip).into_iter().filter(|j| j.kind != "fixed").map(|j| &j.name).collect();
         moved.sort_by_key(|name| names.iter().position(|n| n == *name));
         assert!(moved.into_iter().eq(&names), "{name}");
         let mut dice = Dice::new(8);
         let mut worst = 0.0_f64;
         for _ in 0..20 {
-            let urdf: Vec<f64> = (0..robot.joint_count())
-                .map(|_| dice.between(-3.0, 3.0))
-                .collect();
+            let urdf: Vec<f64> = (0..robot.joint_count()).map(|_| dice.between(-3.0, 3.0)).collect();
             let named = names.iter().cloned().zip(urdf.iter().copied()).collect();
             let (expected, _) = pose_and_jacobian(&joints, base, tip, &named, &names);
             worst = worst.max(error(&robot, &pendant(&data, &urdf), &expected));
@@ -131,10 +122,6 @@ fn limits_and_speeds_are_those_of_the_descriptions() {
         }
         let speeds = numbers(&data["joint_velocity_deg_s"]);
         let known = speeds.iter().all(|v| *v > 0.0);
-        assert_eq!(
-            entry.speeds_deg_s,
-            if known { &speeds[..] } else { &[] },
-            "{name}"
-        );
+        assert_eq!(entry.speeds_deg_s, if known { &speeds[..] } else { &[] }, "{name}");
     }
 }

@@ -11,9 +11,7 @@ use crate::common;
 use common::random::Dice;
 use nalgebra::{Isometry3, Matrix4, Translation3, UnitQuaternion, Vector3};
 use stiffarm::model::kinematics::Frames;
-use stiffarm::model::robot::{
-    CatalogueEntry, Controller, DoubtAbout, Robot, catalogue, find_in_catalogue,
-};
+use stiffarm::model::robot::{CatalogueEntry, Controller, DoubtAbout, Robot, catalogue, find_in_catalogue};
 use stiffarm::units::deg_to_rad;
 
 #[test]
@@ -31,39 +29,16 @@ fn every_entry_says_where_it_comes_from() {
     for entry in catalogue() {
         let robot = entry.robot().unwrap();
         let n = robot.joint_count();
-        assert!(
-            !entry.source.is_empty() && !entry.pendant.is_empty(),
-            "{}",
-            entry.key
-        );
-        assert_eq!(
-            entry.file.is_empty(),
-            entry.commit.is_empty(),
-            "{}",
-            entry.key
-        );
-        assert_eq!(
-            entry.file.is_empty(),
-            entry.licence.is_empty(),
-            "{}",
-            entry.key
-        );
+        assert!(!entry.source.is_empty() && !entry.pendant.is_empty(), "{}", entry.key);
+        assert_eq!(entry.file.is_empty(), entry.commit.is_empty(), "{}", entry.key);
+        assert_eq!(entry.file.is_empty(), entry.licence.is_empty(), "{}", entry.key);
         assert!([0, n].contains(&entry.speeds_deg_s.len()), "{}", entry.key);
         assert!(entry.speeds_deg_s.iter().all(|v| *v > 0.0), "{}", entry.key);
-        assert_eq!(
-            entry.has_limits(),
-            !robot.limits_are_unknown(),
-            "{}",
-            entry.key
-        );
+        assert_eq!(entry.has_limits(), !robot.limits_are_unknown(), "{}", entry.key);
         assert!(robot.controller().is_some(), "{}", entry.key);
         assert_eq!(robot.doubts(), entry.doubts);
         for text in entry.doubts.iter().map(|d| d.sentence) {
-            assert!(
-                text.ends_with('.') && !text.contains("URDF"),
-                "{}: {text}",
-                entry.key
-            );
+            assert!(text.ends_with('.') && !text.contains("URDF"), "{}: {text}", entry.key);
         }
         for set in entry.stiffness {
             assert_eq!(set.values.len(), n, "{}", entry.key);
@@ -110,10 +85,7 @@ fn an_arm_has_one_entry() {
 #[test]
 fn a_text_names_a_maker_where_it_names_no_other() {
     let named = |text: &str| Controller::named_in(text);
-    assert_eq!(
-        named("package://Fanuc_m10ia/x.stl fanuc"),
-        Some(Controller::Fanuc)
-    );
+    assert_eq!(named("package://Fanuc_m10ia/x.stl fanuc"), Some(Controller::Fanuc));
     assert_eq!(named("rabbit, cabbage"), None);
     assert_eq!(named("kuka on a fanuc table"), None);
     assert_eq!(named("ur10e_base_link"), Some(Controller::Ur));
@@ -162,11 +134,7 @@ fn kuka_at_home() {
         let frames = Frames::new(&robot, &q);
         let upper_arm = frames.origins()[2] - frames.origins()[1];
         let out = frames.flange().rotation * Vector3::z();
-        assert!(
-            (upper_arm.normalize() - Vector3::z()).norm() < 3e-3,
-            "{}",
-            entry.key
-        );
+        assert!((upper_arm.normalize() - Vector3::z()).norm() < 3e-3, "{}", entry.key);
         assert!((out - Vector3::x()).norm() < 1e-4, "{}", entry.key);
         // A1 is positive clockwise seen from above.
         let mut turned = q;

@@ -46,9 +46,7 @@ fn conventions_are_products_of_turns() {
         assert!(difference(&comau, &zyz) < 1e-15, "COMAU");
     }
     // 90° about z, then 90° about the new y: a third of a turn about (−1, 1, 1).
-    let turned = Convention::Kuka
-        .rotation(&radians([90.0, 90.0, 0.0]))
-        .unwrap();
+    let turned = Convention::Kuka.rotation(&radians([90.0, 90.0, 0.0])).unwrap();
     let third = 2.0 * std::f64::consts::FRAC_PI_3 / 3_f64.sqrt();
     let vector = Convention::Ur.numbers(&turned);
     for (own, expected) in vector.iter().zip([-third, third, third]) {
@@ -89,10 +87,7 @@ fn poses_of_known_postures() {
         let pose = robot.controller_base().inverse() * flange;
         let numbers = Convention::of(robot.controller()).shown(&pose.rotation);
         let mm = pose.translation.vector.map(|v| (v * 1e6).round() / 1e3);
-        let numbers: Vec<f64> = numbers
-            .iter()
-            .map(|v| (v * 1e6).round() / 1e6 + 0.0)
-            .collect();
+        let numbers: Vec<f64> = numbers.iter().map(|v| (v * 1e6).round() / 1e6 + 0.0).collect();
         (mm.map(|v| v + 0.0).as_slice().to_vec(), numbers)
     };
     // KUKA at home: X = a1 + d4 + d6, Z = 645 + 1150 + 115.
@@ -121,8 +116,7 @@ fn rotation() -> impl Strategy<Value = UnitQuaternion<f64>> {
         UnitQuaternion::from_euler_angles(turn(a), turn(b) + off, turn(c))
     });
     prop_oneof![
-        (angle.clone(), angle.clone(), angle)
-            .prop_map(|(a, b, c)| UnitQuaternion::from_euler_angles(a, b, c)),
+        (angle.clone(), angle.clone(), angle).prop_map(|(a, b, c)| UnitQuaternion::from_euler_angles(a, b, c)),
         special,
     ]
 }
@@ -164,24 +158,13 @@ fn numbers_that_are_no_orientation_are_refused() {
         (error.code(), error.message().to_string())
     };
     assert_eq!(refused(Convention::Kuka, &[0.0; 2]).0, Code::Dimension);
-    assert_eq!(
-        refused(Convention::Ur, &[f64::NAN, 0.0, 0.0]).0,
-        Code::NotFinite
-    );
+    assert_eq!(refused(Convention::Ur, &[f64::NAN, 0.0, 0.0]).0, Code::NotFinite);
     let (code, message) = refused(Convention::Abb, &[0.7, 0.0, 0.0, 0.0]);
     assert_eq!(code, Code::InvalidValue);
     assert!(message.contains("length 0.7000"), "{message}");
     let mirrored = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0];
-    assert!(
-        refused(Convention::Matrix, &mirrored)
-            .1
-            .contains("left-handed")
-    );
-    assert!(
-        refused(Convention::Matrix, &[1.0; 9])
-            .1
-            .contains("right angles")
-    );
+    assert!(refused(Convention::Matrix, &mirrored).1.contains("left-handed"));
+    assert!(refused(Convention::Matrix, &[1.0; 9]).1.contains("right angles"));
     // What a pendant rounds is taken.
     assert!(Convention::Abb.rotation(&[0.866, 0.0, 0.5, 0.0]).is_ok());
 }
@@ -189,27 +172,16 @@ fn numbers_that_are_no_orientation_are_refused() {
 #[test]
 fn tables_of_poses_are_read_with_their_units() {
     let read = |text: &str, convention| read_poses(text.as_bytes(), "p.csv", convention);
-    let metres = read(
-        "x_m,y_m,z_m,rx_deg,ry_deg,rz_deg\n1,2,3,0,0,90\n",
-        Convention::Ur,
-    )
-    .unwrap();
+    let metres = read("x_m,y_m,z_m,rx_deg,ry_deg,rz_deg\n1,2,3,0,0,90\n", Convention::Ur).unwrap();
     assert_eq!(metres[0].name, "P1");
-    assert_eq!(
-        metres[0].pose.translation.vector,
-        Vector3::new(1.0, 2.0, 3.0)
-    );
+    assert_eq!(metres[0].pose.translation.vector, Vector3::new(1.0, 2.0, 3.0));
     assert!((metres[0].pose.rotation.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
     let error = |text: &str| read(text, Convention::Kuka).unwrap_err();
     let missing = error("x_mm,y_mm,z_mm,a_deg,b_deg\n1,2,3,0,0\n");
     assert_eq!(missing.message(), "The column c_deg is missing.");
     let twice = error("posture,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\nA,1,2,3,0,0,0\nA,1,2,3,0,0,0\n");
     assert_eq!(twice.code(), Code::Duplicate);
-    let wrong = read(
-        "x_mm,y_mm,z_mm,q1,q2,q3,q4\n1,2,3,0,0,0,0\n",
-        Convention::Abb,
-    )
-    .unwrap_err();
+    let wrong = read("x_mm,y_mm,z_mm,q1,q2,q3,q4\n1,2,3,0,0,0,0\n", Convention::Abb).unwrap_err();
     assert_eq!(wrong.place().line, Some(2));
 }
 
@@ -217,13 +189,7 @@ fn tables_of_poses_are_read_with_their_units() {
 /// one that the pose was made of is among them.
 #[test]
 fn all_postures_of_a_pose() {
-    for key in [
-        "kuka-kr210-r2700-2",
-        "fanuc-m10ia",
-        "staubli-rx160",
-        "abb-irb4400l-30-243",
-        "ur10e",
-    ] {
+    for key in ["kuka-kr210-r2700-2", "fanuc-m10ia", "staubli-rx160", "abb-irb4400l-30-243", "ur10e"] {
         let robot = Robot::from_catalogue(key).unwrap();
         let inverse = InverseKinematics::new(&robot);
         let mut dice = Dice::new(4);

@@ -22,15 +22,9 @@ fn distance(frames: &Frames, own: &[LinkCapsule; 2]) -> (f64, Vec<f64>, f64) {
     let gradient = (0..frames.joint_count())
         .map(|k| {
             let speed = |link: usize, point: &Vector3<f64>| {
-                if k < link {
-                    frames.column(k, point)
-                } else {
-                    Vector3::zeros()
-                }
+                if k < link { frames.column(k, point) } else { Vector3::zeros() }
             };
-            found
-                .direction
-                .dot(&(speed(own[0].link, &first) - speed(own[1].link, &second)))
+            found.direction.dot(&(speed(own[0].link, &first) - speed(own[1].link, &second)))
         })
         .collect();
     let apart = segments_apart([moving.a, moving.b], [still.a, still.b]);
@@ -46,10 +40,7 @@ fn pairs(robot: &Robot, i: usize, j: usize) -> Vec<[LinkCapsule; 2]> {
 
 #[test]
 fn capsules_are_those_of_the_links() {
-    let with = catalogue()
-        .iter()
-        .map(|e| e.robot().unwrap())
-        .filter(|r| !r.link_capsules().is_empty());
+    let with = catalogue().iter().map(|e| e.robot().unwrap()).filter(|r| !r.link_capsules().is_empty());
     let mut count = 0;
     for robot in with {
         count += 1;
@@ -102,10 +93,7 @@ fn links_beyond_the_robot_are_refused() {
 fn distances_have_the_gradient_of_their_nearest_points() {
     let mut dice = Dice::new(11);
     let (mut worst, mut count) = (0.0_f64, 0);
-    for entry in catalogue()
-        .iter()
-        .filter(|e| e.key.ends_with('e') || e.brand == "KUKA")
-    {
+    for entry in catalogue().iter().filter(|e| e.key.ends_with('e') || e.brand == "KUKA") {
         let robot = entry.robot().unwrap();
         let n = robot.joint_count();
         for _ in 0..10 {
@@ -162,10 +150,7 @@ fn distances_are_those_of_the_reference() {
                     worst_own = worst_own.max((value - again).abs());
                 }
                 worst = worst.max((own - expected).abs());
-                assert!(
-                    own <= meshes + 1e-6,
-                    "{name}: links {i} and {j}: {own} > {meshes}"
-                );
+                assert!(own <= meshes + 1e-6, "{name}: links {i} and {j}: {own} > {meshes}");
                 compared += 1;
             }
         }

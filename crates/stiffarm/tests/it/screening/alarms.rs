@@ -10,10 +10,7 @@ fn no_fault_no_finding() {
     assert_eq!(screening.states_checked, 12);
     // 0.0166 mm is the RMS distance by noise alone: sqrt(3 · 9.23e-5 mm²).
     let rms = screening.unloaded_rms_m.unwrap();
-    assert!(
-        rms > 0.6 * mm_to_m(0.0166) && rms < 1.5 * mm_to_m(0.0166),
-        "{rms}"
-    );
+    assert!(rms > 0.6 * mm_to_m(0.0166) && rms < 1.5 * mm_to_m(0.0166), "{rms}");
 }
 
 /// Experiments without a planted fault that raise a finding.
@@ -55,15 +52,9 @@ fn without_faults_alarms_are_rare() {
     ] {
         let runs = runs(whole / 10);
         let alarms = false_alarms(&cell, runs, arm, count);
-        println!(
-            "{name}: {} alarms in {runs}\n{}",
-            alarms.len(),
-            alarms.join("\n")
-        );
-        worst.extend(
-            (alarms.len() as u64 > most(0.01, runs, whole))
-                .then(|| format!("{name}:\n{}", alarms.join("\n"))),
-        );
+        println!("{name}: {} alarms in {runs}\n{}", alarms.len(), alarms.join("\n"));
+        worst
+            .extend((alarms.len() as u64 > most(0.01, runs, whole)).then(|| format!("{name}:\n{}", alarms.join("\n"))));
     }
     assert!(worst.is_empty(), "{}", worst.join("\n\n"));
 }

@@ -37,10 +37,7 @@ fn strays(cell: &Cell, runs: u64, arm: Arm, across: bool, off: f64) -> Tally {
             };
             let found = screening.suspicions.iter().find(here);
             let right = found.map(|f| f.points.contains(&(a + 1).to_string()));
-            let mut tally = Tally {
-                extra: usize::from(screening.suspicions.len() > 1),
-                ..Tally::default()
-            };
+            let mut tally = Tally { extra: usize::from(screening.suspicions.len() > 1), ..Tally::default() };
             match (found, right) {
                 (Some(f), Some(true)) if f.certain => tally.named = 1,
                 (Some(_), Some(true)) => tally.one_of = 1,
@@ -48,12 +45,7 @@ fn strays(cell: &Cell, runs: u64, arm: Arm, across: bool, off: f64) -> Tally {
                 (None, _) => tally.missed = 1,
             }
             if tally.wrong + tally.missed + tally.extra > 0 {
-                println!(
-                    "seed {seed}, posture {}, point {}: {}",
-                    p + 1,
-                    a + 1,
-                    sentences(&screening)
-                );
+                println!("seed {seed}, posture {}, point {}: {}", p + 1, a + 1, sentences(&screening));
             }
             tally
         })
@@ -103,15 +95,7 @@ fn repeats_that_stray_and_reflectors_that_move() {
     let mut said = Vec::new();
     let mut options = options(14);
     options.states.iter_mut().for_each(|s| s.repeats = 3);
-    let three = experiment(
-        &cell(),
-        &numbered(group1()),
-        &truth(&cell()),
-        &options,
-        14,
-        0,
-    )
-    .unwrap();
+    let three = experiment(&cell(), &numbered(group1()), &truth(&cell()), &options, 14, 0).unwrap();
     assert!(screen(&cell(), &three, None).unwrap().findings.is_empty());
     let mut table = three.clone();
     // Third round of point 2.
@@ -125,15 +109,7 @@ fn repeats_that_stray_and_reflectors_that_move() {
     said.push(sentences(&screening));
     // Of two repeats nobody can say which.
     options.states.iter_mut().for_each(|s| s.repeats = 2);
-    let mut table = experiment(
-        &cell(),
-        &numbered(group1()),
-        &truth(&cell()),
-        &options,
-        14,
-        0,
-    )
-    .unwrap();
+    let mut table = experiment(&cell(), &numbered(group1()), &truth(&cell()), &options, 14, 0).unwrap();
     table.postures[1].states[0].readings[5].position.y += 1e-3;
     let (screening, found) = alone(&cell(), &table);
     assert_eq!((found.cause, found.repeat), (Cause::StrayRepeat, None));
@@ -169,11 +145,7 @@ fn a_reading_off_by_a_millimetre_in_words() {
     let direction = edge(1).cross(&edge(2)).normalize();
     readings[1].position += direction * 1e-3;
     let (screening, found) = alone(&cell(), &table);
-    assert!(
-        !found.certain && found.points.len() > 1,
-        "{}",
-        sentences(&screening)
-    );
+    assert!(!found.certain && found.points.len() > 1, "{}", sentences(&screening));
     said.push(sentences(&screening));
     insta::assert_snapshot!("stray_reading", said.join("\n"));
 }

@@ -48,10 +48,7 @@ fn options(seed: u64) -> Experiment {
     Experiment {
         base_from_tracker: tracker_pose(seed),
         force: ForceRecord::ForceAndMoment,
-        tool_weight: Some(ToolWeight {
-            mass_kg: 30.0,
-            centre: Vector3::new(0.01, 0.0, 0.15),
-        }),
+        tool_weight: Some(ToolWeight { mass_kg: 30.0, centre: Vector3::new(0.01, 0.0, 0.15) }),
         sensor_noise: [1.0, 0.2],
         tracker_noise: TrackerNoise::Isotropic,
         ..Experiment::default()
@@ -74,12 +71,7 @@ fn group1_table(seed: u64) -> ReadingTable {
 /// Sentences, with a code before each.
 fn sentences(screening: &Screening) -> String {
     let all = screening.findings.iter();
-    let all = all.map(|f| {
-        format!(
-            "[{}] {:?}, {}: {}",
-            f.code, f.severity, f.subject, f.sentence
-        )
-    });
+    let all = all.map(|f| format!("[{}] {:?}, {}: {}", f.code, f.severity, f.subject, f.sentence));
     all.collect::<Vec<_>>().join("\n")
 }
 
@@ -130,18 +122,13 @@ fn names(list: &[&str]) -> Vec<String> {
 fn uncalibrated(cell: &Cell, postures: &[Posture], seed: u64) -> (Cell, Vec<Posture>) {
     let mut dice = Dice::new(seed + 1000);
     let mut real = cell.clone();
-    let offset: Vec<f64> = (0..6)
-        .map(|_| dice.signed(0.0, 0.06).to_radians())
-        .collect();
+    let offset: Vec<f64> = (0..6).map(|_| dice.signed(0.0, 0.06).to_radians()).collect();
     for point in &mut real.setup.tool.measuring_points {
         point.position += dice.vector(1e-4);
     }
     let driven = postures
         .iter()
-        .map(|p| Posture {
-            name: p.name.clone(),
-            q: p.q.iter().zip(&offset).map(|(q, o)| q + o).collect(),
-        })
+        .map(|p| Posture { name: p.name.clone(), q: p.q.iter().zip(&offset).map(|(q, o)| q + o).collect() })
         .collect();
     (real, driven)
 }
@@ -170,10 +157,7 @@ fn random_table(cell: &Cell, arm: Arm, count: usize, seed: u64) -> ReadingTable 
     if arm == Arm::Rough {
         options.joint_tilt = Some(stiffness.iter().map(|k| 0.2 / k).collect());
         options.lost_motion = Some(vec![2e-5; 6]);
-        options.base_compliance = Some(BaseCompliance {
-            tilt: 1e-8,
-            shift: 1e-9,
-        });
+        options.base_compliance = Some(BaseCompliance { tilt: 1e-8, shift: 1e-9 });
         options.posture_common_std = 3e-5;
     }
     let mut table = experiment(&real, &driven, &stiffness, &options, seed, 0).unwrap();
@@ -200,16 +184,9 @@ fn fanuc() -> Cell {
 fn ur10() -> Cell {
     let mut cell = kuka();
     cell.setup.robot = common::set_ups::ur10(0.0);
-    cell.bounds = [
-        [-90.0, 90.0],
-        [-120.0, -30.0],
-        [20.0, 120.0],
-        [-160.0, 20.0],
-        [-120.0, 120.0],
-        [-170.0, 170.0],
-    ]
-    .map(|b: [f64; 2]| b.map(f64::to_radians))
-    .to_vec();
+    cell.bounds = [[-90.0, 90.0], [-120.0, -30.0], [20.0, 120.0], [-160.0, 20.0], [-120.0, 120.0], [-170.0, 170.0]]
+        .map(|b: [f64; 2]| b.map(f64::to_radians))
+        .to_vec();
     // Orders of magnitude of a small arm, under a small load.
     cell.prior = Some(vec![4e4, 4e4, 3e4, 1e4, 1e4, 1e4]);
     *rope_force(&mut cell) = 80.0;

@@ -14,12 +14,7 @@ const CARRIED: ([f64; 3], f64) = ([1500.0, 800.0, 20.0], 0.6);
 fn put(table: &mut ReadingTable, first: usize, state: usize, change: &Isometry3<f64>) {
     for (p, posture) in table.postures.iter_mut().enumerate().skip(first) {
         let from = if p == first { state } else { 0 };
-        for reading in posture
-            .states
-            .iter_mut()
-            .skip(from)
-            .flat_map(|s| &mut s.readings)
-        {
+        for reading in posture.states.iter_mut().skip(from).flat_map(|s| &mut s.readings) {
             reading.position = change.rotation * reading.position + change.translation.vector;
         }
     }
@@ -37,12 +32,7 @@ fn moves(screening: &Screening) -> Vec<&Suspicion> {
 /// So many, and nothing else is suspected.
 fn only_moves(screening: &Screening, count: usize) -> Vec<&Suspicion> {
     let found = moves(screening);
-    assert_eq!(
-        (found.len(), screening.suspicions.len()),
-        (count, count),
-        "{}",
-        sentences(screening)
-    );
+    assert_eq!((found.len(), screening.suspicions.len()), (count, count), "{}", sentences(screening));
     found
 }
 
@@ -55,26 +45,14 @@ fn from_a_posture_on_the_tracker_stands_elsewhere() {
     let mut table = simulated(&cell(), &ten(), 1);
     put(&mut table, 6, 0, &carried());
     let (screening, found) = alone(&cell(), &table);
-    assert_eq!(
-        found.cause,
-        Cause::MovedTracker,
-        "{}",
-        sentences(&screening)
-    );
+    assert_eq!(found.cause, Cause::MovedTracker, "{}", sentences(&screening));
     assert_eq!(found.postures, names(&["7", "8", "9", "10"]));
     assert!(found.divided.is_empty());
     assert!(found.after_m.unwrap() < 5e-5 && found.before_m.unwrap() > 0.1);
-    assert!(
-        (found.angles_deg[0] - rad_to_deg(0.6)).abs() < 0.01,
-        "{found:?}"
-    );
+    assert!((found.angles_deg[0] - rad_to_deg(0.6)).abs() < 0.01, "{found:?}");
     assert_eq!(screening.findings[0].severity, Severity::Serious);
     let sentence = &screening.findings[0].sentence;
-    for part in [
-        "From posture 7 on",
-        "add a column station with 2",
-        "on a rail",
-    ] {
+    for part in ["From posture 7 on", "add a column station with 2", "on a rail"] {
         assert!(sentence.contains(part), "{sentence}");
     }
     // What else is wrong is still found.
@@ -82,12 +60,7 @@ fn from_a_posture_on_the_tracker_stands_elsewhere() {
     q[2] = -q[2];
     let found = screen(&cell(), &table, None).unwrap();
     assert_eq!(moves(&found).len(), 1, "{}", sentences(&found));
-    assert!(
-        found
-            .suspicions
-            .iter()
-            .any(|s| s.cause == Cause::AngleSign && s.postures == ["4"])
-    );
+    assert!(found.suspicions.iter().any(|s| s.cause == Cause::AngleSign && s.postures == ["4"]));
 }
 
 #[test]
@@ -108,11 +81,7 @@ fn several_moves_and_one_within_a_posture_are_told_apart() {
         let found = only_moves(&screening, 1);
         assert_eq!(found[0].divided, ["5"]);
         assert_eq!(found[0].postures, names(&["6", "7", "8", "9", "10"]));
-        assert!(
-            screening.findings[0]
-                .sentence
-                .contains("Posture 5 was read partly before")
-        );
+        assert!(screening.findings[0].sentence.contains("Posture 5 was read partly before"));
     }
 }
 
@@ -158,26 +127,12 @@ fn moves_are_found_on_real_arms() {
                 put(&mut table, first, 0, &change);
                 let screening = screen(&cell, &table, None).unwrap();
                 let found = moves(&screening);
-                let right =
-                    found.len() == 1 && found[0].postures.first() == Some(&(first + 1).to_string());
-                (!right).then(|| {
-                    format!(
-                        "seed {seed}, {first} of {postures}: {}",
-                        sentences(&screening)
-                    )
-                })
+                let right = found.len() == 1 && found[0].postures.first() == Some(&(first + 1).to_string());
+                (!right).then(|| format!("seed {seed}, {first} of {postures}: {}", sentences(&screening)))
             })
             .collect();
-        println!(
-            "{name}: {} of {count} missed\n{}",
-            missed.len(),
-            missed.join("\n")
-        );
-        assert!(
-            missed.len() as u64 <= most(1.0 - share, count, whole),
-            "{name}:\n{}",
-            missed.join("\n")
-        );
+        println!("{name}: {} of {count} missed\n{}", missed.len(), missed.join("\n"));
+        assert!(missed.len() as u64 <= most(1.0 - share, count, whole), "{name}:\n{}", missed.join("\n"));
     }
 }
 
@@ -188,13 +143,9 @@ fn sound_days_are_not_called_moved() {
     one_point.setup.tool.measuring_points.truncate(1);
     let days = runs(60);
     let mut alarms = Vec::new();
-    for (name, cell) in [
-        ("comau", cell()),
-        ("KUKA", kuka()),
-        ("FANUC", fanuc()),
-        ("UR10", ur10()),
-        ("one point", one_point),
-    ] {
+    for (name, cell) in
+        [("comau", cell()), ("KUKA", kuka()), ("FANUC", fanuc()), ("UR10", ur10()), ("one point", one_point)]
+    {
         let found: Vec<String> = (0..days)
             .into_par_iter()
             .flat_map(|seed| {
@@ -203,17 +154,12 @@ fn sound_days_are_not_called_moved() {
                 match seed % 3 {
                     0 => {}
                     // Along axis 1, as a route goes.
-                    1 => table
-                        .postures
-                        .sort_by(|a, b| a.posture.q[0].total_cmp(&b.posture.q[0])),
+                    1 => table.postures.sort_by(|a, b| a.posture.q[0].total_cmp(&b.posture.q[0])),
                     // Near on one side, then near on the other.
-                    _ => table
-                        .postures
-                        .sort_by_key(|p| (p.posture.q[0] > 0.0, p.posture.q[1] > p.posture.q[2])),
+                    _ => table.postures.sort_by_key(|p| (p.posture.q[0] > 0.0, p.posture.q[1] > p.posture.q[2])),
                 }
                 let screening = screen(&cell, &table, None).unwrap();
-                (!moves(&screening).is_empty())
-                    .then(|| format!("{name}, seed {seed}: {}", sentences(&screening)))
+                (!moves(&screening).is_empty()).then(|| format!("{name}, seed {seed}: {}", sentences(&screening)))
             })
             .collect();
         alarms.extend(found);

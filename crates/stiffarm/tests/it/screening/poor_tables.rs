@@ -13,11 +13,7 @@ fn a_tool_that_differs_from_its_drawing() {
         assert_eq!(found.cause, Cause::Drawing);
         assert_eq!(found.points, ["3"]);
         assert!((found.off_m.unwrap() - off).abs() < 5e-5);
-        let expected = if off < 1e-3 {
-            Severity::Note
-        } else {
-            Severity::Caution
-        };
+        let expected = if off < 1e-3 { Severity::Note } else { Severity::Caution };
         assert_eq!(screening.findings[0].severity, expected);
         said.push(sentences(&screening));
     }
@@ -28,12 +24,7 @@ fn a_tool_that_differs_from_its_drawing() {
 fn a_transform_that_is_given() {
     let table = group1_table(17);
     let right = tracker_pose(17);
-    assert!(
-        screen(&cell(), &table, Some(&right))
-            .unwrap()
-            .findings
-            .is_empty()
-    );
+    assert!(screen(&cell(), &table, Some(&right)).unwrap().findings.is_empty());
     let moved = Isometry3::translation(0.02, 0.0, 0.0) * right;
     let screening = screen(&cell(), &table, Some(&moved)).unwrap();
     assert_eq!(only(&screening).cause, Cause::GivenTransform);
@@ -46,22 +37,13 @@ fn too_few_readings_are_said_to_be_too_few() {
     few.setup.tool.measuring_points.truncate(1);
     let table = simulated(&few, &numbered(group1()[..2].to_vec()), 18);
     let (screening, found) = alone(&few, &table);
-    assert_eq!(
-        (found.cause, screening.unloaded_rms_m),
-        (Cause::NotChecked, None)
-    );
+    assert_eq!((found.cause, screening.unloaded_rms_m), (Cause::NotChecked, None));
     assert_eq!(screening.findings[0].severity, Severity::Note);
     // With a given transform the model can still be held against them.
     let screening = screen(&few, &table, Some(&tracker_pose(18))).unwrap();
     assert!(screening.findings.is_empty(), "{}", sentences(&screening));
-    let none = ReadingTable {
-        postures: Vec::new(),
-        ..table.clone()
-    };
-    assert_eq!(
-        only(&screen(&few, &none, None).unwrap()).cause,
-        Cause::NotChecked
-    );
+    let none = ReadingTable { postures: Vec::new(), ..table.clone() };
+    assert_eq!(only(&screen(&few, &none, None).unwrap()).cause, Cause::NotChecked);
     let mut broken = table;
     broken.postures[1].states[0].readings[0].position.x = f64::NAN;
     let error = screen(&few, &broken, None).unwrap_err();
@@ -75,9 +57,7 @@ fn the_same_table_gives_the_same_findings_in_any_frame() {
     let first = screen(&cell(), &table, None).unwrap();
     assert_eq!(first, screen(&cell(), &table, None).unwrap());
     let turn = tracker_pose(20);
-    each_position(&mut table, |p| {
-        *p = turn.rotation * *p + turn.translation.vector
-    });
+    each_position(&mut table, |p| *p = turn.rotation * *p + turn.translation.vector);
     let second = screen(&cell(), &table, None).unwrap();
     let causes = |s: &Screening| s.suspicions.iter().map(|f| f.cause).collect::<Vec<_>>();
     assert_eq!(causes(&first), [Cause::MistypedAngle]);
@@ -101,8 +81,7 @@ fn mangled_tables_are_survived() {
                     state.readings.retain(|_| !dice.chance(0.2));
                     for reading in &mut state.readings {
                         if dice.chance(0.1) {
-                            reading.position =
-                                dice.vector(10.0) * 10f64.powf(dice.between(-6.0, 6.0));
+                            reading.position = dice.vector(10.0) * 10f64.powf(dice.between(-6.0, 6.0));
                         }
                     }
                 }

@@ -11,10 +11,7 @@ fn plant(kind: Cause, cell: &mut Cell, table: &mut ReadingTable, dice: &mut Dice
         Cause::AngleSign => {
             // A sign matters where the angle is not small.
             let q = &mut table.postures[posture].posture.q;
-            let joint = (0..6)
-                .map(|i| (joint + i) % 6)
-                .find(|j| q[*j].abs() > 0.1)
-                .unwrap();
+            let joint = (0..6).map(|i| (joint + i) % 6).find(|j| q[*j].abs() > 0.1).unwrap();
             q[joint] = -q[joint];
             expected.postures = vec![(posture + 1).to_string()];
             expected.joints = vec![format!("joint {}", joint + 1)];
@@ -89,13 +86,8 @@ fn planted_faults_on_other_robots() {
         Cause::ReversedForce,
         Cause::ExchangedStates,
     ];
-    let robots = [
-        ("COMAU", cell()),
-        ("KUKA KR240", kuka()),
-        ("KUKA KR500", big_kuka()),
-        ("FANUC", fanuc()),
-        ("UR10", ur10()),
-    ];
+    let robots =
+        [("COMAU", cell()), ("KUKA KR240", kuka()), ("KUKA KR500", big_kuka()), ("FANUC", fanuc()), ("UR10", ur10())];
     let mut not_alone = Vec::new();
     let mut experiments = 0;
     for kind in kinds {
@@ -115,31 +107,18 @@ fn planted_faults_on_other_robots() {
                             && (expected.points.is_empty() || f.points == expected.points)
                             && (expected.joints.is_empty() || f.joints == expected.joints)
                     };
-                    let outcome = match (
-                        screening.suspicions.iter().find(right),
-                        screening.suspicions.len(),
-                    ) {
+                    let outcome = match (screening.suspicions.iter().find(right), screening.suspicions.len()) {
                         (Some(f), 1) if f.alternatives.is_empty() => 0,
                         (Some(_), 1) => 1,
                         (Some(_), _) => 2,
                         (None, 0) => 3,
                         (None, _) => 4,
                     };
-                    (
-                        outcome,
-                        format!("seed {seed} {expected:?}: {}", sentences(&screening)),
-                    )
+                    (outcome, format!("seed {seed} {expected:?}: {}", sentences(&screening)))
                 })
                 .collect();
-            let others: Vec<&str> = outcomes
-                .iter()
-                .filter(|o| o.0 != 0)
-                .map(|o| o.1.as_str())
-                .collect();
-            println!(
-                "{kind:?} on {name}: {} of {runs} not named alone",
-                others.len()
-            );
+            let others: Vec<&str> = outcomes.iter().filter(|o| o.0 != 0).map(|o| o.1.as_str()).collect();
+            println!("{kind:?} on {name}: {} of {runs} not named alone", others.len());
             not_alone.extend(others.iter().map(|o| format!("{kind:?} on {name}, {o}")));
             experiments += runs;
         }

@@ -6,12 +6,7 @@ use stiffarm::model::measurement::{PostureReadings, StateReadings};
 /// Adds what is said of one fault in readings of group 1. It alone is found: its cause, then the
 /// postures, states, points and joints that it names.
 #[track_caller]
-fn fault(
-    said: &mut String,
-    seed: u64,
-    expected: &str,
-    plant: impl FnOnce(&mut Cell, &mut ReadingTable),
-) -> Suspicion {
+fn fault(said: &mut String, seed: u64, expected: &str, plant: impl FnOnce(&mut Cell, &mut ReadingTable)) -> Suspicion {
     let (mut cell, mut table) = (cell(), group1_table(seed));
     plant(&mut cell, &mut table);
     let (screening, found) = alone(&cell, &table);
@@ -51,9 +46,7 @@ fn every_single_fault_is_named_alone() {
         ((2, 1), 0, 2, "ExchangedPoints: 3, loaded, 1, 3"),
         ((4, 0), 1, 3, "ExchangedPoints: 5, unloaded, 2, 4"),
     ] {
-        fault(&mut said, 2, expected, |_, t| {
-            relabel(t, Some((p, s)), a, b)
-        });
+        fault(&mut said, 2, expected, |_, t| relabel(t, Some((p, s)), a, b));
     }
     for (a, b) in [(0, 1), (0, 2), (1, 3)] {
         let expected = format!("ExchangedPoints: {}, {}", a + 1, b + 1);
@@ -71,13 +64,7 @@ fn every_single_fault_is_named_alone() {
         });
     }
     // Digits exchanged, a decimal point, another number.
-    for (p, j, wrong) in [
-        (3, 3, -2.0_f64),
-        (1, 1, 51.0),
-        (2, 5, 1.0),
-        (5, 4, -23.5),
-        (4, 0, 52.0),
-    ] {
+    for (p, j, wrong) in [(3, 3, -2.0_f64), (1, 1, 51.0), (2, 5, 1.0), (5, 4, -23.5), (4, 0, 52.0)] {
         let expected = format!("MistypedAngle: {}, joint {}", p + 1, j + 1);
         let right = rad_to_deg(group1()[p][j]);
         let found = fault(&mut said, 5, &expected, |_, t| {
@@ -141,13 +128,10 @@ fn every_single_fault_is_named_alone() {
     // One posture measured without load; loaded rows that are copies.
     fault(&mut said, 10, "NoDisplacement: 5, loaded", |cell, t| {
         let unloaded = Experiment {
-            states: ["unloaded", "loaded"]
-                .map(|name| ExperimentState::new(name, 0.0))
-                .to_vec(),
+            states: ["unloaded", "loaded"].map(|name| ExperimentState::new(name, 0.0)).to_vec(),
             ..options(10)
         };
-        let mut still =
-            experiment(cell, &numbered(group1()), &truth(cell), &unloaded, 10, 1).unwrap();
+        let mut still = experiment(cell, &numbered(group1()), &truth(cell), &unloaded, 10, 1).unwrap();
         let measured = t.postures[4].states.iter_mut();
         for (now, then) in measured.zip(&mut still.postures[4].states) {
             std::mem::swap(&mut now.readings, &mut then.readings);
@@ -216,10 +200,7 @@ fn newtons_under_a_heading_in_kilonewtons_are_more_than_a_robot_carries() {
         }
     });
     assert_eq!(found.factor, Some(1e-3));
-    for said in [
-        "500000 N, more than such a robot can carry",
-        "whether a heading says kn (load_kn, fx_kn)",
-    ] {
+    for said in ["500000 N, more than such a robot can carry", "whether a heading says kn (load_kn, fx_kn)"] {
         assert!(sentence.contains(said), "{sentence}");
     }
     assert!(!sentence.contains("hardly bends"), "{sentence}");
@@ -250,22 +231,14 @@ fn exchanged_columns_are_told_by_where_the_tracker_stands() {
         let found = only(&screening);
         assert_eq!(found.axis_slips, [format!("whether {names} are exchanged")]);
         let said = sentences(&screening);
-        assert!(
-            said.contains(&format!("First check whether {names}")),
-            "{said}"
-        );
+        assert!(said.contains(&format!("First check whether {names}")), "{said}");
     }
     // Without it by the base, where the tracker's axes are nearly its own.
-    let level = Experiment {
-        base_from_tracker: Isometry3::new(Vector3::new(3.0, 1.0, 0.5), Vector3::z() * 0.1),
-        ..options(7)
-    };
+    let level =
+        Experiment { base_from_tracker: Isometry3::new(Vector3::new(3.0, 1.0, 0.5), Vector3::z() * 0.1), ..options(7) };
     let table = experiment(&cell(), &numbered(group1()), &truth(&cell()), &level, 7, 0).unwrap();
     let screening = screen(&cell(), &exchanged(&table, 0, 1), None).unwrap();
-    assert_eq!(
-        only(&screening).axis_slips,
-        ["whether x and y are exchanged"]
-    );
+    assert_eq!(only(&screening).axis_slips, ["whether x and y are exchanged"]);
     let mut flipped = table.clone();
     each_position(&mut flipped, |p| p.y = -p.y);
     let screening = screen(&cell(), &flipped, None).unwrap();
@@ -285,8 +258,7 @@ fn a_tool_turned_on_the_flange_is_named_before_the_last_joint() {
         point.position = turn * point.position;
     }
     let said = sentences(&screen(&cell, &table, None).unwrap());
-    let [tool, joint] =
-        ["the tool sat turned by", "joint 6 were off by"].map(|what| said.find(what));
+    let [tool, joint] = ["the tool sat turned by", "joint 6 were off by"].map(|what| said.find(what));
     assert!(tool.is_some() && tool < joint, "{said}");
     assert!(said.contains("tool.measuring_point first"), "{said}");
 }

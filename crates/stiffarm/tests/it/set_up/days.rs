@@ -45,10 +45,7 @@ pub const TRACKER: [f64; 6] = [4.2, -1.8, 0.9, 0.02, -0.03, 2.4];
 
 fn tracker() -> Isometry3<f64> {
     let [x, y, z, a, b, c] = TRACKER;
-    Isometry3::from_parts(
-        Translation3::new(x, y, z),
-        UnitQuaternion::from_euler_angles(a, b, c),
-    )
+    Isometry3::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_euler_angles(a, b, c))
 }
 
 pub fn cell(kind: Kind) -> Cell {
@@ -59,14 +56,8 @@ pub fn cell(kind: Kind) -> Cell {
         Kind::Lever => {
             let entry = find_in_catalogue("kuka-kr240-2").unwrap();
             cell.setup.robot = entry.robot().unwrap();
-            let bounds = [
-                [-90.0, 90.0],
-                [-120.0, -40.0],
-                [40.0, 130.0],
-                [-170.0, 170.0],
-                [-100.0, 100.0],
-                [-170.0, 170.0],
-            ];
+            let bounds =
+                [[-90.0, 90.0], [-120.0, -40.0], [40.0, 130.0], [-170.0, 170.0], [-100.0, 100.0], [-170.0, 170.0]];
             cell.bounds = bounds.map(|b: [f64; 2]| b.map(f64::to_radians)).to_vec();
             cell.setup.tool.loading_point = Vector3::new(0.35, 0.1, 0.3);
             cell.limits.rope_length = Some([0.8, 4.0]);
@@ -88,8 +79,7 @@ pub fn cell(kind: Kind) -> Cell {
 
 /// Twists of the seven frames of an arm, base first.
 pub fn structure(name: &str) -> Vec<Matrix6<f64>> {
-    let data: Value =
-        serde_json::from_str(include_str!("../../golden/structural-springs.json")).unwrap();
+    let data: Value = serde_json::from_str(include_str!("../../golden/structural-springs.json")).unwrap();
     let triangle = |rows: &Value| {
         let all = common::numbers(rows);
         Matrix6::from_fn(|i, j| {
@@ -97,10 +87,7 @@ pub fn structure(name: &str) -> Vec<Matrix6<f64>> {
             all[i * (i + 1) / 2 + j]
         })
     };
-    common::list(&data["arms"][name])
-        .iter()
-        .map(triangle)
-        .collect()
+    common::list(&data["arms"][name]).iter().map(triangle).collect()
 }
 
 /// Offsets d along z of the default arm's modified-DH rows: their frames lie there [m].
@@ -137,21 +124,13 @@ pub fn structural_at(terms: &PostureTerms, arm: &[Matrix6<f64>], factor: f64) ->
 
 /// States of a day: two, three without another unloaded reading, or as an engineer does it.
 pub fn load_states(count: usize) -> Vec<ExperimentState> {
-    let all = [
-        ("unloaded", 0.0),
-        ("half", 0.5),
-        ("full", 1.0),
-        ("unloaded-2", 0.0),
-    ];
+    let all = [("unloaded", 0.0), ("half", 0.5), ("full", 1.0), ("unloaded-2", 0.0)];
     let chosen: &[usize] = match count {
         2 => &[0, 2],
         3 => &[0, 1, 2],
         _ => &[0, 1, 2, 3],
     };
-    chosen
-        .iter()
-        .map(|i| ExperimentState::new(all[*i].0, all[*i].1))
-        .collect()
+    chosen.iter().map(|i| ExperimentState::new(all[*i].0, all[*i].1)).collect()
 }
 
 pub fn day(kind: Kind, beyond: Beyond, postures: usize, states: usize, seed: u64) -> Day {
@@ -175,10 +154,7 @@ pub fn day(kind: Kind, beyond: Beyond, postures: usize, states: usize, seed: u64
     match beyond {
         Beyond::Tilts(joints, base) => {
             options.joint_tilt = Some(vec![joints; 6]);
-            options.base_compliance = Some(BaseCompliance {
-                tilt: base,
-                shift: 0.0,
-            });
+            options.base_compliance = Some(BaseCompliance { tilt: base, shift: 0.0 });
         }
         Beyond::LostMotion(minutes) => {
             options.lost_motion = Some(vec![(minutes / 60.0).to_radians(); 6]);
@@ -200,18 +176,10 @@ pub fn day(kind: Kind, beyond: Beyond, postures: usize, states: usize, seed: u64
 }
 
 /// Moves the points of all states of a role by what `moved` gives for angles and state, base axes.
-pub fn move_states(
-    table: &mut ReadingTable,
-    role: Role,
-    moved: impl Fn(&[f64], &str) -> Vec<Vector3<f64>>,
-) {
+pub fn move_states(table: &mut ReadingTable, role: Role, moved: impl Fn(&[f64], &str) -> Vec<Vector3<f64>>) {
     let turn = tracker().rotation.inverse();
     for posture in &mut table.postures {
-        for state in posture
-            .states
-            .iter_mut()
-            .filter(|s| Role::of(&s.state) == role)
-        {
+        for state in posture.states.iter_mut().filter(|s| Role::of(&s.state) == role) {
             let moved = moved(&posture.posture.q, &state.state);
             for reading in &mut state.readings {
                 if let ReadingTarget::Point(a) = reading.target {
@@ -223,21 +191,14 @@ pub fn move_states(
 }
 
 /// Adds what the wrench that `wrench` makes of the cell's own moves the points by.
-pub fn add_displacement(
-    cell: &Cell,
-    table: &mut ReadingTable,
-    role: Role,
-    wrench: impl Fn(&Wrench) -> Option<Wrench>,
-) {
+pub fn add_displacement(cell: &Cell, table: &mut ReadingTable, role: Role, wrench: impl Fn(&Wrench) -> Option<Wrench>) {
     let compliance = compliance_of(cell.require_prior().unwrap());
     move_states(table, role, |q, _| {
         let own = PostureTerms::new(&cell.setup, q, None).unwrap();
         let terms = PostureTerms::new(&cell.setup, q, wrench(own.wrench()).as_ref()).unwrap();
         let moved = terms.block(&cell.setup.robot) * &compliance;
         let points = 0..terms.measuring_points().len();
-        points
-            .map(|a| moved.fixed_rows::<3>(3 * a).into_owned())
-            .collect()
+        points.map(|a| moved.fixed_rows::<3>(3 * a).into_owned()).collect()
     });
 }
 

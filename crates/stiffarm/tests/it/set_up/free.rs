@@ -28,25 +28,15 @@ fn identified(
 fn what_is_free_is_found_and_the_stiffness_with_it() {
     for (name, free, truth) in [
         ("anchor 300 mm too low", "anchor", vec![1.8, 0.0, 0.0]),
-        (
-            "lever 50 mm too long",
-            "loading-point",
-            vec![0.2, 0.0, 0.25],
-        ),
-        (
-            "hook and shackle of 3 kg",
-            "force-beside",
-            vec![0.0, 0.0, -3.0 * 9.806_65],
-        ),
+        ("lever 50 mm too long", "loading-point", vec![0.2, 0.0, 0.25]),
+        ("hook and shackle of 3 kg", "force-beside", vec![0.0, 0.0, -3.0 * 9.806_65]),
     ] {
         let (mut inside, mut all) = (0, 0);
         for seed in 0..2 {
             let (cell, measurements) = planted(mistake(name), Beyond::Nothing, seed);
             let found = identified(&cell, measurements.clone(), &[free]).unwrap();
             assert!(found.rejected().is_none(), "{name}: {:?}", found.rejected());
-            let [own] = &found.freed[..] else {
-                panic!("{:#?}", found.freed)
-            };
+            let [own] = &found.freed[..] else { panic!("{:#?}", found.freed) };
             assert_eq!(own.name, free);
             for (i, truth) in truth.iter().enumerate() {
                 let off = (own.asked[i] - truth) / own.standard_error[i].unwrap();
@@ -55,17 +45,12 @@ fn what_is_free_is_found_and_the_stiffness_with_it() {
             let truth = cell.require_prior().unwrap();
             for (joint, k) in found.identification.estimates.joints.iter().zip(truth) {
                 let [low, high] = joint.interval;
-                inside += usize::from(
-                    low.is_some_and(|low| low <= *k) && high.is_none_or(|high| *k <= high),
-                );
+                inside += usize::from(low.is_some_and(|low| low <= *k) && high.is_none_or(|high| *k <= high));
                 all += 1;
             }
             let systematic = found.systematic_errors.as_ref().unwrap();
             let source = source(systematic, free);
-            assert!(
-                source.free && source.remaining.unwrap() < 0.1,
-                "{source:#?}"
-            );
+            assert!(source.free && source.remaining.unwrap() < 0.1, "{source:#?}");
         }
         assert!(inside + 1 >= all, "{name}: {inside} of {all}");
     }
@@ -75,18 +60,12 @@ fn what_is_free_is_found_and_the_stiffness_with_it() {
 #[test]
 fn freeing_widens() {
     let Day { cell, table } = day(Kind::Rope, Beyond::Nothing, 12, 3, 3);
-    let [stated, free] =
-        [&[][..], &["anchor"]].map(|names| identified(&cell, table.clone(), names).unwrap());
+    let [stated, free] = [&[][..], &["anchor"]].map(|names| identified(&cell, table.clone(), names).unwrap());
     let half = |found: &Identified| -> f64 {
         let joints = &found.systematic_errors.as_ref().unwrap().uncertainty;
         joints.iter().map(|j| j.total.unwrap()).sum()
     };
-    assert!(
-        half(&free) > 1.02 * half(&stated),
-        "{} {}",
-        half(&free),
-        half(&stated)
-    );
+    assert!(half(&free) > 1.02 * half(&stated), "{} {}", half(&free), half(&stated));
 }
 
 #[test]
@@ -124,13 +103,9 @@ fn what_cannot_be_free_is_refused() {
 /// Displacements with a quantity elsewhere, by the answers to unit wrenches and by a cell that has it there.
 #[test]
 fn answers_are_what_another_cell_gives() {
-    for (kind, is_table) in [
-        (Kind::Rope, false),
-        (Kind::Rope, true),
-        (Kind::Weight, false),
-        (Kind::Sensor, false),
-        (Kind::Forces, false),
-    ] {
+    for (kind, is_table) in
+        [(Kind::Rope, false), (Kind::Rope, true), (Kind::Weight, false), (Kind::Sensor, false), (Kind::Forces, false)]
+    {
         let Day { cell, table } = day(kind, Beyond::Nothing, 4, 3, 2);
         let measured: Measured = match is_table {
             true => displacements(&cell, &table).into(),
@@ -142,19 +117,9 @@ fn answers_are_what_another_cell_gives() {
         for way in ways {
             let off = (&way.answer - &way.cell).norm();
             let most = 1e-9 * way.cell.norm() + 1e-16;
-            assert!(
-                off <= most,
-                "{kind:?} {} {off} of {}",
-                way.name,
-                way.cell.norm()
-            );
+            assert!(off <= most, "{kind:?} {} {off} of {}", way.name, way.cell.norm());
             let off = (&way.slope - &way.difference).norm();
-            assert!(
-                off <= 1e-4 * way.slope.norm() + 1e-12,
-                "{kind:?} {} {off} of {}",
-                way.name,
-                way.slope.norm()
-            );
+            assert!(off <= 1e-4 * way.slope.norm() + 1e-12, "{kind:?} {} {off} of {}", way.name, way.slope.norm());
         }
     }
 }
@@ -176,16 +141,11 @@ fn the_page_has_the_list() {
     let on_page: usize = rows.iter().map(|row| names(row).len()).sum();
     assert_eq!(on_page, quantities().len());
     for (name, assumed, unit) in quantities() {
-        let row = rows
-            .iter()
-            .find(|row| names(row).iter().any(|own| own == name));
+        let row = rows.iter().find(|row| names(row).iter().any(|own| own == name));
         let said = row.unwrap_or_else(|| panic!("{name} is not on the page"))[4];
         let expected = match unit {
             _ if assumed == 0.0 => {
-                assert!(
-                    ["", "exact", "as the scale"].contains(&said),
-                    "{name}: {said}"
-                );
+                assert!(["", "exact", "as the scale"].contains(&said), "{name}: {said}");
                 continue;
             }
             "1" => format!("{} %", 100.0 * assumed),
@@ -194,14 +154,8 @@ fn the_page_has_the_list() {
                 format!("{}′", (60.0 * assumed.to_degrees() * 1e6).round() / 1e6)
             }
             "rad" => format!("{} mrad", 1e3 * assumed),
-            _ => format!(
-                "10{} N·m/rad",
-                ["⁶", "⁷", "⁸"][(-assumed.log10()).round() as usize - 6]
-            ),
+            _ => format!("10{} N·m/rad", ["⁶", "⁷", "⁸"][(-assumed.log10()).round() as usize - 6]),
         };
-        assert!(
-            said.starts_with(&expected),
-            "{name}: {said}, not {expected}"
-        );
+        assert!(said.starts_with(&expected), "{name}: {said}, not {expected}");
     }
 }

@@ -27,30 +27,16 @@ pub struct Mistake {
     pub words: &'static [&'static str],
 }
 
-const fn row(
-    name: &'static str,
-    kind: Kind,
-    plant: Plant,
-    words: &'static [&'static str],
-) -> Mistake {
+const fn row(name: &'static str, kind: Kind, plant: Plant, words: &'static [&'static str]) -> Mistake {
     let states = match plant {
         Plant::Table(_) | Plant::CellOfTable(_) => 2,
         _ => 3,
     };
-    Mistake {
-        name,
-        kind,
-        states,
-        plant,
-        words,
-    }
+    Mistake { name, kind, states, plant, words }
 }
 
 const fn two_states(mistake: Mistake) -> Mistake {
-    Mistake {
-        states: 2,
-        ..mistake
-    }
+    Mistake { states: 2, ..mistake }
 }
 
 use Kind::{Forces, Lever, Rope, Sensor as BySensor, Weight};
@@ -89,10 +75,7 @@ fn each_wrench(table: &mut ReadingTable, change: impl Fn(&mut Wrench)) {
     states.filter_map(|s| s.wrench.as_mut()).for_each(change);
 }
 
-fn each_displacement(
-    measured: &mut [MeasuredPosture],
-    change: impl Fn(Vector3<f64>) -> Vector3<f64>,
-) {
+fn each_displacement(measured: &mut [MeasuredPosture], change: impl Fn(Vector3<f64>) -> Vector3<f64>) {
     let all = measured.iter_mut().flat_map(|m| &mut m.displacements);
     all.for_each(|d| d.value = change(d.value));
 }
@@ -106,10 +89,7 @@ fn each_q(measured: &mut [MeasuredPosture], change: impl Fn(&mut Vec<f64>)) {
 }
 
 fn each_angle(table: &mut ReadingTable, change: impl Fn(&mut Vec<f64>)) {
-    table
-        .postures
-        .iter_mut()
-        .for_each(|p| change(&mut p.posture.q));
+    table.postures.iter_mut().for_each(|p| change(&mut p.posture.q));
 }
 
 /// What the sensor reads, in base axes.
@@ -128,9 +108,7 @@ fn turn_tool(cell: &mut Cell) {
     let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), PI / 2.0);
     let tool = &mut cell.setup.tool;
     tool.loading_point = turn * tool.loading_point;
-    tool.measuring_points
-        .iter_mut()
-        .for_each(|p| p.position = turn * p.position);
+    tool.measuring_points.iter_mut().for_each(|p| p.position = turn * p.position);
 }
 
 /// What hangs on the rope in every loaded state [kg].
@@ -189,9 +167,7 @@ fn other_rows(cell: &mut Cell) {
 
 fn each_load(table: &mut ReadingTable, change: impl Fn(f64) -> f64) {
     let states = table.postures.iter_mut().flat_map(|p| &mut p.states);
-    states
-        .filter_map(|s| s.load.as_mut())
-        .for_each(|load| *load = change(*load));
+    states.filter_map(|s| s.load.as_mut()).for_each(|load| *load = change(*load));
 }
 
 fn round(table: &mut ReadingTable, step: f64) {
@@ -202,10 +178,7 @@ fn round(table: &mut ReadingTable, step: f64) {
 fn lighter(table: &mut ReadingTable, p: usize, share: f64) {
     let states = &mut table.postures[p].states;
     let unloaded: Vec<Vector3<f64>> = states[0].readings.iter().map(|r| r.position).collect();
-    for state in states
-        .iter_mut()
-        .filter(|s| Role::of(&s.state) == Role::Loaded)
-    {
+    for state in states.iter_mut().filter(|s| Role::of(&s.state) == Role::Loaded) {
         for (reading, before) in state.readings.iter_mut().zip(&unloaded) {
             reading.position = before + (reading.position - before) * share;
         }

@@ -18,18 +18,11 @@ fn surface_point(solid: &Solid, dice: &mut Dice) -> Vector3<f64> {
             }
             (pose, p)
         }
-        Solid::Cylinder {
-            pose,
-            half_length,
-            radius,
-        } => {
+        Solid::Cylinder { pose, half_length, radius } => {
             let turn = dice.between(-3.2, 3.2);
             let (r, z) = match dice.below(3) {
                 0 => (*radius, dice.between(-half_length, *half_length)),
-                1 => (
-                    radius * dice.between(0.0, 1.0),
-                    half_length * dice.signed(1.0, 1.0),
-                ),
+                1 => (radius * dice.between(0.0, 1.0), half_length * dice.signed(1.0, 1.0)),
                 _ => (*radius, half_length * dice.signed(1.0, 1.0)),
             };
             (pose, Vector3::new(r * turn.cos(), r * turn.sin(), z))
@@ -118,9 +111,7 @@ fn nothing_has_no_boxes() {
 fn a_flat_triangle_gets_the_least_thickness() {
     let vertices = [Vector3::zeros(), Vector3::x(), Vector3::y()];
     let boxes = solids_around(&vertices, &[[0, 1, 2]], 1, 0.01);
-    let Solid::Block { half, .. } = boxes[0] else {
-        panic!("a box")
-    };
+    let Solid::Block { half, .. } = boxes[0] else { panic!("a box") };
     assert!((half - Vector3::new(0.5, 0.5, 0.005)).norm() < 1e-15);
 }
 
@@ -129,18 +120,13 @@ fn a_flat_triangle_gets_the_least_thickness() {
 fn boxes_follow_an_l() {
     let mut vertices = Vec::new();
     let mut triangles = Vec::new();
-    for (low, high) in [
-        (Vector3::zeros(), Vector3::new(1.0, 0.1, 0.1)),
-        (Vector3::zeros(), Vector3::new(0.1, 1.0, 0.1)),
-    ] {
+    for (low, high) in
+        [(Vector3::zeros(), Vector3::new(1.0, 0.1, 0.1)), (Vector3::zeros(), Vector3::new(0.1, 1.0, 0.1))]
+    {
         let at = vertices.len();
         for corner in 0..8 {
             let pick = |axis: usize| {
-                if corner >> axis & 1 == 0 {
-                    low[axis]
-                } else {
-                    high[axis]
-                }
+                if corner >> axis & 1 == 0 { low[axis] } else { high[axis] }
             };
             vertices.push(Vector3::new(pick(0), pick(1), pick(2)));
         }
@@ -160,9 +146,7 @@ fn poses_of_boxes_are_kept() {
     let mut dice = Dice::new(3);
     let frame = pose(&mut dice);
     let block = Solid::block(frame, Vector3::new(0.4, 0.1, 0.1)).unwrap();
-    let [capsule] = capsules_around(&block)[..] else {
-        panic!("one capsule")
-    };
+    let [capsule] = capsules_around(&block)[..] else { panic!("one capsule") };
     let along = (capsule.b - capsule.a).normalize();
     assert!((along.dot(&(frame.rotation * Vector3::x())).abs() - 1.0).abs() < 1e-12);
 }

@@ -16,19 +16,11 @@ fn sticks_out(mesh: &TriangleMesh, capsules: &[Capsule], dice: &mut Dice) -> f64
         let each = capsules.iter().map(|c| c.distance_to(p));
         each.fold(f64::INFINITY, f64::min)
     };
-    let mut worst = mesh
-        .vertices
-        .iter()
-        .map(&out)
-        .fold(f64::NEG_INFINITY, f64::max);
+    let mut worst = mesh.vertices.iter().map(&out).fold(f64::NEG_INFINITY, f64::max);
     for [a, b, c] in mesh.corners() {
         for _ in 0..4 {
             let (u, v) = (dice.between(0.0, 1.0), dice.between(0.0, 1.0));
-            let (u, v) = if u + v > 1.0 {
-                (1.0 - u, 1.0 - v)
-            } else {
-                (u, v)
-            };
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
             worst = worst.max(out(&(a + (b - a) * u + (c - a) * v)));
         }
     }
@@ -44,17 +36,10 @@ fn by_trying(points: &[Vector3<f64>], directions: usize) -> f64 {
         let turn = PI * (3.0 - 5.0_f64.sqrt()) * i as f64;
         let r = (1.0 - z * z).sqrt();
         let direction = Vector3::new(r * turn.cos(), r * turn.sin(), z);
-        let flat: Vec<Vector3<f64>> = points
-            .iter()
-            .map(|p| p - direction * p.dot(&direction))
-            .collect();
+        let flat: Vec<Vector3<f64>> = points.iter().map(|p| p - direction * p.dot(&direction)).collect();
         let mut centre = flat[0];
         for step in 0..400 {
-            let far = flat.iter().max_by(|a, b| {
-                (*a - centre)
-                    .norm_squared()
-                    .total_cmp(&(*b - centre).norm_squared())
-            });
+            let far = flat.iter().max_by(|a, b| (*a - centre).norm_squared().total_cmp(&(*b - centre).norm_squared()));
             centre += (far.unwrap() - centre) / (step + 2) as f64;
         }
         let least = flat.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
@@ -62,9 +47,7 @@ fn by_trying(points: &[Vector3<f64>], directions: usize) -> f64 {
             let radius = least * (1.0 + wider);
             let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
             for (p, q) in points.iter().zip(&flat) {
-                let reach = (radius * radius - (q - centre).norm_squared())
-                    .max(0.0)
-                    .sqrt();
+                let reach = (radius * radius - (q - centre).norm_squared()).max(0.0).sqrt();
                 low = low.min(p.dot(&direction) + reach);
                 high = high.max(p.dot(&direction) - reach);
             }
@@ -128,10 +111,7 @@ fn a_capsule_is_found_again() {
         let mesh = capsule_mesh(half, radius, 48, &pose(&mut dice));
         let own = volume(&capsules_of_mesh(&mesh, 1));
         let true_one = PI * radius * radius * (2.0 * half + 4.0 / 3.0 * radius);
-        assert!(
-            (own / true_one - 1.0).abs() < 0.02,
-            "{half} {radius}: {own} {true_one}"
-        );
+        assert!((own / true_one - 1.0).abs() < 0.02, "{half} {radius}: {own} {true_one}");
     }
 }
 
@@ -163,14 +143,10 @@ fn small_meshes_have_capsules_too() {
     assert!(capsules_of_mesh(&TriangleMesh::default(), 2).is_empty());
     let p = Vector3::new(0.1234567, 0.2, 0.3);
     let point = TriangleMesh::new(vec![p; 3], vec![[0, 1, 2]]).unwrap();
-    let [capsule] = capsules_of_mesh(&point, 2)[..] else {
-        panic!("one")
-    };
+    let [capsule] = capsules_of_mesh(&point, 2)[..] else { panic!("one") };
     assert!(capsule.distance_to(&p) <= 0.0 && capsule.radius <= 2e-5);
     let line = TriangleMesh::new(vec![p, p + Vector3::x(), p], vec![[0, 1, 2]]).unwrap();
-    let [capsule] = capsules_of_mesh(&line, 1)[..] else {
-        panic!("one")
-    };
+    let [capsule] = capsules_of_mesh(&line, 1)[..] else { panic!("one") };
     assert!(capsule.distance_to(&line.vertices[1]) <= 0.0 && capsule.radius < 1e-3);
     // A corner of no triangle counts.
     let mut mesh = box_mesh(Vector3::zeros(), Vector3::repeat(0.1));

@@ -12,11 +12,7 @@ fn smallest(f: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..45 {
         let (left, right) = (high - golden * (high - low), low + golden * (high - low));
-        if f(left) < f(right) {
-            high = right
-        } else {
-            low = left
-        }
+        if f(left) < f(right) { high = right } else { low = left }
     }
     f(0.0).min(f(1.0)).min(f(0.5 * (low + high)))
 }
@@ -108,14 +104,8 @@ fn what_is_wholly_inside_is_no_distance_away() {
 fn volumes_of_hulls() {
     let hull = hull_volume(&l_mesh()).unwrap();
     // The L with the triangle between the ends of its bars.
-    assert!(
-        (hull - 0.1 * (0.19 + 0.5 * 0.9 * 0.9)).abs() < 1e-9,
-        "{hull}"
-    );
-    let flat = TriangleMesh::new(
-        vec![Vector3::zeros(), Vector3::x(), Vector3::y()],
-        vec![[0, 1, 2]],
-    );
+    assert!((hull - 0.1 * (0.19 + 0.5 * 0.9 * 0.9)).abs() < 1e-9, "{hull}");
+    let flat = TriangleMesh::new(vec![Vector3::zeros(), Vector3::x(), Vector3::y()], vec![[0, 1, 2]]);
     assert_eq!(hull_volume(&flat.unwrap()), None);
     let mesh = capsule_mesh(0.5, 0.1, 48, &Isometry3::identity());
     assert!((hull_volume(&mesh).unwrap() / mesh.volume() - 1.0).abs() < 1e-9);

@@ -44,12 +44,7 @@ fn obj(mesh: &TriangleMesh) -> Vec<u8> {
 /// The mesh in a node that is moved by 10 along x, within one turned by 90° about z, in millimetres.
 fn collada(mesh: &TriangleMesh, unit: &str) -> Vec<u8> {
     let numbers: Vec<String> = mesh.vertices.iter().flatten().map(f64::to_string).collect();
-    let corners: Vec<String> = mesh
-        .triangles
-        .iter()
-        .flatten()
-        .map(usize::to_string)
-        .collect();
+    let corners: Vec<String> = mesh.triangles.iter().flatten().map(usize::to_string).collect();
     format!(
         r##"<?xml version="1.0" encoding="utf-8"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
@@ -84,11 +79,7 @@ fn same(a: &TriangleMesh, b: &TriangleMesh, tolerance: f64) {
 #[test]
 fn each_kind_is_read() {
     let mesh = l_mesh();
-    for (name, bytes) in [
-        ("part.stl", binary_stl(&mesh)),
-        ("part.STL", ascii_stl(&mesh)),
-        ("part.obj", obj(&mesh)),
-    ] {
+    for (name, bytes) in [("part.stl", binary_stl(&mesh)), ("part.STL", ascii_stl(&mesh)), ("part.obj", obj(&mesh))] {
         let read = parse_mesh(&bytes, name, 1.0).unwrap();
         same(&read, &mesh, 1e-7);
         // Two bars share two corners.
@@ -146,11 +137,7 @@ fn what_is_no_mesh_is_refused() {
     refused(&stl, "part.step", "does not end in .stl");
     refused(&stl, "part", "does not end in .stl");
     refused(b"", "a.stl", "too short");
-    refused(
-        &stl[..stl.len() - 50],
-        "a.stl",
-        "says 24 triangles and has bytes for 23",
-    );
+    refused(&stl[..stl.len() - 50], "a.stl", "says 24 triangles and has bytes for 23");
     let ascii = ascii_stl(&mesh);
     refused(&ascii[..ascii.len() / 2], "a.stl", "no endsolid");
     refused(b"solid a\nendsolid a\n", "a.stl", "");
@@ -182,10 +169,7 @@ fn what_is_no_mesh_is_refused() {
 fn millimetres_read_as_metres_are_noticed() {
     let mesh = box_mesh(Vector3::zeros(), Vector3::new(2345.0, 300.0, 200.0));
     let error = parse_mesh(&binary_stl(&mesh), "link.stl", 1.0).unwrap_err();
-    assert_eq!(
-        error.message(),
-        "The mesh is 2,345 m across: probably its unit is mm."
-    );
+    assert_eq!(error.message(), "The mesh is 2,345 m across: probably its unit is mm.");
     assert_eq!(error.hint_text(), Some("give `unit = \"mm\"`"));
     assert!(parse_mesh(&binary_stl(&mesh), "link.stl", 1e-3).is_ok());
 }
@@ -252,11 +236,7 @@ fn texts_of_stl_may_be_written_in_many_ways() {
         same(&read.unwrap_or_else(|e| panic!("{to}: {e}")), &mesh, 1e-7);
     }
     let loud = text.to_uppercase();
-    same(
-        &parse_mesh(loud.as_bytes(), "a.stl", 1.0).unwrap(),
-        &mesh,
-        1e-7,
-    );
+    same(&parse_mesh(loud.as_bytes(), "a.stl", 1.0).unwrap(), &mesh, 1e-7);
     for (from, to, said) in [
         ("endfacet", "facet", "corners"),
         ("outer loop", "outer loop\nvertex 1 2 3", "4 corners"),

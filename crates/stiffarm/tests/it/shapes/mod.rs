@@ -21,11 +21,7 @@ fn pose(dice: &mut Dice) -> Isometry3<f64> {
 
 fn capsule(dice: &mut Dice) -> Capsule {
     let a = dice.vector(1.0);
-    let b = if dice.chance(0.2) {
-        a
-    } else {
-        dice.vector(1.0)
-    };
+    let b = if dice.chance(0.2) { a } else { dice.vector(1.0) };
     Capsule::new(a, b, dice.between(0.02, 0.5)).unwrap()
 }
 
@@ -40,10 +36,7 @@ fn solid(dice: &mut Dice) -> Solid {
             let (from, to) = (dice.vector(1.0), dice.vector(1.0));
             Solid::cylinder(from, to, dice.between(0.05, 0.8)).unwrap()
         }
-        _ => Solid::HalfSpace {
-            point: dice.vector(1.0),
-            normal: Unit::new_unchecked(dice.direction()),
-        },
+        _ => Solid::HalfSpace { point: dice.vector(1.0), normal: Unit::new_unchecked(dice.direction()) },
     }
 }
 
@@ -58,19 +51,11 @@ fn distance_outside(solid: &Solid, point: &Vector3<f64>) -> f64 {
             let clamped = local.coords.inf(half).sup(&-half);
             (local.coords - clamped).norm()
         }
-        Solid::Cylinder {
-            pose,
-            half_length,
-            radius,
-        } => {
+        Solid::Cylinder { pose, half_length, radius } => {
             let local = (pose.inverse() * nalgebra::Point3::from(*point)).coords;
             let flat = local.xy();
             let inside = flat * (radius / flat.norm()).min(1.0);
-            let nearest = Vector3::new(
-                inside.x,
-                inside.y,
-                local.z.clamp(-half_length, *half_length),
-            );
+            let nearest = Vector3::new(inside.x, inside.y, local.z.clamp(-half_length, *half_length));
             (local - nearest).norm()
         }
     }
@@ -79,11 +64,7 @@ fn distance_outside(solid: &Solid, point: &Vector3<f64>) -> f64 {
 /// A box or a cylinder, sometimes thin.
 fn flat_ended(dice: &mut Dice) -> Solid {
     let thin = |dice: &mut Dice| {
-        if dice.chance(0.3) {
-            dice.between(0.01, 0.05)
-        } else {
-            dice.between(0.1, 1.0)
-        }
+        if dice.chance(0.3) { dice.between(0.01, 0.05) } else { dice.between(0.1, 1.0) }
     };
     if dice.chance(0.5) {
         let size = Vector3::from_fn(|_, _| thin(dice));
@@ -111,24 +92,15 @@ fn surface(solid: &Solid) -> (Vec<Vector3<f64>>, f64) {
                     })
                 })
             });
-            let placed =
-                on_faces.map(|at| (pose * nalgebra::Point3::from(half.component_mul(&at))).coords);
+            let placed = on_faces.map(|at| (pose * nalgebra::Point3::from(half.component_mul(&at))).coords);
             (placed.collect(), half.norm() / EACH as f64 * 2.0)
         }
-        Solid::Cylinder {
-            pose,
-            half_length,
-            radius,
-        } => {
+        Solid::Cylinder { pose, half_length, radius } => {
             let on_it = grid.flat_map(|(i, j)| {
                 let (s, c) = (std::f64::consts::TAU * i as f64 / EACH as f64).sin_cos();
                 let ring = |r: f64, z: f64| Vector3::new(r * c, r * s, z);
                 let r = 0.5 * (1.0 + share(j)) * radius;
-                [
-                    ring(*radius, share(j) * half_length),
-                    ring(r, *half_length),
-                    ring(r, -half_length),
-                ]
+                [ring(*radius, share(j) * half_length), ring(r, *half_length), ring(r, -half_length)]
             });
             let placed = on_it.map(|at| (pose * nalgebra::Point3::from(at)).coords);
             (placed.collect(), (half_length + radius * 4.0) / EACH as f64)

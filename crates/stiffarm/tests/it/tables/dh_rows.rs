@@ -24,24 +24,15 @@ fn rows_become_a_robot() {
     assert_eq!((robot.name(), names), ("mine", vec!["A1", "A2", "A3"]));
     assert_eq!(robot.joints()[1].limits, [-140.0, -5.0].map(deg_to_rad));
     assert_eq!(robot.coupling().diagonal().as_slice(), [-1.0, 1.0, 1.0]);
-    let row = |alpha: f64, a: f64, d: f64, offset: f64| DhRow {
-        alpha: deg_to_rad(alpha),
-        a,
-        d,
-        offset: deg_to_rad(offset),
-    };
-    let rows = [
-        row(0.0, 0.0, 0.645, 0.0),
-        row(-90.0, 0.33, 0.0, 0.0),
-        row(0.0, 1.1505, 0.0, -90.0),
-    ];
+    let row =
+        |alpha: f64, a: f64, d: f64, offset: f64| DhRow { alpha: deg_to_rad(alpha), a, d, offset: deg_to_rad(offset) };
+    let rows = [row(0.0, 0.0, 0.645, 0.0), row(-90.0, 0.33, 0.0, 0.0), row(0.0, 1.1505, 0.0, -90.0)];
     assert_eq!(read.rows, rows);
 }
 
 #[test]
 fn other_units_decimal_commas_and_missing_columns_are_the_same_robot() {
-    let european =
-        "joint;alpha_rad;a_m;d_m;offset_deg\nA1;0;0;0,645;0\nA2;-1,5707963267948966;0,33;0;0\n";
+    let european = "joint;alpha_rad;a_m;d_m;offset_deg\nA1;0;0;0,645;0\nA2;-1,5707963267948966;0,33;0;0\n";
     let plain = "offset_deg,joint,d_mm,a_mm,alpha_deg\n0,A1,645,0,0\n0,A2,0,330,-90\n";
     for convention in [DhConvention::Modified, DhConvention::Standard] {
         let found = read(european, convention).unwrap();
@@ -49,12 +40,7 @@ fn other_units_decimal_commas_and_missing_columns_are_the_same_robot() {
         assert_eq!(found.limits, None);
         let robot = found.robot().unwrap();
         assert!(robot.limits_are_unknown());
-        let own = Robot::from_dh(
-            "mine",
-            convention,
-            &found.rows,
-            nalgebra::Isometry3::identity(),
-        );
+        let own = Robot::from_dh("mine", convention, &found.rows, nalgebra::Isometry3::identity());
         let q = [0.3, -0.4];
         let flange = |robot: &Robot| Frames::new(robot, &q).flange().to_homogeneous();
         assert_eq!(flange(&robot), flange(&own.unwrap()));
@@ -83,11 +69,7 @@ fn slips_have_their_places() {
         assert!(ROWS.contains(from), "{from}");
         let error = read(&ROWS.replacen(from, to, 1), DhConvention::Modified).unwrap_err();
         let place = error.place();
-        assert_eq!(
-            (error.code(), place.line, place.column),
-            (code, Some(line), column),
-            "{error}"
-        );
+        assert_eq!((error.code(), place.line, place.column), (code, Some(line), column), "{error}");
     }
 }
 
@@ -100,17 +82,13 @@ fn rows_of_the_other_convention_are_refused() {
     let heavy = "joint,alpha_deg,a_mm,d_mm,offset_deg\n1,0,0,645,0\n2,-90,330,0,0\n3,0,1150,0,-90\n\
                  4,-90,115,1220,0\n5,90,0,0,0\n6,-90,0,0,0\n";
     let (modified, standard) = (DhConvention::Modified, DhConvention::Standard);
-    for (rows, own, other, key) in [
-        (light, standard, modified, "dh_standard"),
-        (heavy, modified, standard, "dh_modified"),
-    ] {
+    for (rows, own, other, key) in
+        [(light, standard, modified, "dh_standard"), (heavy, modified, standard, "dh_modified")]
+    {
         assert!(read(rows, own).is_ok());
         let error = read(rows, other).unwrap_err();
         assert_eq!(error.code(), Code::Conflict);
-        assert!(
-            error.hint_text().unwrap_or_default().contains(key),
-            "{error}"
-        );
+        assert!(error.hint_text().unwrap_or_default().contains(key), "{error}");
     }
     // In a cell, too.
     let robot = read(light, standard).unwrap();

@@ -12,9 +12,7 @@ use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::{Displacement, MeasuredPosture};
 use stiffarm::model::posture::Posture;
 use stiffarm_files::builtin;
-use stiffarm_files::table::{
-    displacement_sheet, read_postures, write_displacements, write_postures, write_simulated,
-};
+use stiffarm_files::table::{displacement_sheet, read_postures, write_displacements, write_postures, write_simulated};
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 
@@ -82,17 +80,11 @@ fn spreadsheets_write_the_same_table_in_many_ways() -> Check {
 fn rows_of_a_posture_and_state_are_one_measurement() -> Check {
     let cell = measured_cell();
     let read = displacements(DISPLACEMENTS, &cell)?;
-    let names: Vec<_> = read
-        .iter()
-        .map(|m| (m.posture.name.as_str(), m.state.as_str()))
-        .collect();
+    let names: Vec<_> = read.iter().map(|m| (m.posture.name.as_str(), m.state.as_str())).collect();
     assert_eq!(names, [("P1", "up"), ("P1", "down"), ("P2", "up")]);
     let points: Vec<_> = read[0].displacements.iter().map(|d| d.point).collect();
     assert_eq!(points, [0, 1, 0], "a repeat is kept");
-    assert_eq!(
-        read[0].displacements[0].value.as_slice(),
-        [0.125e-3, -0.5e-3, 0.25e-3]
-    );
+    assert_eq!(read[0].displacements[0].value.as_slice(), [0.125e-3, -0.5e-3, 0.25e-3]);
     assert_eq!(read[0].displacements[2].time, Some(12.0));
     assert_eq!(read[1].displacements[0].time, None);
     let wrench = read[0].wrench.ok_or("no wrench")?;
@@ -111,20 +103,11 @@ fn simulated_tables_have_the_digits_that_the_noise_leaves() {
         let mut cell = rope_cell();
         cell.noise.reading_variance = std * std;
         let measured = MeasuredPosture::new(
-            Posture {
-                name: "1".into(),
-                q: vec![0.1, 0.2],
-            },
+            Posture { name: "1".into(), q: vec![0.1, 0.2] },
             vec![Displacement::new(0, [1e-3 * mm, 0.0, -1e-3 * mm].into())],
         );
         let text = write_simulated(vec![measured], &cell);
-        let row: Vec<String> = text
-            .lines()
-            .nth(1)
-            .unwrap()
-            .split(',')
-            .map(str::to_string)
-            .collect();
+        let row: Vec<String> = text.lines().nth(1).unwrap().split(',').map(str::to_string).collect();
         row[3].clone()
     };
     let mm = 0.663_176_492_445_283;
@@ -161,59 +144,20 @@ fn units_stand_at_the_end_of_a_heading() -> Check {
     let cell = rope_cell();
     let plain = "posture,point,dx_mm,dy_mm,dz_mm,fx_n,fy_n,fz_n,mx_nm,my_nm,mz_nm,time_s,q1_deg,q2_deg\n\
                  P1,left,25.4,-50.8,0,100,0,-500,1,2,3,90,180,-90\n";
-    let limits = cell
-        .setup
-        .robot
-        .clone()
-        .with_limits(&[[-4.0, 4.0], [-4.0, 4.0]])?;
+    let limits = cell.setup.robot.clone().with_limits(&[[-4.0, 4.0], [-4.0, 4.0]])?;
     let mut cell = cell;
     cell.setup.robot = limits;
     let wanted = displacements(plain, &cell)?;
     let changed = [
-        (
-            "dx_mm,dy_mm,dz_mm",
-            "dx_m,dy_m,dz_m",
-            "25.4,-50.8,0",
-            "0.0254,-0.0508,0",
-        ),
-        (
-            "dx_mm,dy_mm,dz_mm",
-            "dx_um,dy_um,dz_um",
-            "25.4,-50.8,0",
-            "25400,-50800,0",
-        ),
-        (
-            "dx_mm,dy_mm,dz_mm",
-            "dx_µm,dy_μm,dz_um",
-            "25.4,-50.8,0",
-            "25400,-50800,0",
-        ),
-        (
-            "dx_mm,dy_mm,dz_mm",
-            "DX_in,DY_IN,dz_in",
-            "25.4,-50.8,0",
-            "1,-2,0",
-        ),
-        (
-            "fx_n,fy_n,fz_n",
-            "fx_kN,fy_kN,fz_kN",
-            "100,0,-500",
-            "0.1,0,-0.5",
-        ),
-        (
-            "mx_nm,my_nm,mz_nm",
-            "mx_Nmm,my_Nmm,mz_Nmm",
-            "1,2,3",
-            "1000,2000,3000",
-        ),
+        ("dx_mm,dy_mm,dz_mm", "dx_m,dy_m,dz_m", "25.4,-50.8,0", "0.0254,-0.0508,0"),
+        ("dx_mm,dy_mm,dz_mm", "dx_um,dy_um,dz_um", "25.4,-50.8,0", "25400,-50800,0"),
+        ("dx_mm,dy_mm,dz_mm", "dx_µm,dy_μm,dz_um", "25.4,-50.8,0", "25400,-50800,0"),
+        ("dx_mm,dy_mm,dz_mm", "DX_in,DY_IN,dz_in", "25.4,-50.8,0", "1,-2,0"),
+        ("fx_n,fy_n,fz_n", "fx_kN,fy_kN,fz_kN", "100,0,-500", "0.1,0,-0.5"),
+        ("mx_nm,my_nm,mz_nm", "mx_Nmm,my_Nmm,mz_Nmm", "1,2,3", "1000,2000,3000"),
         ("time_s", "time_min", ",90,", ",1.5,"),
         ("time_s", "time_ms", ",90,", ",90000,"),
-        (
-            "q1_deg,q2_deg",
-            "q1_rad,q2_rad",
-            "180,-90",
-            "3.141592653589793,-1.5707963267948966",
-        ),
+        ("q1_deg,q2_deg", "q1_rad,q2_rad", "180,-90", "3.141592653589793,-1.5707963267948966"),
     ];
     for (from, to, values, converted) in changed {
         assert!(plain.contains(from) && plain.contains(values), "{to}");
@@ -233,10 +177,7 @@ fn a_mixed_list_is_written_with_the_load_of_the_cell() -> Check {
     let written = write_displacements(&read, &cell);
     let again = displacements(&written, &cell)?;
     let force = again[2].wrench.ok_or("no wrench")?.force;
-    assert!(
-        (force.norm() - 500.0).abs() < 1e-9,
-        "the rope's 500 N: {force}"
-    );
+    assert!((force.norm() - 500.0).abs() < 1e-9, "the rope's 500 N: {force}");
     Ok(())
 }
 
@@ -256,10 +197,7 @@ fn a_displacement_sheet_is_a_table_to_fill_in() -> Check {
 #[test]
 fn names_that_need_quotation_marks() -> Check {
     let name = "#1, \"home\"; left";
-    let list = vec![Posture {
-        name: name.to_string(),
-        q: vec![0.25f64.to_radians(), 0.0],
-    }];
+    let list = vec![Posture { name: name.to_string(), q: vec![0.25f64.to_radians(), 0.0] }];
     assert_eq!(postures(&write_postures(&list))?, list);
     Ok(())
 }
@@ -269,11 +207,7 @@ fn the_built_in_group_comes_back_as_it_was_written() -> Check {
     let robot = builtin::cell("comau")?.setup.robot;
     let group = builtin::postures("comau-group1", &robot)?;
     let text = builtin::postures_text("comau-group1").ok_or("no text")?;
-    let rows: String = text
-        .lines()
-        .filter(|line| !line.starts_with('#'))
-        .map(|line| format!("{line}\n"))
-        .collect();
+    let rows: String = text.lines().filter(|line| !line.starts_with('#')).map(|line| format!("{line}\n")).collect();
     assert_eq!(write_postures(&group), rows);
     Ok(())
 }

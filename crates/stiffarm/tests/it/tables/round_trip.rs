@@ -7,52 +7,33 @@ fn any_postures() -> impl Strategy<Value = Vec<Posture>> {
     let angles = (-170.0..170.0f64, -75.0..95.0f64);
     prop::collection::vec(angles, 1..8).prop_map(|list| {
         let named = (1..).zip(list);
-        named
-            .map(|(i, (a, b))| Posture {
-                name: format!("P{i}"),
-                q: vec![a.to_radians(), b.to_radians()],
-            })
-            .collect()
+        named.map(|(i, (a, b))| Posture { name: format!("P{i}"), q: vec![a.to_radians(), b.to_radians()] }).collect()
     })
 }
 
 fn any_measured() -> impl Strategy<Value = Vec<MeasuredPosture>> {
     let number = || -1e3..1e3f64;
     let vector = move || (number(), number(), number()).prop_map(|(x, y, z)| [x, y, z].into());
-    let displacement =
-        (0..2usize, vector(), prop::option::of(number())).prop_map(|(point, value, time)| {
-            Displacement {
-                time,
-                ..Displacement::new(point, value)
-            }
-        });
-    let measured = (
-        prop::collection::vec(displacement, 1..5),
-        prop::option::of((vector(), vector())),
-        any::<bool>(),
-    );
-    (
-        any_postures(),
-        prop::collection::vec(measured, 8),
-        any::<bool>(),
-    )
-        .prop_map(|(postures, measured, wrenches)| {
-            let pairs = postures.into_iter().zip(measured);
-            pairs
-                .map(|(posture, (displacements, wrench, up))| MeasuredPosture {
-                    posture,
-                    state: if up { "up" } else { "down" }.to_string(),
-                    wrench: wrenches.then(|| {
-                        let (force, moment) = wrench.unwrap_or_default();
-                        Wrench { force, moment }
-                    }),
-                    preload: None,
-                    common_readings: [0.0; 2],
-                    servo_deflection: None,
-                    displacements: numbered(displacements),
-                })
-                .collect()
-        })
+    let displacement = (0..2usize, vector(), prop::option::of(number()))
+        .prop_map(|(point, value, time)| Displacement { time, ..Displacement::new(point, value) });
+    let measured = (prop::collection::vec(displacement, 1..5), prop::option::of((vector(), vector())), any::<bool>());
+    (any_postures(), prop::collection::vec(measured, 8), any::<bool>()).prop_map(|(postures, measured, wrenches)| {
+        let pairs = postures.into_iter().zip(measured);
+        pairs
+            .map(|(posture, (displacements, wrench, up))| MeasuredPosture {
+                posture,
+                state: if up { "up" } else { "down" }.to_string(),
+                wrench: wrenches.then(|| {
+                    let (force, moment) = wrench.unwrap_or_default();
+                    Wrench { force, moment }
+                }),
+                preload: None,
+                common_readings: [0.0; 2],
+                servo_deflection: None,
+                displacements: numbered(displacements),
+            })
+            .collect()
+    })
 }
 
 /// Repeats of a point count their reference readings, as a table's rows do.
@@ -60,9 +41,7 @@ fn numbered(mut displacements: Vec<Displacement>) -> Vec<Displacement> {
     for i in 0..displacements.len() {
         let point = displacements[i].point;
         let before = displacements[..i].iter().filter(|d| d.point == point);
-        displacements[i].reference = vec![stiffarm::model::measurement::ReferencePart::reading(
-            before.count() as u32,
-        )];
+        displacements[i].reference = vec![stiffarm::model::measurement::ReferencePart::reading(before.count() as u32)];
     }
     displacements
 }

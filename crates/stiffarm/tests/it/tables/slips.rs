@@ -9,16 +9,8 @@ fn slips_in_a_posture_table() {
     for [what, text] in cases(include_str!("posture_slips.txt")) {
         report += &slip(&what, postures(&text));
     }
-    let utf16 = read_postures(
-        b"\xff\xfep\0\n\0\x00\xdco\0",
-        "postures.csv",
-        &rope_cell().setup.robot,
-    );
-    let latin1 = read_postures(
-        b"posture,q1_deg\nT\xfcr,1\n",
-        "postures.csv",
-        &rope_cell().setup.robot,
-    );
+    let utf16 = read_postures(b"\xff\xfep\0\n\0\x00\xdco\0", "postures.csv", &rope_cell().setup.robot);
+    let latin1 = read_postures(b"posture,q1_deg\nT\xfcr,1\n", "postures.csv", &rope_cell().setup.robot);
     for error in [utf16, latin1].map(Result::unwrap_err) {
         report += &format!("[{}] {error}\n\n", error.code().as_str());
     }
@@ -64,14 +56,10 @@ const DISPLACEMENT_SLIPS: &[(&str, &str)] = &[
 fn slips_in_a_measurement_table() -> Check {
     let cell = measured_cell();
     let mut report = String::new();
-    let mut note =
-        |what: &str, read: stiffarm::Result<Vec<MeasuredPosture>>| report += &slip(what, read);
+    let mut note = |what: &str, read: stiffarm::Result<Vec<MeasuredPosture>>| report += &slip(what, read);
     for (from, to) in DISPLACEMENT_SLIPS {
         assert!(DISPLACEMENTS.contains(from), "{from}");
-        note(
-            to,
-            displacements(&DISPLACEMENTS.replacen(from, to, 1), &cell),
-        );
+        note(to, displacements(&DISPLACEMENTS.replacen(from, to, 1), &cell));
     }
     let bare = "posture,point,dx_mm,dy_mm,dz_mm\nP1,left,1,2,3\n";
     note("no force for a measured load", displacements(bare, &cell));
@@ -85,16 +73,10 @@ fn slips_in_a_measurement_table() -> Check {
         let text = text.as_bytes();
         read_displacements(text, "measurements.csv", &rope_cell(), Some(&planned))
     };
-    note(
-        "a posture that was not planned",
-        with_plan(&bare.replace("P1", "P11")),
-    );
+    note("a posture that was not planned", with_plan(&bare.replace("P1", "P11")));
     let both = "posture,point,dx_mm,dy_mm,dz_mm,q1_deg,q2_deg\nP1,left,1,2,3,12.5,-31\n";
     note("other angles than planned", with_plan(both));
-    note(
-        "heading only",
-        with_plan("posture,point,dx_mm,dy_mm,dz_mm\n"),
-    );
+    note("heading only", with_plan("posture,point,dx_mm,dy_mm,dz_mm\n"));
     insta::assert_snapshot!("displacement_slips", report);
     Ok(())
 }

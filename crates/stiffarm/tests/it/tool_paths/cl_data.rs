@@ -8,17 +8,14 @@ use stiffarm_files::tool_path::ReadPath;
 
 /// Quarter turns about the origin that a sense has to be chosen for, with what stands before and behind.
 fn quarter(head: &str, circle: &str, z: &str) -> String {
-    format!(
-        "{head}GOTO/15,-20,{z}\nGOTO/15,0,{z}\nCIRCLE/{circle}\nGOTO/0,15,{z}\nGOTO/-20,15,{z}\n"
-    )
+    format!("{head}GOTO/15,-20,{z}\nGOTO/15,0,{z}\nCIRCLE/{circle}\nGOTO/0,15,{z}\nGOTO/-20,15,{z}\n")
 }
 
 /// The angle that the points go round the z axis \[deg\].
 fn swept(path: &ReadPath) -> f64 {
     let angles: Vec<f64> = positions(path).iter().map(|p| p[1].atan2(p[0])).collect();
     let turn = |pair: &[f64]| {
-        (pair[1] - pair[0] + 9.0 * std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
-            - std::f64::consts::PI
+        (pair[1] - pair[0] + 9.0 * std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI
     };
     angles.windows(2).map(turn).sum::<f64>().to_degrees()
 }
@@ -30,18 +27,12 @@ fn farthest(path: &ReadPath) -> f64 {
 
 /// The severity of a finding, if there is one.
 fn severity(path: &ReadPath, code: &str) -> Option<Severity> {
-    let found = path
-        .findings
-        .iter()
-        .find(|finding| finding.code.as_str() == code);
+    let found = path.findings.iter().find(|finding| finding.code.as_str() == code);
     found.map(|finding| finding.severity)
 }
 
 fn sentence(path: &ReadPath, code: &str) -> String {
-    let found = path
-        .findings
-        .iter()
-        .find(|finding| finding.code.as_str() == code);
+    let found = path.findings.iter().find(|finding| finding.code.as_str() == code);
     found.map_or_else(String::new, |finding| finding.sentence.to_string())
 }
 
@@ -65,52 +56,28 @@ fn arcs_run_as_the_system_that_wrote_them_has_them() -> Check {
         let path = read(name, &quarter(head, circle, "-2"))?;
         let turn = swept(&path);
         // From -53.13° to 143.13°.
-        assert!(
-            (turn - 196.26).abs() < 0.01,
-            "{name} {head} {circle}: {turn}"
-        );
+        assert!((turn - 196.26).abs() < 0.01, "{name} {head} {circle}: {turn}");
         assert!(farthest(&path) < 25.1);
-        assert!(
-            codes(&path).is_empty(),
-            "{name} {circle}: {:?}",
-            codes(&path)
-        );
-        assert!(
-            positions(&path)
-                .iter()
-                .all(|p| p[0] < 15.001 && p[1] < 15.001)
-        );
+        assert!(codes(&path).is_empty(), "{name} {circle}: {:?}", codes(&path));
+        assert!(positions(&path).iter().all(|p| p[0] < 15.001 && p[1] < 15.001));
     }
     Ok(())
 }
 
 #[test]
 fn an_arc_that_runs_against_the_moves_beside_it_is_said() -> Check {
-    for (name, circle) in [
-        ("a.ncl", "0,0,0,0,0,-1,15"),
-        ("a.cls", "0,0,0,0,0,1,15,0.06,0.5,10,0"),
-        ("a.apt", "0,0,0,0,0,-1"),
-    ] {
+    for (name, circle) in
+        [("a.ncl", "0,0,0,0,0,-1,15"), ("a.cls", "0,0,0,0,0,1,15,0.06,0.5,10,0"), ("a.apt", "0,0,0,0,0,-1")]
+    {
         let path = read(name, &quarter("UNITS/MM\n", circle, "0"))?;
         assert_eq!(codes(&path), ["arc-sense"], "{name}");
-        assert!(
-            sentence(&path, "arc-sense").contains("line 5"),
-            "{}",
-            sentence(&path, "arc-sense")
-        );
+        assert!(sentence(&path, "arc-sense").contains("line 5"), "{}", sentence(&path, "arc-sense"));
         // As the system has it, and not as the moves beside it.
-        assert!(
-            positions(&path)
-                .iter()
-                .any(|p| p[1] < -14.9 && p[0].abs() < 1.0)
-        );
+        assert!(positions(&path).iter().any(|p| p[1] < -14.9 && p[0].abs() < 1.0));
     }
     let alone = "UNITS/MM\nGOTO/15,0,9\nGOTO/15,0,0\nCIRCLE/0,0,0,0,0,1,15\nGOTO/0,15,0\nRAPID\nGOTO/0,15,9\n";
     let path = read("a.apt", alone)?;
-    assert_eq!(
-        severity(&path, "arc-sense-assumed"),
-        Some(Severity::Caution)
-    );
+    assert_eq!(severity(&path, "arc-sense-assumed"), Some(Severity::Caution));
     assert!((swept(&path) - 90.0).abs() < 1e-6);
     assert!(codes(&read("a.ncl", alone)?).is_empty());
     Ok(())
@@ -123,18 +90,12 @@ fn points_on_the_way_of_an_arc_are_passed_on_it() -> Check {
     let off = |path: &ReadPath| {
         let all = positions(path);
         let behind = all.iter().take_while(|p| p[0] > -14.999);
-        behind
-            .map(|p| (p[0].hypot(p[1]) - 15.0).abs())
-            .fold(0.0, f64::max)
+        behind.map(|p| (p[0].hypot(p[1]) - 15.0).abs()).fold(0.0, f64::max)
     };
     assert!(off(&creo) < 1e-6);
     assert!(codes(&creo).is_empty());
     // The last move is behind another statement: it is straight.
-    assert!(
-        positions(&creo)
-            .iter()
-            .any(|p| p[1].abs() < 1e-9 && p[0].abs() < 14.5)
-    );
+    assert!(positions(&creo).iter().any(|p| p[1].abs() < 1e-9 && p[0].abs() < 14.5));
     // Of an unknown system they are straight moves, which is said.
     let other = read("a.apt", &format!("UNITS/MM\n{body}"))?;
     assert!(off(&other) > 0.4);
@@ -156,65 +117,27 @@ fn apt(direction: &str, circle: &str, stop: &str) -> String {
 fn arcs_of_apt_set_out_as_their_direction_says() -> Check {
     let circle = "CIRCLE/      0.00000,      0.00000,     -2.00000,$\n     15.00000";
     let line = |end: &str| format!("(LINE/ 0.0, 0.0, -2.0,$\n    {end}, -2.0)");
-    let cylinder = "PLANE/PERPTO,$\n(PLANE/(POINT/0,0,-2),PERPTO,$\n(VECTOR/0,0,1)),$\n(POINT/0,0,-2),$\n(POINT/0,15,-2)";
+    let cylinder =
+        "PLANE/PERPTO,$\n(PLANE/(POINT/0,0,-2),PERPTO,$\n(VECTOR/0,0,1)),$\n(POINT/0,0,-2),$\n(POINT/0,15,-2)";
     for (direction, circle, stop, turn) in [
         ("0,1,0", circle, line("0.0, 15.0"), 90.0),
-        (
-            "0,-1,0",
-            circle,
-            format!("2,INTOF,$\n{}", line("0.0, 15.0")),
-            -270.0,
-        ),
+        ("0,-1,0", circle, format!("2,INTOF,$\n{}", line("0.0, 15.0")), -270.0),
         ("0,-1,0", circle, line("-15.0, 0.0"), -180.0),
-        (
-            "0,1,0",
-            circle,
-            format!("2,INTOF,{}", line("15.0, 0.0")),
-            360.0,
-        ),
-        (
-            "0,1,0",
-            "CIRCLE/CANON,0,0,-2,0,0,1,15",
-            line("0.0, 15.0"),
-            90.0,
-        ),
-        (
-            "0,-1,0",
-            "CYLNDR/0,0,-2,0,0,1,15",
-            format!("2,INTOF,({cylinder})"),
-            -270.0,
-        ),
-        (
-            "0,1,0",
-            "CYLNDR/0,0,-2,0,0,-1,15",
-            format!("({cylinder})"),
-            90.0,
-        ),
-        (
-            "0,1,0",
-            "CIRCLE/0,0,-2,15",
-            "(PLANE/0,1,0,15)".to_string(),
-            90.0,
-        ),
-        (
-            "0,1,0",
-            "CIRCLE/0,0,-2,15",
-            "2,INTOF,(PLANE/1,0,0,-7.5)".to_string(),
-            240.0,
-        ),
+        ("0,1,0", circle, format!("2,INTOF,{}", line("15.0, 0.0")), 360.0),
+        ("0,1,0", "CIRCLE/CANON,0,0,-2,0,0,1,15", line("0.0, 15.0"), 90.0),
+        ("0,-1,0", "CYLNDR/0,0,-2,0,0,1,15", format!("2,INTOF,({cylinder})"), -270.0),
+        ("0,1,0", "CYLNDR/0,0,-2,0,0,-1,15", format!("({cylinder})"), 90.0),
+        ("0,1,0", "CIRCLE/0,0,-2,15", "(PLANE/0,1,0,15)".to_string(), 90.0),
+        ("0,1,0", "CIRCLE/0,0,-2,15", "2,INTOF,(PLANE/1,0,0,-7.5)".to_string(), 240.0),
     ] {
         let text = apt(direction, circle, &stop);
         let path = read("a.aptsource", &text).map_err(|error| format!("{text}\n{error}"))?;
         let arc: Vec<[f64; 3]> = positions(&path);
-        let arc: Vec<&[f64; 3]> = arc
-            .iter()
-            .filter(|p| (p[0].hypot(p[1]) - 15.0).abs() < 1e-6)
-            .collect();
+        let arc: Vec<&[f64; 3]> = arc.iter().filter(|p| (p[0].hypot(p[1]) - 15.0).abs() < 1e-6).collect();
         let angle = |p: &[f64; 3]| p[1].atan2(p[0]);
         let turned = arc.windows(2).map(|pair| {
             let by = angle(pair[1]) - angle(pair[0]);
-            (by + 3.0 * std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
-                - std::f64::consts::PI
+            (by + 3.0 * std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI
         });
         let turned = turned.sum::<f64>().to_degrees();
         assert!((turned - turn).abs() < 1e-3, "{text}: {turned}");
@@ -225,10 +148,7 @@ fn arcs_of_apt_set_out_as_their_direction_says() -> Check {
     }
     // Creo writes it in three lines, INDIRP names a point.
     let creo = "UNITS/MM\nGOTO / 15, 0, 0\nINDIRP / 15, 7, 0\nTLON\nGOFWD / (CIRCLE / 0, 0, 0, $\n 15), ON, (LINE / 0, 0, 0, 0, 15, 0)\n";
-    assert_eq!(
-        positions(&read("a.ncl", creo)?).last(),
-        Some(&[0.0, 15.0, 0.0])
-    );
+    assert_eq!(positions(&read("a.ncl", creo)?).last(), Some(&[0.0, 15.0, 0.0]));
     Ok(())
 }
 
@@ -237,53 +157,25 @@ fn what_an_arc_leaves_open_is_refused() {
     let circle = "CIRCLE/0,0,-2,15";
     let line = "(LINE/0,0,-2,0,15,-2)";
     for (text, says) in [
-        (
-            apt("1,0,0", circle, line),
-            "does not begin where the tool is",
-        ),
-        (
-            apt("0,1,0", "CIRCLE/0,0,-2,14", line),
-            "does not begin where the tool is",
-        ),
+        (apt("1,0,0", circle, line), "does not begin where the tool is"),
+        (apt("0,1,0", "CIRCLE/0,0,-2,14", line), "does not begin where the tool is"),
         (apt("0,-1,0", circle, line), "another by its count"),
         (apt("0,1,0", circle, "(PLANE/0,1,0,40)"), "does not meet"),
-        (
-            apt("0,1,0", circle, "3,INTOF,(PLANE/0,1,0,5)"),
-            "does not meet",
-        ),
+        (apt("0,1,0", circle, "3,INTOF,(PLANE/0,1,0,5)"), "does not meet"),
         (apt("0,1,0", "CONE/0,0,-2,15", line), "not read here"),
+        (apt("0,1,0", circle, "TO,(LINE/0,0,-2,0,15,-2)"), "not read here"),
+        ("CIRCLE/0,0,0,0,0,1,15\nGOTO/15,0,0\n".to_string(), "sets out"),
+        ("GOTO/15,0,0\nGOHOME\nCIRCLE/0,0,0,0,0,1,15\nGOTO/15,0,0\n".to_string(), "sets out"),
+        ("GOTO/15,0,0\nTLON,GOFWD/(CIRCLE/0,0,0,15),ON,(LINE/0,0,0,0,15,0)\n".to_string(), "INDIRV"),
+        ("GOTO/15,0,0\nINDIRV/0,1,0\nGOTO/1,2,3\n".to_string(), "TLON"),
         (
-            apt("0,1,0", circle, "TO,(LINE/0,0,-2,0,15,-2)"),
-            "not read here",
-        ),
-        (
-            "CIRCLE/0,0,0,0,0,1,15\nGOTO/15,0,0\n".to_string(),
-            "sets out",
-        ),
-        (
-            "GOTO/15,0,0\nGOHOME\nCIRCLE/0,0,0,0,0,1,15\nGOTO/15,0,0\n".to_string(),
-            "sets out",
-        ),
-        (
-            "GOTO/15,0,0\nTLON,GOFWD/(CIRCLE/0,0,0,15),ON,(LINE/0,0,0,0,15,0)\n".to_string(),
-            "INDIRV",
-        ),
-        (
-            "GOTO/15,0,0\nINDIRV/0,1,0\nGOTO/1,2,3\n".to_string(),
-            "TLON",
-        ),
-        (
-            "GOTO/15,0,0\nINDIRV/0,1,0\nTLLFT,GOFWD/(CIRCLE/0,0,0,15),ON,(LINE/0,0,0,0,15,0)\n"
-                .to_string(),
+            "GOTO/15,0,0\nINDIRV/0,1,0\nTLLFT,GOFWD/(CIRCLE/0,0,0,15),ON,(LINE/0,0,0,0,15,0)\n".to_string(),
             "changes where",
         ),
     ] {
         let error = read("a.apt", &text).unwrap_err();
         assert!(error.message().contains(says), "{text}\n{error}");
-        assert!(
-            error.place().line.is_some() && error.hint_text().is_some(),
-            "{text}"
-        );
+        assert!(error.place().line.is_some() && error.hint_text().is_some(), "{text}");
     }
 }
 
@@ -296,20 +188,11 @@ fn arcs_of_apt_are_written_as_straight_moves() -> Check {
     let up: Vec<_> = path
         .points
         .iter()
-        .map(|point| {
-            moved(
-                point,
-                cell_with("").work.workpiece.rotation * Vector3::z(),
-                Vector3::zeros(),
-            )
-        })
+        .map(|point| moved(point, cell_with("").work.workpiece.rotation * Vector3::z(), Vector3::zeros()))
         .collect();
     let written = path.program.write(&path.points, &up)?;
     let written = String::from_utf8(written.files[0].1.clone())?;
-    assert!(
-        !written.contains("TLON") && !written.contains("INDIRV"),
-        "{written}"
-    );
+    assert!(!written.contains("TLON") && !written.contains("INDIRV"), "{written}");
     assert!(written.contains("AUTOPS\n"));
     let again = read("a.apt", &written)?;
     let end = |path: &ReadPath| positions(path).into_iter().find(|p| p[1] == 15.0).unwrap();
@@ -330,20 +213,10 @@ fn units_are_those_that_the_file_names() -> Check {
         ("UNITS/MM\nFEDRAT/10,IPM\n", 1.0),
     ] {
         let path = read("a.apt", &format!("{head}GOTO/1,0,2\nGOTO/2,0,2\n"))?;
-        assert_eq!(
-            positions(&path)[0],
-            [millimetres, 0.0, 2.0 * millimetres],
-            "{head}"
-        );
+        assert_eq!(positions(&path)[0], [millimetres, 0.0, 2.0 * millimetres], "{head}");
         assert!(codes(&path).is_empty(), "{head}: {:?}", codes(&path));
     }
-    for head in [
-        "UNITS/CM\n",
-        "UNITS/METER\n",
-        "UNIT/FEET\n",
-        "UNITS/MM,INCH\n",
-        "UNITS\n",
-    ] {
+    for head in ["UNITS/CM\n", "UNITS/METER\n", "UNIT/FEET\n", "UNITS/MM,INCH\n", "UNITS\n"] {
         let error = read("a.apt", &format!("{head}GOTO/1,0,2\n")).unwrap_err();
         assert!(error.message().contains("unit"), "{head}: {error}");
     }
@@ -352,17 +225,8 @@ fn units_are_those_that_the_file_names() -> Check {
 
 #[test]
 fn feeds_in_inches_say_the_unit_that_a_file_leaves_out() -> Check {
-    let of = |feeds: &str| {
-        read(
-            "a.cls",
-            &format!("TOOL PATH/A,TOOL,B\nRAPID\nGOTO/1,0,2\n{feeds}GOTO/2,0,2\n"),
-        )
-    };
-    for feeds in [
-        "FEDRAT/IPM,10.0\n",
-        "FEDRAT/ 0.01, IPR\n",
-        "fedrat/10,ipm\n",
-    ] {
+    let of = |feeds: &str| read("a.cls", &format!("TOOL PATH/A,TOOL,B\nRAPID\nGOTO/1,0,2\n{feeds}GOTO/2,0,2\n"));
+    for feeds in ["FEDRAT/IPM,10.0\n", "FEDRAT/ 0.01, IPR\n", "fedrat/10,ipm\n"] {
         let path = of(feeds)?;
         assert_eq!(positions(&path)[0], [25.4, 0.0, 50.8], "{feeds}");
         assert_eq!(severity(&path, "units-assumed"), Some(Severity::Caution));
@@ -379,10 +243,9 @@ fn feeds_in_inches_say_the_unit_that_a_file_leaves_out() -> Check {
 
 #[test]
 fn a_correction_is_written_in_the_unit_of_the_file() -> Check {
-    for text in [
-        "UNIT/INCH\nGOTO/1.0,0.0,2.0\nGOTO/2.0,0.0,2.0\n",
-        "GOTO/1.0,0.0,2.0\nFEDRAT/10.0,IPM\nGOTO/2.0,0.0,2.0\n",
-    ] {
+    for text in
+        ["UNIT/INCH\nGOTO/1.0,0.0,2.0\nGOTO/2.0,0.0,2.0\n", "GOTO/1.0,0.0,2.0\nFEDRAT/10.0,IPM\nGOTO/2.0,0.0,2.0\n"]
+    {
         let path = read("a.cls", text)?;
         let up = cell_with("").work.workpiece.rotation * Vector3::new(0.0, 0.0, 0.43);
         let commanded = commanded(&path, |_, _| up, |_, _| Vector3::zeros());
@@ -408,12 +271,15 @@ fn set_ups_of_camworks_count_from_one_frame() -> Check {
     assert_eq!(codes(&path), ["set-up"]);
     assert_eq!(severity(&path, "set-up"), Some(Severity::Note));
     let error = read("a.apt", &text("")).unwrap_err();
-    assert!(
-        error.message().contains("set-up changes") && error.place().line == Some(5),
-        "{error}"
-    );
+    assert!(error.message().contains("set-up changes") && error.place().line == Some(5), "{error}");
     // One set-up says nothing.
-    assert!(codes(&read("a.apt", "UNIT/MM\nCSYS/1.,0,0,-9.,0,1.,0,0,0,0,1.,0\nGOTO/1,0,0\nCSYS/1.,0,0,-9.,0,1.,0,0,0,0,1.,0\nGOTO/2,0,0\n")?).is_empty());
+    assert!(
+        codes(&read(
+            "a.apt",
+            "UNIT/MM\nCSYS/1.,0,0,-9.,0,1.,0,0,0,0,1.,0\nGOTO/1,0,0\nCSYS/1.,0,0,-9.,0,1.,0,0,0,0,1.,0\nGOTO/2,0,0\n"
+        )?)
+        .is_empty()
+    );
     Ok(())
 }
 
@@ -436,11 +302,7 @@ fn comments_of_creo_go_on_and_their_frame_is_held() -> Check {
     assert_eq!(rounded(&stated(&one)).len(), 3);
     let two = read("a.ncl", &text("50.0"))?;
     assert_eq!(severity(&two, "set-up"), Some(Severity::Caution));
-    assert!(
-        sentence(&two, "set-up").contains("line 10"),
-        "{}",
-        sentence(&two, "set-up")
-    );
+    assert!(sentence(&two, "set-up").contains("line 10"), "{}", sentence(&two, "set-up"));
     Ok(())
 }
 
@@ -448,14 +310,7 @@ fn comments_of_creo_go_on_and_their_frame_is_held() -> Check {
 fn steps_count_in_their_frame_and_home_is_a_rapid_move() -> Check {
     let text = "UNITS/MM\nMSYS/0,0,0,1,0,0,0,1,0\nGOTO/1,0,0\nMSYS/0,0,0,0,1,0,-1,0,0\nGOTO/1,0,0\nGODLTA/1,0,0\nGOHOME/9,0,0\nRETRCT\nGOTO/0,0,0\nGOHOME\nGOTO/0,0,0\n";
     let path = read("a.cls", text)?;
-    let expected = [
-        [1.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, 2.0, 0.0],
-        [0.0, 9.0, 0.0],
-        [0.0; 3],
-        [0.0; 3],
-    ];
+    let expected = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 2.0, 0.0], [0.0, 9.0, 0.0], [0.0; 3], [0.0; 3]];
     assert_eq!(rounded(&path.points), expected);
     let rapid: Vec<bool> = path.points.iter().map(|point| point.rapid).collect();
     assert_eq!(rapid, [false, false, false, true, false, true]);
@@ -494,10 +349,7 @@ fn words_that_move_the_tool_are_refused() {
         "TLAXIS/NORMPS",
         "TRNTYP/LOCAL,0,0,0\nCSYS/1,0,0,0,0,1,0,0,0,0,1,0\nCSYS/1,0,0,5,0,1,0,0,0,0,1,0",
     ] {
-        let read = read(
-            "a.apt",
-            &format!("UNITS/MM\nGOTO/1,0,0\n{line}\nGOTO/2,0,0\n"),
-        );
+        let read = read("a.apt", &format!("UNITS/MM\nGOTO/1,0,0\n{line}\nGOTO/2,0,0\n"));
         let error = match read {
             Ok(path) => panic!("{line} is read: {:?}", path.findings),
             Err(error) => error,
@@ -524,14 +376,8 @@ fn words_weigh_what_they_do_to_the_path() -> Check {
         ("PPRINT/ GOTO $", None),
         ("PPRINT 10 $$ 20", None),
         ("PARTNO/1.5", None),
-        (
-            "CUTTER/ 10.000000,  0.000000,  5.000000,$\n         0.000000, 50.000000",
-            None,
-        ),
-        (
-            "TOOLNO/1,MILL,1,0,   14.1,$\n  100.0,100.0,,   40.0,$\n ON,,NOTE",
-            None,
-        ),
+        ("CUTTER/ 10.000000,  0.000000,  5.000000,$\n         0.000000, 50.000000", None),
+        ("TOOLNO/1,MILL,1,0,   14.1,$\n  100.0,100.0,,   40.0,$\n ON,,NOTE", None),
         ("MULTAX", None),
         ("RAPID$$ fast", None),
         ("P1=POINT/1,2,3", Some(Note)),
@@ -540,20 +386,14 @@ fn words_weigh_what_they_do_to_the_path() -> Check {
         ("FINI\nGOTO/9,9,9", Some(Caution)),
         ("FINI\n\n$$ the end", None),
     ] {
-        let path = read(
-            "a.apt",
-            &format!("UNITS/MM\nGOTO/1,0,0\nGOTO/1,0,1\n{line}\n"),
-        )?;
+        let path = read("a.apt", &format!("UNITS/MM\nGOTO/1,0,0\nGOTO/1,0,1\n{line}\n"))?;
         let found = path.findings.first().map(|finding| finding.severity);
         assert_eq!(found, expected, "{line}: {:?}", path.findings);
         assert!(path.findings.len() < 2, "{line}");
         assert_eq!(stated(&path).len(), 2, "{line}");
     }
     // A label is no word.
-    assert_eq!(
-        stated(&read("a.apt", "UNITS/MM\nA1) GOTO/1,0,0\n")?).len(),
-        1
-    );
+    assert_eq!(stated(&read("a.apt", "UNITS/MM\nA1) GOTO/1,0,0\n")?).len(), 1);
     Ok(())
 }
 
@@ -565,11 +405,7 @@ fn the_axis_that_is_stated_alone_holds_for_the_points_behind_it() -> Check {
     )?;
     let all = axes(&stated(&path));
     let expected = [Vector3::new(0.0, 0.6, 0.8), Vector3::z(), Vector3::x()];
-    assert!(
-        all.iter()
-            .zip(expected)
-            .all(|(a, b)| (a - b).norm() < 1e-12)
-    );
+    assert!(all.iter().zip(expected).all(|(a, b)| (a - b).norm() < 1e-12));
     assert!(matches!(path.points[0].target, PathTarget::Axis { .. }));
     Ok(())
 }

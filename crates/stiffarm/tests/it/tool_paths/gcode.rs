@@ -11,46 +11,24 @@ fn words_are_modal_and_may_have_blanks() -> Check {
     let text = "%\nO100 (POCKET)\nN10 G21 G90 G17 G40 G54\nN20 T1 M6\nN30 G0 X   4.310 Y-2.\nG43 Z5 H1\n\
                 n40 g1 z-1.5 F300 ; plunge\nX10 (along) Y +3\n\nY.5\n/ Z5\nM30\n%\n";
     let path = read("a.nc", text)?;
-    let expected = [
-        [4.31, -2.0, 5.0],
-        [4.31, -2.0, -1.5],
-        [10.0, 3.0, -1.5],
-        [10.0, 0.5, -1.5],
-        [10.0, 0.5, 5.0],
-    ];
+    let expected = [[4.31, -2.0, 5.0], [4.31, -2.0, -1.5], [10.0, 3.0, -1.5], [10.0, 0.5, -1.5], [10.0, 0.5, 5.0]];
     let points = stated(&path);
     assert_eq!(rounded(&points), expected);
     let rapid: Vec<bool> = points.iter().map(|point| point.rapid).collect();
     assert_eq!(rapid, [true, false, false, false, false]);
     let lines: Vec<Option<usize>> = points.iter().map(|point| point.line).collect();
     assert_eq!(lines, [6, 7, 8, 10, 11].map(Some));
-    assert!(
-        points[0]
-            .load
-            .is_some_and(|load| load.force == Vector3::zeros())
-    );
+    assert!(points[0].load.is_some_and(|load| load.force == Vector3::zeros()));
     assert_eq!(points[1].load, None);
-    assert!(
-        axes(&points)
-            .iter()
-            .all(|axis| (axis - Vector3::z()).norm() < 1e-12)
-    );
+    assert!(axes(&points).iter().all(|axis| (axis - Vector3::z()).norm() < 1e-12));
     assert_eq!(codes(&path), ["optional-blocks"]);
     Ok(())
 }
 
 #[test]
 fn inches_and_steps() -> Check {
-    let path = read(
-        "a.ngc",
-        "G20 G90\n#<rate>=1000\nG0 X0 Y0 Z1 F#<rate> S[100*2]\nG91 G1 X1 Z-.5\nX1\nG90 X0\n",
-    )?;
-    let expected = [
-        [0.0, 0.0, 25.4],
-        [25.4, 0.0, 12.7],
-        [50.8, 0.0, 12.7],
-        [0.0, 0.0, 12.7],
-    ];
+    let path = read("a.ngc", "G20 G90\n#<rate>=1000\nG0 X0 Y0 Z1 F#<rate> S[100*2]\nG91 G1 X1 Z-.5\nX1\nG90 X0\n")?;
+    let expected = [[0.0, 0.0, 25.4], [25.4, 0.0, 12.7], [50.8, 0.0, 12.7], [0.0, 0.0, 12.7]];
     assert_eq!(rounded(&stated(&path)), expected);
     Ok(())
 }
@@ -73,8 +51,7 @@ fn inches_that_no_word_names_are_said() -> Check {
     let fine = ["1.", ".1", "-.0625", "5.", "3.3755", "12.5"];
     let sentence = said(&program("", "S5000 M3", inches))?.unwrap();
     assert!(
-        sentence.contains("4.375 × 2.625 × 0.000 mm")
-            || sentence.contains("4.375 × 2.625 × 0.250 mm"),
+        sentence.contains("4.375 × 2.625 × 0.000 mm") || sentence.contains("4.375 × 2.625 × 0.250 mm"),
         "{sentence}"
     );
     assert!(sentence.contains("0.0080 mm for a turn"), "{sentence}");
@@ -87,20 +64,13 @@ fn inches_that_no_word_names_are_said() -> Check {
     // Millimetres: a steel part, a small one, an engraving, a plate.
     for (speed, numbers) in [
         ("S800 M3", ["50", "2", "-1", "30", "8", "60"]),
-        (
-            "(1/4 INCH END MILL)\nS10000 M3",
-            ["10", "2", "-.5", "100", "6.5", "250"],
-        ),
+        ("(1/4 INCH END MILL)\nS10000 M3", ["10", "2", "-.5", "100", "6.5", "250"]),
         ("S24000 M3", ["2", ".5", "-.1", "120", "12", "300"]),
         ("S20000 M3", ["5", "1", "-.2", "60", "20", "150"]),
         ("S6000 M3", ["50", "5", "-3", "200", "180", "1200"]),
         ("", ["5", "1", "-.5", "50", "10", "60"]),
     ] {
-        assert_eq!(
-            said(&program("", speed, numbers))?,
-            None,
-            "{speed} {numbers:?}"
-        );
+        assert_eq!(said(&program("", speed, numbers))?, None, "{speed} {numbers:?}");
     }
     Ok(())
 }
@@ -112,10 +82,7 @@ fn check_arc(text: &str, centre: [f64; 3], radius: f64, sweep: f64, plane: [usiz
     let centre = Vector3::from(centre);
     let polar = |p: &[f64; 3]| {
         let off = Vector3::from(*p) - centre;
-        (
-            off[plane[0]].hypot(off[plane[1]]),
-            off[plane[1]].atan2(off[plane[0]]),
-        )
+        (off[plane[0]].hypot(off[plane[1]]), off[plane[1]].atan2(off[plane[0]]))
     };
     let mut turned = 0.0;
     for pair in all.windows(2) {
@@ -123,10 +90,7 @@ fn check_arc(text: &str, centre: [f64; 3], radius: f64, sweep: f64, plane: [usiz
         assert!((r - radius).abs() < 2e-3, "{text}: radius {r}");
         let step = (to - from + PI).rem_euclid(2.0 * PI) - PI;
         assert!(step * sweep > 0.0, "{text}: the wrong way round");
-        assert!(
-            radius * (1.0 - (step / 2.0).cos()) < 0.0101,
-            "{text}: a chord is too long"
-        );
+        assert!(radius * (1.0 - (step / 2.0).cos()) < 0.0101, "{text}: a chord is too long");
         turned += step;
     }
     assert!((turned - sweep).abs() < 1e-4, "{text}: {turned} of {sweep}");
@@ -139,51 +103,15 @@ fn arcs_with_centre_and_with_radius() -> Check {
     let arc = |block: &str| format!("{start}{block}\n");
     let quarter = PI / 2.0;
     check_arc(&arc("G3 X0 Y10 I-10 J0"), [0.0; 3], 10.0, quarter, [0, 1])?;
-    check_arc(
-        &arc("G2 X0 Y10 I-10"),
-        [0.0; 3],
-        10.0,
-        -3.0 * quarter,
-        [0, 1],
-    )?;
+    check_arc(&arc("G2 X0 Y10 I-10"), [0.0; 3], 10.0, -3.0 * quarter, [0, 1])?;
     check_arc(&arc("G3 X0 Y10 R10"), [0.0; 3], 10.0, quarter, [0, 1])?;
-    check_arc(
-        &arc("G2 X0 Y10 R-10"),
-        [0.0; 3],
-        10.0,
-        -3.0 * quarter,
-        [0, 1],
-    )?;
-    check_arc(
-        &arc("G2 X0 Y10 CR=10"),
-        [10.0, 10.0, 0.0],
-        10.0,
-        -quarter,
-        [0, 1],
-    )?;
+    check_arc(&arc("G2 X0 Y10 R-10"), [0.0; 3], 10.0, -3.0 * quarter, [0, 1])?;
+    check_arc(&arc("G2 X0 Y10 CR=10"), [10.0, 10.0, 0.0], 10.0, -quarter, [0, 1])?;
     check_arc(&arc("G3 I-10"), [0.0; 3], 10.0, 2.0 * PI, [0, 1])?;
-    check_arc(
-        &arc("G90.1 G3 X0 Y10 I0 J0"),
-        [0.0; 3],
-        10.0,
-        quarter,
-        [0, 1],
-    )?;
+    check_arc(&arc("G90.1 G3 X0 Y10 I0 J0"), [0.0; 3], 10.0, quarter, [0, 1])?;
     // ZX and YZ planes run z to x and y to z.
-    check_arc(
-        &arc("G18 G3 X0 Z-10 I-10 K0"),
-        [0.0; 3],
-        10.0,
-        quarter,
-        [2, 0],
-    )?;
-    check_arc(
-        "G90 G0 X0 Y10 Z0\nG19 G2 Y0 Z-10 J-10 K0\n",
-        [0.0; 3],
-        10.0,
-        -quarter,
-        [1, 2],
-    )
+    check_arc(&arc("G18 G3 X0 Z-10 I-10 K0"), [0.0; 3], 10.0, quarter, [2, 0])?;
+    check_arc("G90 G0 X0 Y10 Z0\nG19 G2 Y0 Z-10 J-10 K0\n", [0.0; 3], 10.0, -quarter, [1, 2])
 }
 
 #[test]
@@ -202,17 +130,8 @@ fn a_helix_rises_evenly() -> Check {
 fn five_axes_as_vectors() -> Check {
     let text = "TRAORI\nG0 X0 Y0 Z50 A3=0 B3=0 C3=1\nG1 X10 A3=0.6 B3=0 C3=0.8\nX20\nTRAFOOF\n";
     let path = read("a.mpf", text)?;
-    let expected = [
-        unit(0.0, 0.0, 1.0),
-        unit(0.6, 0.0, 0.8),
-        unit(0.6, 0.0, 0.8),
-    ];
-    assert!(
-        axes(&stated(&path))
-            .iter()
-            .zip(expected)
-            .all(|(a, b)| (a - b).norm() < 1e-12)
-    );
+    let expected = [unit(0.0, 0.0, 1.0), unit(0.6, 0.0, 0.8), unit(0.6, 0.0, 0.8)];
+    assert!(axes(&stated(&path)).iter().zip(expected).all(|(a, b)| (a - b).norm() < 1e-12));
     let text = "G43.5 H1\nG0 X0 Y0 Z50 I0 J0 K1\nG1 X10 I0 J-0.6 K0.8\nX20\nG49\n";
     let path = read("a.nc", text)?;
     assert!((axes(&stated(&path))[2] - unit(0.0, -0.6, 0.8)).norm() < 1e-12);
@@ -250,25 +169,17 @@ fn the_order_of_rotary_axes_is_that_in_which_they_carry_each_other() -> Check {
         cell.work.shown_tool_axis().unwrap().sentence
     });
     assert!(shown[0].contains("A30") && shown[0].contains("C70") && !shown[0].contains("B40"));
-    assert!(
-        shown
-            .iter()
-            .all(|own| shown.iter().filter(|other| *other == own).count() == 1),
-        "{shown:?}"
-    );
+    assert!(shown.iter().all(|own| shown.iter().filter(|other| *other == own).count() == 1), "{shown:?}");
     assert!(cell_with("").work.shown_tool_axis().is_none());
     Ok(())
 }
 
 #[test]
 fn names_that_a_table_cannot_hold_are_changed() -> Check {
-    let text =
-        "G90 G0 X0 Y0 Z5\n(=1+1)\nG1 X1\n(-2+3)\nX2\n(\u{1b}[31mred)\nX3\n(@)\nX4\n(- 3 mm)\nX5\n";
+    let text = "G90 G0 X0 Y0 Z5\n(=1+1)\nG1 X1\n(-2+3)\nX2\n(\u{1b}[31mred)\nX3\n(@)\nX4\n(- 3 mm)\nX5\n";
     let path = read("a.nc", text)?;
-    let names: Vec<String> = stated(&path)
-        .iter()
-        .map(|point| point.feature.as_deref().unwrap_or_default().to_string())
-        .collect();
+    let names: Vec<String> =
+        stated(&path).iter().map(|point| point.feature.as_deref().unwrap_or_default().to_string()).collect();
     assert_eq!(names, ["", "1+1", "2+3", "_[31mred", "_[31mred", "- 3 mm"]);
     assert_eq!(codes(&path), ["feature-name"]);
     let cell = cell_with("");
@@ -286,14 +197,7 @@ fn what_is_not_followed_is_said() -> Check {
     let path = read("a.nc", text)?;
     assert_eq!(
         codes(&path),
-        [
-            "work-offset",
-            "cycle",
-            "not-followed",
-            "not-followed",
-            "position-unknown",
-            "machine-place"
-        ]
+        ["work-offset", "cycle", "not-followed", "not-followed", "position-unknown", "machine-place"]
     );
     let sentence = &path.findings[0].sentence;
     assert!(sentence.contains("(line 9)"), "{sentence}");
@@ -308,14 +212,8 @@ fn becomes(blocks: &str) -> String {
         Err(_) => "refused".to_string(),
         Ok(path) => {
             let points = rounded(&path.points);
-            let mut shown: Vec<String> = points[2..]
-                .iter()
-                .map(|p| format!("{},{},{}", p[0], p[1], p[2]))
-                .collect();
-            let said = path
-                .findings
-                .iter()
-                .filter(|finding| finding.severity > Severity::Note);
+            let mut shown: Vec<String> = points[2..].iter().map(|p| format!("{},{},{}", p[0], p[1], p[2])).collect();
+            let said = path.findings.iter().filter(|finding| finding.severity > Severity::Note);
             shown.extend(said.map(|finding| finding.code.clone()));
             shown.join(" ")
         }
@@ -358,10 +256,7 @@ fn words_of_other_controls_lose_no_move() {
         ("IF[#1 EQ 2]GOTO10", "refused"),
         ("GOTO10", "refused"),
         // Drilling in a way of the control.
-        (
-            "CYCLE81(10,0,2,-5)\nG1 X2\nG1 X2 Y0 Z0\nX3",
-            "2,0,0 3,0,0 position-unknown",
-        ),
+        ("CYCLE81(10,0,2,-5)\nG1 X2\nG1 X2 Y0 Z0\nX3", "2,0,0 3,0,0 position-unknown"),
         // Waiting times and limits are no points.
         ("G4 F2\nG1 X2", "2,0,5"),
         ("G4 X1.5\nG1 Y2", "1,2,5"),
@@ -383,14 +278,8 @@ fn words_of_other_controls_lose_no_move() {
         ("N10 ANFANG: G1 X2", "2,0,5"),
         ("ANFANG: G1 X2", "2,0,5"),
     ];
-    let found: Vec<(&str, String)> = rows
-        .iter()
-        .map(|(blocks, _)| (*blocks, becomes(blocks)))
-        .collect();
-    let wanted: Vec<(&str, String)> = rows
-        .iter()
-        .map(|(blocks, wanted)| (*blocks, wanted.to_string()))
-        .collect();
+    let found: Vec<(&str, String)> = rows.iter().map(|(blocks, _)| (*blocks, becomes(blocks))).collect();
+    let wanted: Vec<(&str, String)> = rows.iter().map(|(blocks, wanted)| (*blocks, wanted.to_string())).collect();
     assert_eq!(found, wanted);
 }
 
@@ -416,19 +305,11 @@ fn offsets_are_held_against_the_first_of_every_control() -> Check {
 #[test]
 fn every_word_stands_in_the_table_once() {
     let page = stiffarm_files::tool_path::gcode_page();
-    let words = page
-        .lines()
-        .filter_map(|line| line.strip_prefix("| ")?.split(" | ").next());
-    let mut words: Vec<&str> = words
-        .flat_map(|words| words.split(' '))
-        .filter(|word| !matches!(*word, "words" | "to"))
-        .collect();
+    let words = page.lines().filter_map(|line| line.strip_prefix("| ")?.split(" | ").next());
+    let mut words: Vec<&str> =
+        words.flat_map(|words| words.split(' ')).filter(|word| !matches!(*word, "words" | "to")).collect();
     let count = words.len();
     words.sort_unstable();
     words.dedup();
-    assert!(
-        count > 250 && words.len() == count,
-        "{} of {count}",
-        words.len()
-    );
+    assert!(count > 250 && words.len() == count, "{} of {count}", words.len());
 }

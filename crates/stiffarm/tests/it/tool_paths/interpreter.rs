@@ -103,29 +103,20 @@ fn each_word_is_read_as_the_interpreter_drives_it() {
     let mut shown = String::new();
     for Row { blocks, driven } in &rows {
         // A feed move for those that only ask what becomes of the end; it changes no other answer.
-        let text = format!(
-            "{}{head}G1 X1 Y2 Z5 F100\nG0 X1 Y2 Z5\n{blocks}\n",
-            if blocks.contains('%') { "%\n" } else { "" }
-        );
+        let text =
+            format!("{}{head}G1 X1 Y2 Z5 F100\nG0 X1 Y2 Z5\n{blocks}\n", if blocks.contains('%') { "%\n" } else { "" });
         let outcome = match read_with("a.ngc", &text, &cell) {
             Err(error) => format!("refused: {}", error.message()),
             Ok(path) => {
-                let stops: Vec<Stop> = path.points[1..]
-                    .iter()
-                    .map(|point: &PathPoint| (on_workpiece(point).0, point.rapid))
-                    .collect();
+                let stops: Vec<Stop> =
+                    path.points[1..].iter().map(|point: &PathPoint| (on_workpiece(point).0, point.rapid)).collect();
                 let codes = |least| {
-                    let found = path
-                        .findings
-                        .iter()
-                        .filter(move |finding| finding.severity >= least);
+                    let found = path.findings.iter().filter(move |finding| finding.severity >= least);
                     let codes: Vec<&str> = found.map(|finding| finding.code.as_str()).collect();
                     codes.join(", ")
                 };
                 let (said, noted) = (codes(Severity::Caution), codes(Severity::Note));
-                let same = driven
-                    .as_ref()
-                    .is_ok_and(|driven| is_same(start, &stops, driven));
+                let same = driven.as_ref().is_ok_and(|driven| is_same(start, &stops, driven));
                 let what = match (driven, same) {
                     (Ok(_), true) => "same",
                     (Ok(driven), false) => {
@@ -137,17 +128,10 @@ fn each_word_is_read_as_the_interpreter_drives_it() {
                     }
                     (Err(_), _) => "read",
                 };
-                if noted.is_empty() {
-                    what.to_string()
-                } else {
-                    format!("{what}, said: {noted}")
-                }
+                if noted.is_empty() { what.to_string() } else { format!("{what}, said: {noted}") }
             }
         };
-        let theirs = driven
-            .as_ref()
-            .err()
-            .map_or(String::new(), |why| format!("   [{why}]"));
+        let theirs = driven.as_ref().err().map_or(String::new(), |why| format!("   [{why}]"));
         shown += &format!("{}{theirs}\n    {outcome}\n", blocks.replace('\n', " / "));
     }
     insta::assert_snapshot!(shown);

@@ -16,33 +16,13 @@ fn endings_that_say_nothing_are_looked_into() {
         // The ending says it.
         ("a.nc", GCODE, Some(Kind::Gcode), false),
         ("a.mpf", GCODE, Some(Kind::Gcode), false),
-        (
-            "a.txt",
-            "PARTNO A\nFROM / 0, 0, 50\nGOTO / 0, 0, 1\n",
-            Some(Kind::Apt),
-            true,
-        ),
+        ("a.txt", "PARTNO A\nFROM / 0, 0, 50\nGOTO / 0, 0, 1\n", Some(Kind::Apt), true),
         ("a.txt", "TOOL PATH/A,TOOL,T1\n", Some(Kind::Apt), true),
-        (
-            "a.txt",
-            "MODULE a\nENDMODULE\n",
-            robot(Language::Rapid),
-            true,
-        ),
+        ("a.txt", "MODULE a\nENDMODULE\n", robot(Language::Rapid), true),
         ("a.txt", "/PROG  A\n/MN\n", robot(Language::Ls), true),
         ("a.txt", "/JOB\n//NAME A\n", robot(Language::Inform), true),
-        (
-            "a.txt",
-            "&ACCESS RVP\nDEF a ( )\n",
-            robot(Language::Krl),
-            true,
-        ),
-        (
-            "a.txt",
-            "def a():\n  movel(p[0,0,0,0,0,0])\nend\n",
-            robot(Language::Urscript),
-            true,
-        ),
+        ("a.txt", "&ACCESS RVP\nDEF a ( )\n", robot(Language::Krl), true),
+        ("a.txt", "def a():\n  movel(p[0,0,0,0,0,0])\nend\n", robot(Language::Urscript), true),
         // Tables.
         ("a.txt", "x_mm;y_mm;z_mm\n1;2;3\n", None, false),
         ("a.csv", GCODE, None, false),
@@ -72,11 +52,7 @@ fn the_caller_decides() {
 #[test]
 fn a_heidenhain_program_is_refused_whatever_its_ending() {
     for name in ["part.h", "part.txt", "part.nc", "part.cnc"] {
-        let error =
-            recognised(name, b"0  BEGIN PGM PART MM\n1  L X+10 R0 FMAX\n", None).unwrap_err();
-        assert_eq!(
-            (error.code(), error.place().line),
-            (Code::Unsupported, Some(1))
-        );
+        let error = recognised(name, b"0  BEGIN PGM PART MM\n1  L X+10 R0 FMAX\n", None).unwrap_err();
+        assert_eq!((error.code(), error.place().line), (Code::Unsupported, Some(1)));
     }
 }

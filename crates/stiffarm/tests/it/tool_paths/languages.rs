@@ -16,25 +16,18 @@ fn rotation([.., w, p, r]: &Row) -> UnitQuaternion<f64> {
 }
 
 fn table(rows: &[Row]) -> String {
-    let rows = rows
-        .iter()
-        .map(|row| row.map(|v| format!("{v:.9}")).join(",") + "\n");
+    let rows = rows.iter().map(|row| row.map(|v| format!("{v:.9}")).join(",") + "\n");
     "x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg\n".to_string() + &rows.collect::<String>()
 }
 
 fn each(rows: &[Row], line: impl Fn(usize, &Row) -> String) -> String {
-    rows.iter()
-        .enumerate()
-        .map(|(i, row)| line(i, row))
-        .collect()
+    rows.iter().enumerate().map(|(i, row)| line(i, row)).collect()
 }
 
 /// The path in a language, with its file name.
 fn written(rows: &[Row]) -> Vec<(&'static str, String)> {
     let krl = each(rows, |_, [x, y, z, w, p, r]| {
-        format!(
-            "LIN {{X {x:.9}, Y {y:.9}, Z {z:.9}, A {r:.9}, B {p:.9}, C {w:.9}, S 2, T 35}} C_DIS\r\n"
-        )
+        format!("LIN {{X {x:.9}, Y {y:.9}, Z {z:.9}, A {r:.9}, B {p:.9}, C {w:.9}, S 2, T 35}} C_DIS\r\n")
     });
     let rapid = each(rows, |_, row| {
         let q = rotation(row);
@@ -44,13 +37,7 @@ fn written(rows: &[Row]) -> Vec<(&'static str, String)> {
             q.w, q.i, q.j, q.k
         )
     });
-    let moves = each(rows, |i, _| {
-        format!(
-            "{:4}:L P[{}:\"a\"] 100.0mm/sec CNT100 ACC50 ;\n",
-            i + 1,
-            i + 1
-        )
-    });
+    let moves = each(rows, |i, _| format!("{:4}:L P[{}:\"a\"] 100.0mm/sec CNT100 ACC50 ;\n", i + 1, i + 1));
     let points = each(rows, |i, [x, y, z, w, p, r]| {
         format!(
             "P[{}:\"a\"]{{\n   GP1:\n\tUF : 1, UT : 2,\tCONFIG : 'N U T, 0, 0, 0',\n\tX = {x:.9} mm,\tY = {y:.9} mm,\tZ={z:.9} mm,\n\
@@ -65,14 +52,7 @@ fn written(rows: &[Row]) -> Vec<(&'static str, String)> {
 fn rows() -> impl Strategy<Value = Vec<Row>> {
     let length = || -500.0..500.0_f64;
     let turn = || -180.0..180.0_f64;
-    let row = (
-        length(),
-        length(),
-        length(),
-        turn(),
-        -90.0..90.0_f64,
-        turn(),
-    );
+    let row = (length(), length(), length(), turn(), -90.0..90.0_f64, turn());
     prop::collection::vec(row.prop_map(|(a, b, c, d, e, f)| [a, b, c, d, e, f]), 1..6)
 }
 
@@ -160,30 +140,15 @@ fn cl_data_has_modal_axes_rapid_moves_units_and_frames() -> Check {
     let rapid: Vec<bool> = stated(&path).iter().map(|point| point.rapid).collect();
     assert_eq!(rapid, [true, false, false, true, false, false]);
     let tilted = unit(0.0, 0.6, 0.8);
-    let expected = [
-        tilted,
-        tilted,
-        Vector3::z(),
-        Vector3::z(),
-        Vector3::z(),
-        Vector3::z(),
-    ];
-    assert!(
-        axes(&stated(&path))
-            .iter()
-            .zip(expected)
-            .all(|(a, b)| (a - b).norm() < 1e-12)
-    );
+    let expected = [tilted, tilted, Vector3::z(), Vector3::z(), Vector3::z(), Vector3::z()];
+    assert!(axes(&stated(&path)).iter().zip(expected).all(|(a, b)| (a - b).norm() < 1e-12));
     assert_eq!(codes(&path), ["cycle", "not-followed"]);
     Ok(())
 }
 
 #[test]
 fn cl_data_has_steps() -> Check {
-    let path = read(
-        "a.apt",
-        "UNITS/INCH\nGOTO/1,0,0\nGODLTA/0,0,-.5\nGODLTA/1,0,0\n",
-    )?;
+    let path = read("a.apt", "UNITS/INCH\nGOTO/1,0,0\nGODLTA/0,0,-.5\nGODLTA/1,0,0\n")?;
     let expected = [[25.4, 0.0, 0.0], [25.4, 0.0, -12.7], [50.8, 0.0, -12.7]];
     assert_eq!(positions(&path), expected);
     Ok(())
@@ -191,17 +156,11 @@ fn cl_data_has_steps() -> Check {
 
 #[test]
 fn cl_data_has_arcs() -> Check {
-    let path = read(
-        "a.cls",
-        "UNITS/MM\nGOTO/10,0,0\nCIRCLE/0,0,0,0,0,-1,10,0.06,0.5,20,0\nGOTO/0,10,0\n",
-    )?;
+    let path = read("a.cls", "UNITS/MM\nGOTO/10,0,0\nCIRCLE/0,0,0,0,0,-1,10,0.06,0.5,20,0\nGOTO/0,10,0\n")?;
     let all = positions(&path);
     assert_eq!(all.last(), Some(&[0.0, 10.0, 0.0]));
     assert!(all.len() > 10);
-    let off = all
-        .iter()
-        .map(|p| (p[0].hypot(p[1]) - 10.0).abs())
-        .fold(0.0, f64::max);
+    let off = all.iter().map(|p| (p[0].hypot(p[1]) - 10.0).abs()).fold(0.0, f64::max);
     assert!(off < 1e-6 && all.iter().all(|p| p[0] > -1e-6 && p[1] > -1e-6));
     Ok(())
 }
@@ -213,17 +172,11 @@ fn krl_keeps_what_a_line_leaves_out_and_finds_points_in_the_dat() -> Check {
     let text = format!(
         "DEF a ( )\nPTP {{A1 0,A2 -90,A3 90,A4 0,A5 0,A6 0}}\nSPTP XP1\nLIN {POINT}\nLIN {{Z 25}} C_DIS\nSLIN {{X 11,C 170}}\nEND\n"
     );
-    let dat =
-        "DEFDAT a\nDECL E6POS XP1={X 0,Y 0,Z 50,A 0,B 0,C 180,S 2,T 35,E1 0.0,E2 0.0}\nENDDAT\n";
+    let dat = "DEFDAT a\nDECL E6POS XP1={X 0,Y 0,Z 50,A 0,B 0,C 180,S 2,T 35,E1 0.0,E2 0.0}\nENDDAT\n";
     let companion = Some(("a.dat", dat.as_bytes()));
     let kind = Kind::Robot(Language::Krl);
     let path = read_tool_path(kind, ("a.src", text.as_bytes()), companion, &cell_with(""))?;
-    let expected = [
-        [0.0, 0.0, 50.0],
-        [10.0, 20.0, 30.0],
-        [10.0, 20.0, 25.0],
-        [11.0, 20.0, 25.0],
-    ];
+    let expected = [[0.0, 0.0, 50.0], [10.0, 20.0, 30.0], [10.0, 20.0, 25.0], [11.0, 20.0, 25.0]];
     assert_eq!(rounded(&stated(&path)), expected);
     assert!(path.points[0].rapid && !stated(&path)[1].rapid);
     assert_eq!(codes(&path), ["joint-moves"]);
@@ -233,9 +186,9 @@ fn krl_keeps_what_a_line_leaves_out_and_finds_points_in_the_dat() -> Check {
 /// A circle of 10 mm about the origin, in each language that has arcs through a point.
 #[test]
 fn arcs_of_robots_pass_their_points() -> Check {
-    let krl = "LIN {X 10,Y 0,Z 0,A 0,B 0,C 180}\nCIRC {X 0,Y 10,Z 0,A 0,B 0,C 180},{X -10,Y 0,Z 0,A 0,B 0,C 180} C_DIS\n";
-    let at =
-        |x: i32, y: i32| format!("[[{x},{y},0],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]");
+    let krl =
+        "LIN {X 10,Y 0,Z 0,A 0,B 0,C 180}\nCIRC {X 0,Y 10,Z 0,A 0,B 0,C 180},{X -10,Y 0,Z 0,A 0,B 0,C 180} C_DIS\n";
+    let at = |x: i32, y: i32| format!("[[{x},{y},0],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]");
     let rapid = format!(
         "CONST robtarget via:={};\nMoveL {},v50,fine,t;\nMoveC via,{},v50,z1,t\\WObj:=part;\n",
         at(0, 10),
@@ -256,23 +209,10 @@ fn arcs_of_robots_pass_their_points() -> Check {
     for (name, text) in [("a.src", krl.to_string()), ("a.mod", rapid), ("a.ls", ls)] {
         let path = read(name, &text)?;
         let all = positions(&path);
-        assert_eq!(
-            (all[0], all[all.len() - 1]),
-            ([10.0, 0.0, 0.0], [-10.0, 0.0, 0.0]),
-            "{name}"
-        );
-        assert!(
-            all.contains(&[0.0, 10.0, 0.0]),
-            "{name} misses its point on the way"
-        );
-        let off = all
-            .iter()
-            .map(|p| (p[0].hypot(p[1]) - 10.0).abs())
-            .fold(0.0, f64::max);
-        assert!(
-            off < 1e-6 && all.iter().all(|p| p[1] > -1e-6),
-            "{name}: {off}"
-        );
+        assert_eq!((all[0], all[all.len() - 1]), ([10.0, 0.0, 0.0], [-10.0, 0.0, 0.0]), "{name}");
+        assert!(all.contains(&[0.0, 10.0, 0.0]), "{name} misses its point on the way");
+        let off = all.iter().map(|p| (p[0].hypot(p[1]) - 10.0).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-6 && all.iter().all(|p| p[1] > -1e-6), "{name}: {off}");
     }
     Ok(())
 }
@@ -280,45 +220,28 @@ fn arcs_of_robots_pass_their_points() -> Check {
 #[test]
 fn the_frames_of_a_program_are_held_against_the_cell() -> Check {
     let krl = |base: &str, tool: &str| format!("$BASE={base}\n$TOOL={tool}\nLIN {POINT}\n");
-    let (base, tool) = (
-        "{X 1500.5,Y -200,Z 612.25,A 35,B -20,C 10}",
-        "{X 0,Y 0,Z 300,A 0,B 0,C 0}",
-    );
+    let (base, tool) = ("{X 1500.5,Y -200,Z 612.25,A 35,B -20,C 10}", "{X 0,Y 0,Z 300,A 0,B 0,C 0}");
     assert!(read("a.src", &krl(base, tool))?.findings.is_empty());
-    let high = read(
-        "a.src",
-        &krl("{X 1500.5,Y -200,Z 1112.25,A 35,B -20,C 10}", tool),
-    )?;
+    let high = read("a.src", &krl("{X 1500.5,Y -200,Z 1112.25,A 35,B -20,C 10}", tool))?;
     assert_eq!(codes(&high), ["program-frame"]);
-    assert!(
-        high.findings[0].sentence.contains("500.0 mm and 0.00°"),
-        "{}",
-        high.findings[0].sentence
-    );
+    assert!(high.findings[0].sentence.contains("500.0 mm and 0.00°"), "{}", high.findings[0].sentence);
     let point = "[[0,0,0],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]";
     let rapid = |tool: &str, objects: &str| {
-        format!(
-            "PERS tooldata t:=[TRUE,[{tool},[1,0,0,0]],[5,[0,0,50],[1,0,0,0],0,0,0]];\n{objects}"
-        )
+        format!("PERS tooldata t:=[TRUE,[{tool},[1,0,0,0]],[5,[0,0,50],[1,0,0,0],0,0,0]];\n{objects}")
     };
     let world = format!("MoveL {point},v50,z1,t;\n");
     let world = read("a.mod", &rapid("[0,0,310]", &world))?;
     // Without a work object the path lies in the base frame, and the cell's does not.
     assert_eq!(codes(&world), ["program-frame", "program-frame"]);
     let two = format!("MoveL {point},v50,z1,t\\WObj:=a;\nMoveL {point},v50,z1,t\\WObj:=b;\n");
-    assert_eq!(
-        codes(&read("a.mod", &rapid("[0,0,300]", &two))?),
-        ["program-frames", "frame-unknown"]
-    );
+    assert_eq!(codes(&read("a.mod", &rapid("[0,0,300]", &two))?), ["program-frames", "frame-unknown"]);
     Ok(())
 }
 
 #[test]
 fn points_belong_to_the_feature_that_is_named_before_them() -> Check {
     let names = |read: &ReadPath| -> Vec<String> {
-        let names = stated(read)
-            .into_iter()
-            .map(|point| point.feature.unwrap_or_default().to_string());
+        let names = stated(read).into_iter().map(|point| point.feature.unwrap_or_default().to_string());
         names.collect()
     };
     let clsf = "GOTO/0,0,0\nTOOL PATH/POCKET_1,TOOL,T1\nGOTO/1,0,0\nEND-OF-PATH\nTOOL PATH/SLOT\nGOTO/2,0,0\n";
@@ -326,18 +249,12 @@ fn points_belong_to_the_feature_that_is_named_before_them() -> Check {
     let gcode = "O1 (ALL)\nG1 X0 Y0 Z0\n( 2D Pocket1 )\nX1 (along)\n; slot\nX2\n";
     assert_eq!(names(&read("a.nc", gcode)?), ["ALL", "2D Pocket1", "slot"]);
     let point = "[[0,0,0],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]";
-    let rapid = format!(
-        "PROC one()\nMoveL {point},v50,z1,t;\nENDPROC\nPROC two()\nMoveL {point},v50,z1,t;\nENDPROC\n"
-    );
+    let rapid = format!("PROC one()\nMoveL {point},v50,z1,t;\nENDPROC\nPROC two()\nMoveL {point},v50,z1,t;\nENDPROC\n");
     assert_eq!(names(&read("a.mod", &rapid)?), ["one", "two"]);
     let cell = cell_with("");
     let table = "x_mm,y_mm,z_mm,axis_x,axis_y,axis_z,feature\n0,0,0,0,0,-1,slot\n1,0,0,0,0,-1,\n";
     let table = read_path(table.as_bytes(), "a.csv", &cell, None)?;
-    let features: Vec<Option<&str>> = table
-        .points
-        .iter()
-        .map(|point| point.feature.as_deref())
-        .collect();
+    let features: Vec<Option<&str>> = table.points.iter().map(|point| point.feature.as_deref()).collect();
     assert_eq!(features, [Some("slot"), None]);
     let text = write_path(&table.format, &table.points)?;
     assert_eq!(read_path(text.as_bytes(), "a.csv", &cell, None)?, table);

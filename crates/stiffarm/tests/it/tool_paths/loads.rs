@@ -15,9 +15,7 @@ const POINTS: &str = "x_mm,y_mm,z_mm,axis_x,axis_y,axis_z";
 
 /// Feeds of the points \[mm/min\], to 1e-9; those without one are NaN.
 fn feeds(points: &[PathPoint]) -> Vec<f64> {
-    let feeds = points
-        .iter()
-        .map(|point| point.feed.unwrap_or(f64::NAN) * 60e3);
+    let feeds = points.iter().map(|point| point.feed.unwrap_or(f64::NAN) * 60e3);
     feeds.map(|feed| (feed * 1e9).round() / 1e9).collect()
 }
 
@@ -25,13 +23,10 @@ fn feeds(points: &[PathPoint]) -> Vec<f64> {
 fn every_language_gives_its_feeds() -> Check {
     const JOINTS: &str = "[9E9,9E9,9E9,9E9,9E9,9E9]";
     let rapid = |points: &[(&str, &str)]| {
-        let moves = points.iter().map(|(x, speed)| {
-            format!("MoveL [[{x},0,0],[0,1,0,0],[0,0,0,0],{JOINTS}],{speed},z1,tool0;\n")
-        });
-        format!(
-            "VAR speeddata vCut:=[2.5,500,5000,1000];\n{}",
-            moves.collect::<String>()
-        )
+        let moves = points
+            .iter()
+            .map(|(x, speed)| format!("MoveL [[{x},0,0],[0,1,0,0],[0,0,0,0],{JOINTS}],{speed},z1,tool0;\n"));
+        format!("VAR speeddata vCut:=[2.5,500,5000,1000];\n{}", moves.collect::<String>())
     };
     let listing = |moves: &str| {
         let point = |n: i32| {
@@ -40,10 +35,7 @@ fn every_language_gives_its_feeds() -> Check {
                 n - 1
             )
         };
-        format!(
-            "/PROG A\n/MN\n{moves}/POS\n{}/END\n",
-            (1..=4).map(point).collect::<String>()
-        )
+        format!("/PROG A\n/MN\n{moves}/POS\n{}/END\n", (1..=4).map(point).collect::<String>())
     };
     let programs: [(&str, String); 13] = [
         (
@@ -138,15 +130,12 @@ fn every_language_gives_its_feeds() -> Check {
 #[test]
 fn an_inverse_time_is_that_of_the_whole_move() -> Check {
     // A quarter of a circle of 10 mm in a tenth of a minute, and a helix that rises by 3 mm.
-    let text =
-        "G90 G93 G1 F2 X10 Y0 Z0\nG3 F10 X0 Y10 I-10 J0\nG3 F10 X-10 Y0 Z3 I0 J-10\nG0 X0 Y0 Z9\n";
+    let text = "G90 G93 G1 F2 X10 Y0 Z0\nG3 F10 X0 Y10 I-10 J0\nG3 F10 X-10 Y0 Z3 I0 J-10\nG0 X0 Y0 Z9\n";
     let points = read("a.nc", text)?.points;
     let quarter = 5.0 * std::f64::consts::PI;
     let feed = |line: usize| {
         let of_line = points.iter().filter(|point| point.line == Some(line));
-        let feeds: Vec<f64> = of_line
-            .filter_map(|point| Some(point.feed? * 60e3))
-            .collect();
+        let feeds: Vec<f64> = of_line.filter_map(|point| Some(point.feed? * 60e3)).collect();
         assert!(feeds.windows(2).all(|pair| pair[0] == pair[1]));
         feeds.first().copied()
     };
@@ -181,19 +170,14 @@ fn the_load_of_a_cut_follows_from_the_feed() -> Check {
     for (found, chip) in found.iter().zip(["0.05", "0.1", "0.2"]) {
         let fixed = cell_with(&format!("{CUT}feed_per_tooth_mm = {chip}\n"));
         for (found, expected) in found.iter().zip(loads(&fixed, &points[..1])?[0]) {
-            assert!(
-                (found - expected).abs() < 1e-12 * 100.0,
-                "{found} {expected}"
-            );
+            assert!((found - expected).abs() < 1e-12 * 100.0, "{found} {expected}");
         }
     }
     // A feature has its own spindle, and a point without feed stops it with its line.
     let own = CUT.replace("work.milling", "work.feature.milling");
-    let featured = cell_with(&format!(
-        "[[work.feature]]\nname = 'A'\n{own}spindle_rpm = 6000\n"
-    ));
-    let table = format!("{POINTS},feed,feature\n0,0,0,0,0,-1,10,A\n1,0,0,0,0,-1,,A\n")
-        .replace("feed,", "feed_mm_per_s,");
+    let featured = cell_with(&format!("[[work.feature]]\nname = 'A'\n{own}spindle_rpm = 6000\n"));
+    let table =
+        format!("{POINTS},feed,feature\n0,0,0,0,0,-1,10,A\n1,0,0,0,0,-1,,A\n").replace("feed,", "feed_mm_per_s,");
     let mut points = read_path(table.as_bytes(), "a.csv", &featured, None)?.points;
     let error = featured.work.put_on(&mut points).unwrap_err();
     assert_eq!(error.place().line, Some(3), "{error}");
@@ -220,23 +204,14 @@ fn feeds_of_a_table_stay() -> Check {
 
 fn straight(places_mm: &[f64]) -> Vec<PathPoint> {
     let point = |(i, x): (usize, &f64)| {
-        let target = PathTarget::Axis {
-            position: Vector3::new(x / 1e3, 0.0, 0.0),
-            axis: -Vector3::z_axis(),
-        };
-        PathPoint {
-            line: Some(i + 2),
-            ..path_point(i + 1, target)
-        }
+        let target = PathTarget::Axis { position: Vector3::new(x / 1e3, 0.0, 0.0), axis: -Vector3::z_axis() };
+        PathPoint { line: Some(i + 2), ..path_point(i + 1, target) }
     };
     places_mm.iter().enumerate().map(point).collect()
 }
 
 fn force_of(points: &[PathPoint]) -> Vec<f64> {
-    points
-        .iter()
-        .map(|point| point.load.unwrap().force.x)
-        .collect()
+    points.iter().map(|point| point.load.unwrap().force.x).collect()
 }
 
 #[test]
@@ -266,15 +241,9 @@ fn a_log_gives_each_point_the_mean_around_it() -> Check {
 
 #[test]
 fn a_power_scales_the_force_and_time_counts_at_the_feed() -> Check {
-    let force =
-        "[work.force]\nforce_n = [-200, 40, 0]\naxes = 'path'\npower_w = 900\nidle_power_w = 100\n";
+    let force = "[work.force]\nforce_n = [-200, 40, 0]\naxes = 'path'\npower_w = 900\nidle_power_w = 100\n";
     let cell = cell_with(force);
-    let log = read_log(
-        b"time_s,power_kw\n0,0.1\n1,0.5\n2,0.9\n",
-        "log.csv",
-        &cell,
-        None,
-    )?;
+    let log = read_log(b"time_s,power_kw\n0,0.1\n1,0.5\n2,0.9\n", "log.csv", &cell, None)?;
     let mut points = straight(&[0.0, 10.0, 15.0, 20.0]);
     // 10 mm in a second, then 5 mm in half a second.
     points.iter_mut().for_each(|point| point.feed = Some(0.01));
@@ -283,18 +252,13 @@ fn a_power_scales_the_force_and_time_counts_at_the_feed() -> Check {
     let shares = [0.125, 0.4375, 0.75, 0.9375];
     for (point, share) in points.iter().zip(shares) {
         let load = point.load.unwrap();
-        assert!(
-            (load.force - Vector3::new(-200.0, 40.0, 0.0) * share).norm() < 1e-9,
-            "{load:?}"
-        );
+        assert!((load.force - Vector3::new(-200.0, 40.0, 0.0) * share).norm() < 1e-9, "{load:?}");
     }
     assert_eq!(findings.len(), 1);
     // A rapid move before the first cut takes no time of the log; one within needs its feed.
     let mut points = straight(&[-500.0, 0.0, 10.0, 20.0]);
     (points[0].rapid, points[1].rapid) = (true, true);
-    points[2..]
-        .iter_mut()
-        .for_each(|point| point.feed = Some(0.01));
+    points[2..].iter_mut().for_each(|point| point.feed = Some(0.01));
     log.put_on(&cell, &mut points)?;
     let last = points[3].load.unwrap().force.x;
     assert!((last + 200.0 * 0.875).abs() < 1e-9, "{last}");
@@ -397,25 +361,12 @@ fn programs_and_their_loads_are_read_together() -> Check {
     let cell = cell_with("");
     let mut points = read_with("a.nc", "G90 G0 X0 Y0 Z5\nG1 F600 Z0\nX40\nG0 Z5\n", &cell)?.points;
     // Way: 5 mm down, 40 mm along, 5 mm up.
-    let log =
-        "along_mm,fx_n,fy_n,fz_n\n0,0,0,0\n5,0,0,0\n5,-80,0,0\n45,-80,0,0\n45,0,0,0\n50,0,0,0\n";
+    let log = "along_mm,fx_n,fy_n,fz_n\n0,0,0,0\n5,0,0,0\n5,-80,0,0\n45,-80,0,0\n45,0,0,0\n50,0,0,0\n";
     let log = read_log(log.as_bytes(), "log.csv", &cell, Some(ForceAxes::Path))?;
     log.put_on(&cell, &mut points)?;
-    let at = |line: usize| {
-        points
-            .iter()
-            .rfind(|point| point.line == Some(line))
-            .unwrap()
-    };
+    let at = |line: usize| points.iter().rfind(|point| point.line == Some(line)).unwrap();
     assert!((at(3).load.unwrap().force.x + 80.0).abs() < 1e-9);
-    assert_eq!(
-        at(4).load.unwrap().force.x,
-        0.0,
-        "a rapid move carries no load"
-    );
-    assert!(
-        at(2).load.unwrap().force.x > -80.0,
-        "half of what is around it is the plunge"
-    );
+    assert_eq!(at(4).load.unwrap().force.x, 0.0, "a rapid move carries no load");
+    assert!(at(2).load.unwrap().force.x > -80.0, "half of what is around it is the plunge");
     Ok(())
 }

@@ -12,26 +12,10 @@ use stiffarm_files::tool_path::{Kind, MoveOptions, Posed, read_tool_path, write_
 
 /// Robots of the catalogue with a posture each \[deg\], and the language of their controllers.
 const ROBOTS: [(&str, Language, [f64; 6]); 4] = [
-    (
-        "kuka-kr500-r2800-2",
-        Language::Krl,
-        [10.0, -70.0, 110.0, 5.0, 45.0, 20.0],
-    ),
-    (
-        "abb-irb6640",
-        Language::Rapid,
-        [10.0, 20.0, 10.0, 5.0, 45.0, 20.0],
-    ),
-    (
-        "fanuc-r2000ic165f",
-        Language::Ls,
-        [10.0, 10.0, -20.0, 5.0, -60.0, 20.0],
-    ),
-    (
-        "ur10e",
-        Language::Urscript,
-        [10.0, -80.0, 100.0, -110.0, -90.0, 20.0],
-    ),
+    ("kuka-kr500-r2800-2", Language::Krl, [10.0, -70.0, 110.0, 5.0, 45.0, 20.0]),
+    ("abb-irb6640", Language::Rapid, [10.0, 20.0, 10.0, 5.0, 45.0, 20.0]),
+    ("fanuc-r2000ic165f", Language::Ls, [10.0, 10.0, -20.0, 5.0, -60.0, 20.0]),
+    ("ur10e", Language::Urscript, [10.0, -80.0, 100.0, -110.0, -90.0, 20.0]),
 ];
 
 fn cell(robot: &str) -> Cell {
@@ -49,8 +33,7 @@ fn points(cell: &Cell, q: &[f64; 6]) -> (Vec<Vec<f64>>, Vec<PathPoint>) {
     let robot = &cell.setup.robot;
     let postures = (0..5).map(|k| {
         let q = q.iter().enumerate();
-        q.map(|(j, q)| (q + 0.3 * f64::from(k) * (1.0 + j as f64)).to_radians())
-            .collect::<Vec<f64>>()
+        q.map(|(j, q)| (q + 0.3 * f64::from(k) * (1.0 + j as f64)).to_radians()).collect::<Vec<f64>>()
     });
     let postures: Vec<Vec<f64>> = postures.collect();
     let points = postures.iter().zip(1..).map(|(q, number)| {
@@ -71,13 +54,7 @@ fn posed<'a>(q: &'a [Vec<f64>], points: &[PathPoint]) -> Vec<Posed<'a>> {
 }
 
 fn options(name: &str) -> MoveOptions {
-    MoveOptions {
-        name: name.to_string(),
-        header: vec!["A test".to_string()],
-        speed_mm_s: 20.0,
-        tool: None,
-        base: None,
-    }
+    MoveOptions { name: name.to_string(), header: vec!["A test".to_string()], speed_mm_s: 20.0, tool: None, base: None }
 }
 
 #[test]
@@ -91,15 +68,8 @@ fn what_is_written_is_read_as_the_same_path() -> Check {
         let read = read_tool_path(Kind::Robot(language), (&name, text.as_bytes()), None, &cell)?;
         // The first is a joint move.
         let (position, angle) = apart(&stated(&read), &points[1..]);
-        let (length, turn) = if language == Language::Ls {
-            (1e-6, 3e-5)
-        } else {
-            (1e-7, 3e-7)
-        };
-        assert!(
-            position < length && angle < turn,
-            "{robot}: {position} m, {angle} rad\n{text}"
-        );
+        let (length, turn) = if language == Language::Ls { (1e-6, 3e-5) } else { (1e-7, 3e-7) };
+        assert!(position < length && angle < turn, "{robot}: {position} m, {angle} rad\n{text}");
         shown += &format!("== {name}\n{}", text.replace('\r', ""));
     }
     insta::assert_snapshot!(shown);
@@ -115,19 +85,10 @@ fn what_cannot_be_written_is_refused() {
         let written = write_moves(language, &cell, &posed(&q, &points), options);
         written.map_err(|error: Error| error.code()).err()
     };
-    assert_eq!(
-        code(Language::Rapid, &options("part")),
-        Some(Code::Conflict)
-    );
-    assert_eq!(
-        code(Language::Pdl2, &options("part")),
-        Some(Code::Unsupported)
-    );
+    assert_eq!(code(Language::Rapid, &options("part")), Some(Code::Conflict));
+    assert_eq!(code(Language::Pdl2, &options("part")), Some(Code::Unsupported));
     assert_eq!(code(language, &options("9 part")), Some(Code::InvalidValue));
-    let still = MoveOptions {
-        speed_mm_s: 0.0,
-        ..options("part")
-    };
+    let still = MoveOptions { speed_mm_s: 0.0, ..options("part") };
     assert_eq!(code(language, &still), Some(Code::InvalidValue));
     assert_eq!(code(language, &options("part")), None);
 }

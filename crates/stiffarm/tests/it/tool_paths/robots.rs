@@ -39,10 +39,7 @@ fn objects() -> (String, String) {
     let user = nalgebra::Isometry3::new(Vector3::new(0.4, -0.1, 0.2), Vector3::new(0.3, -0.2, 0.1));
     let shown = |pose: &nalgebra::Isometry3<f64>| {
         let (p, q) = (1e3 * pose.translation.vector, pose.rotation);
-        format!(
-            "[[{:.6},{:.6},{:.6}],[{:.9},{:.9},{:.9},{:.9}]]",
-            p.x, p.y, p.z, q.w, q.i, q.j, q.k
-        )
+        format!("[[{:.6},{:.6},{:.6}],[{:.9},{:.9},{:.9},{:.9}]]", p.x, p.y, p.z, q.w, q.i, q.j, q.k)
     };
     (shown(&user), shown(&(user.inverse() * workpiece)))
 }
@@ -104,13 +101,8 @@ fn frames_that_rapid_calculates_are_serious_where_a_move_takes_them() -> Check {
         assert_eq!(codes(&path), ["frame-assigned"], "{set}");
         assert_eq!(path.findings[0].severity, Severity::Serious);
     }
-    let body =
-        format!("PROC p()\nother.uframe.trans.x:=5;\nMoveL {TARGET},v50,z1,t\\WObj:=w;\nENDPROC");
-    assert!(
-        read("a.mod", &rapid([&user, &object], &body))?
-            .findings
-            .is_empty()
-    );
+    let body = format!("PROC p()\nother.uframe.trans.x:=5;\nMoveL {TARGET},v50,z1,t\\WObj:=w;\nENDPROC");
+    assert!(read("a.mod", &rapid([&user, &object], &body))?.findings.is_empty());
     Ok(())
 }
 
@@ -132,10 +124,7 @@ fn rapid_statements_end_at_their_semicolon() -> Check {
     // A semicolon that is missing hides no move.
     let text = format!("MoveL {TARGET},v50,z1,t\nMoveL {TARGET},v50,z1,t;\n");
     let error = read("a.mod", &text).unwrap_err();
-    assert_eq!(
-        (error.place().line, error.message()),
-        (Some(2), "`;` is missing here.")
-    );
+    assert_eq!((error.place().line, error.message()), (Some(2), "`;` is missing here."));
     Ok(())
 }
 
@@ -148,20 +137,11 @@ fn procedures_run_where_they_are_called() -> Check {
     );
     let path = read("a.mod", &text)?;
     assert_eq!(xs(&path), [2.0, 1.0, 3.0, 2.0]);
-    let features = stated(&path)
-        .into_iter()
-        .map(|point| point.feature.unwrap_or_default().to_string());
+    let features = stated(&path).into_iter().map(|point| point.feature.unwrap_or_default().to_string());
     assert_eq!(features.collect::<Vec<_>>(), ["b", "a", "main", "b"]);
-    assert!(
-        sentence(&path, "procedure-uncalled").contains("procedure c (line 15)"),
-        "{:?}",
-        path.findings
-    );
+    assert!(sentence(&path, "procedure-uncalled").contains("procedure c (line 15)"), "{:?}", path.findings);
     // Without one that is started, nobody knows.
-    let path = read(
-        "a.mod",
-        &format!("PROC a()\n{one}ENDPROC\nPROC b()\n{two}gripper_on;\nENDPROC\n"),
-    )?;
+    let path = read("a.mod", &format!("PROC a()\n{one}ENDPROC\nPROC b()\n{two}gripper_on;\nENDPROC\n"))?;
     assert_eq!(xs(&path), [1.0, 2.0]);
     assert!(codes(&path).contains(&"procedure-order"));
     assert!(sentence(&path, "not-followed").contains("gripper_on"));
@@ -188,32 +168,13 @@ fn procedures_run_where_they_are_called() -> Check {
 #[test]
 fn moves_of_rapid_that_are_not_read_are_refused_by_their_target() {
     let point = format!("CONST robtarget p1:={TARGET};\nMoveL p1,v50,z1,t;\n");
-    for line in [
-        "ArcL p1,v100,seam1,weld1,z10,t;",
-        "DrillAt p1;",
-        "TriggAbsJ j,v1,t1,fine,t;",
-        "EOffsSet [1];",
-    ] {
+    for line in ["ArcL p1,v100,seam1,weld1,z10,t;", "DrillAt p1;", "TriggAbsJ j,v1,t1,fine,t;", "EOffsSet [1];"] {
         let error = read("a.mod", &format!("{point}{line}\n")).unwrap_err();
         assert_eq!(error.place().line, Some(3), "{line}: {}", error.message());
     }
-    let error = read(
-        "a.mod",
-        "VAR robtarget p2;\np2:=Offs(p1,0,0,5);\nMoveL p2,v50,z1,t;\n",
-    )
-    .unwrap_err();
-    assert!(
-        error.message().starts_with("p2 is calculated"),
-        "{}",
-        error.message()
-    );
-    for line in [
-        "WaitTime 1;",
-        "ConfL\\Off;",
-        "VAR robtarget p2;",
-        "VAR robtarget p2:=CRobT();",
-        "p1.trans.x := 5;",
-    ] {
+    let error = read("a.mod", "VAR robtarget p2;\np2:=Offs(p1,0,0,5);\nMoveL p2,v50,z1,t;\n").unwrap_err();
+    assert!(error.message().starts_with("p2 is calculated"), "{}", error.message());
+    for line in ["WaitTime 1;", "ConfL\\Off;", "VAR robtarget p2;", "VAR robtarget p2:=CRobT();", "p1.trans.x := 5;"] {
         assert!(read("a.mod", &format!("{point}{line}\n")).is_ok(), "{line}");
     }
 }
@@ -225,8 +186,7 @@ fn krl_takes_bases_and_tools_by_number() -> Check {
          DECL E6POS XP1={POINT}\nDECL FDAT FP1={{TOOL_NO 1,BASE_NO 3,IPO_FRAME #BASE,POINT2[] \" \"}}\n\
          DECL FDAT FP2={{TOOL_NO 1,BASE_NO 4,IPO_FRAME #BASE}}\nDECL FDAT FP3={{TOOL_NO 1,BASE_NO 3,IPO_FRAME #TCP}}\nENDDAT\n"
     );
-    let after =
-        |head: &str, tail: &str| krl(&format!("DEF a ( )\n{head}\nLIN XP1{tail}\nEND\n"), &dat);
+    let after = |head: &str, tail: &str| krl(&format!("DEF a ( )\n{head}\nLIN XP1{tail}\nEND\n"), &dat);
     let right = [
         "BAS (#TOOL,1)\nBAS (#BASE,3)",
         "$TOOL=TOOL_DATA[1]\n$BASE = BASE_DATA[3]",
@@ -238,9 +198,7 @@ fn krl_takes_bases_and_tools_by_number() -> Check {
     for head in right {
         let path = after(head, "")?;
         assert!(
-            path.findings
-                .iter()
-                .all(|finding| finding.code.as_str() == "joint-moves"),
+            path.findings.iter().all(|finding| finding.code.as_str() == "joint-moves"),
             "{head}: {:?}",
             path.findings
         );
@@ -307,77 +265,28 @@ fn listed(number: usize, x: &str, more: &str) -> String {
 }
 
 fn ls(moves: &[&str], points: &[String]) -> String {
-    let moves = moves
-        .iter()
-        .zip(1..)
-        .map(|(line, number)| format!("{number:4}:{line} ;\n"));
-    format!(
-        "/PROG  A\n/MN\n{}/POS\n{}/END\n",
-        moves.collect::<String>(),
-        points.concat()
-    )
+    let moves = moves.iter().zip(1..).map(|(line, number)| format!("{number:4}:{line} ;\n"));
+    format!("/PROG  A\n/MN\n{}/POS\n{}/END\n", moves.collect::<String>(), points.concat())
 }
 
 #[test]
 fn fanuc_points_count_where_a_move_goes_there() -> Check {
-    let points = [
-        listed(1, "1.0", ""),
-        listed(2, "********", ""),
-        listed(3, "3.0", ""),
-    ];
-    let path = read(
-        "a.ls",
-        &ls(
-            &[
-                "L P[1] 50mm/sec FINE",
-                "  A[875]=ON",
-                "  S[1]=3",
-                "L P[3] 50mm/sec FINE",
-            ],
-            &points,
-        ),
-    )?;
-    assert!(
-        path.findings.is_empty() && xs(&path) == [1.0, 3.0],
-        "{:?}",
-        path.findings
-    );
-    let error = read(
-        "a.ls",
-        &ls(&["L P[1] 50mm/sec FINE", "L P[2] 50mm/sec FINE"], &points),
-    )
-    .unwrap_err();
-    assert!(
-        error.message().contains("P[2] has no X"),
-        "{}",
-        error.message()
-    );
-    let error = read(
-        "a.ls",
-        &ls(&["L P[1] 50mm/sec FINE", "A P[3] 50mm/sec FINE"], &points),
-    )
-    .unwrap_err();
-    assert!(
-        error.message().contains("A is a move"),
-        "{}",
-        error.message()
-    );
+    let points = [listed(1, "1.0", ""), listed(2, "********", ""), listed(3, "3.0", "")];
+    let path =
+        read("a.ls", &ls(&["L P[1] 50mm/sec FINE", "  A[875]=ON", "  S[1]=3", "L P[3] 50mm/sec FINE"], &points))?;
+    assert!(path.findings.is_empty() && xs(&path) == [1.0, 3.0], "{:?}", path.findings);
+    let error = read("a.ls", &ls(&["L P[1] 50mm/sec FINE", "L P[2] 50mm/sec FINE"], &points)).unwrap_err();
+    assert!(error.message().contains("P[2] has no X"), "{}", error.message());
+    let error = read("a.ls", &ls(&["L P[1] 50mm/sec FINE", "A P[3] 50mm/sec FINE"], &points)).unwrap_err();
+    assert!(error.message().contains("A is a move"), "{}", error.message());
     Ok(())
 }
 
 #[test]
 fn frames_that_fanuc_sets_are_serious_where_a_move_takes_them() -> Check {
     let points = [listed(1, "1.0", "")];
-    let set = [
-        "  PR[9,1]=100",
-        "  UFRAME[3]=PR[9]",
-        "  UFRAME_NUM=3",
-        "L P[1] 50mm/sec FINE",
-    ];
-    assert_eq!(
-        codes(&read("a.ls", &ls(&set, &points))?),
-        ["frame-assigned", "frame-unknown"]
-    );
+    let set = ["  PR[9,1]=100", "  UFRAME[3]=PR[9]", "  UFRAME_NUM=3", "L P[1] 50mm/sec FINE"];
+    assert_eq!(codes(&read("a.ls", &ls(&set, &points))?), ["frame-assigned", "frame-unknown"]);
     // Stated numbers are followed.
     let numbers = |name: &str, numbers: [f64; 6]| {
         let lines = numbers.into_iter().zip(1..);
@@ -395,16 +304,8 @@ fn frames_that_fanuc_sets_are_serious_where_a_move_takes_them() -> Check {
     lines[5] = "  PR[95,6]=R[1]".into();
     let texts: Vec<&str> = lines.iter().map(String::as_str).collect();
     assert!(codes(&read("a.ls", &ls(&texts, &points))?).contains(&"frame-assigned"));
-    let other = [
-        "  UTOOL[4]=PR[9]",
-        "  UTOOL_NUM=2",
-        "L P[1] 50mm/sec FINE",
-        "  UFRAME_NUM=3",
-    ];
-    assert_eq!(
-        codes(&read("a.ls", &ls(&other, &points))?),
-        ["frame-unknown"]
-    );
+    let other = ["  UTOOL[4]=PR[9]", "  UTOOL_NUM=2", "L P[1] 50mm/sec FINE", "  UFRAME_NUM=3"];
+    assert_eq!(codes(&read("a.ls", &ls(&other, &points))?), ["frame-unknown"]);
     Ok(())
 }
 
@@ -414,25 +315,16 @@ fn poses_of_urscript_are_those_of_their_time() -> Check {
     let path = read("a.script", text)?;
     let base = *cell_with("").setup.robot.controller_base();
     let x = |point: &stiffarm::model::path::PathPoint| match &point.target {
-        stiffarm::model::path::PathTarget::Pose(pose) => {
-            (base.inverse() * pose).translation.vector.x
-        }
+        stiffarm::model::path::PathTarget::Pose(pose) => (base.inverse() * pose).translation.vector.x,
         _ => f64::NAN,
     };
     let all: Vec<f64> = stated(&path).iter().map(x).collect();
-    assert!(
-        (all[0] - 0.4).abs() < 1e-9 && (all[1] - 0.5).abs() < 1e-9,
-        "{all:?}"
-    );
+    assert!((all[0] - 0.4).abs() < 1e-9 && (all[1] - 0.5).abs() < 1e-9, "{all:?}");
     let text = "P1=p[0.4,0.1,0.2,0,3.1,0]\nP1[2]=0.3\nmovel(P1)\n";
     assert_eq!(codes(&read("a.script", text)?), ["point-assigned"]);
     let tcp = |z: f64| format!("set_tcp(p[0,0,{z},0,0,0])\n");
     let go = "movel(p[0.4,0.1,0.2,0,3.1,0])\n";
-    assert!(
-        read("a.script", &format!("{}{go}{}{go}", tcp(0.3), tcp(0.3)))?
-            .findings
-            .is_empty()
-    );
+    assert!(read("a.script", &format!("{}{go}{}{go}", tcp(0.3), tcp(0.3)))?.findings.is_empty());
     let twice = read("a.script", &format!("{}{go}{}{go}", tcp(0.3), tcp(0.31)))?;
     assert_eq!(codes(&twice), ["program-frame", "program-frames"]);
     for line in [
@@ -443,23 +335,17 @@ fn poses_of_urscript_are_those_of_their_time() -> Check {
         "movec(p[0.4,0.1,0.2,0,0,0], p[0.5,0.1,0.2,0,3.1,0], mode=1)",
         "movec(p[0.4,0.1,0.2,0,0,0], p[0.5,0.1,0.2,0,3.1,0], 1, 0.1, 0, 1)",
     ] {
-        assert!(
-            read("a.script", &format!("{go}{line}\n")).is_err(),
-            "{line}"
-        );
+        assert!(read("a.script", &format!("{go}{line}\n")).is_err(), "{line}");
     }
     // The turn of the point on the way is not the controller's.
     let text = "movel(p[0.4,0.1,0.2,0,3.1,0])\nmovec(p[0.5,0.2,0.2,0,0,0], p[0.6,0.1,0.2,0,3.1,0], 1, 0.1)\n";
     let path = read("a.script", text)?;
-    let turned =
-        path.points.iter().map(|point| match &point.target {
-            stiffarm::model::path::PathTarget::Pose(pose) => {
-                (base.inverse() * pose).rotation.angle_to(
-                    &nalgebra::UnitQuaternion::from_scaled_axis(Vector3::new(0.0, 3.1, 0.0)),
-                )
-            }
-            _ => f64::NAN,
-        });
+    let turned = path.points.iter().map(|point| match &point.target {
+        stiffarm::model::path::PathTarget::Pose(pose) => (base.inverse() * pose)
+            .rotation
+            .angle_to(&nalgebra::UnitQuaternion::from_scaled_axis(Vector3::new(0.0, 3.1, 0.0))),
+        _ => f64::NAN,
+    });
     assert!(turned.fold(0.0, f64::max) < 1e-9);
     Ok(())
 }
@@ -470,32 +356,12 @@ fn external_axes_that_stand_still_are_part_of_the_base() -> Check {
     let group = |at: &str| format!("\n   GP2:\n\tUF : 0, UT : 1,\n\tJ1= {at} mm");
     let track = |at: &str| format!(",\n\tE1= {at} mm");
     let moves = ["L P[1] 50mm/sec FINE", "L P[2] 50mm/sec FINE"];
-    let two = |a: String, b: String| {
-        ls(
-            &moves,
-            &[
-                listed(1, "1.0", &a),
-                listed(2, "2.0", &b),
-                listed(3, "3.0", &group("7")),
-            ],
-        )
-    };
+    let two =
+        |a: String, b: String| ls(&moves, &[listed(1, "1.0", &a), listed(2, "2.0", &b), listed(3, "3.0", &group("7"))]);
     let with = |at: &str, other: &str| {
         [
-            (
-                "a.src",
-                format!("LIN {{X 1,Y 2,Z 3,A 0,B 0,C 180,E1 {at}}}\nLIN {{X 2,E1 {other}}}\n"),
-                "E1",
-            ),
-            (
-                "a.mod",
-                format!(
-                    "MoveL {},v50,z1,t;\nMoveL {},v50,z1,t;\n",
-                    target(at),
-                    target(other)
-                ),
-                "eax_a",
-            ),
+            ("a.src", format!("LIN {{X 1,Y 2,Z 3,A 0,B 0,C 180,E1 {at}}}\nLIN {{X 2,E1 {other}}}\n"), "E1"),
+            ("a.mod", format!("MoveL {},v50,z1,t;\nMoveL {},v50,z1,t;\n", target(at), target(other)), "eax_a"),
             ("a.ls", two(group(at), group(other)), "J1 of group 2"),
             ("a.ls", two(track(at), track(other)), "E1"),
         ]
@@ -503,27 +369,18 @@ fn external_axes_that_stand_still_are_part_of_the_base() -> Check {
     for (name, text, axis) in with("1000", "1000.0") {
         let path = read(name, &text)?;
         let said = sentence(&path, "external-axis");
-        assert!(
-            said.contains(axis) && said.contains("stands at 1000 at every point"),
-            "{name}: {:?}",
-            path.findings
-        );
+        assert!(said.contains(axis) && said.contains("stands at 1000 at every point"), "{name}: {:?}", path.findings);
     }
     for (name, text, _) in with("0", "0.0") {
         assert_eq!(sentence(&read(name, &text)?, "external-axis"), "");
     }
     for (name, text, axis) in with("0", "100") {
         let error = read(name, &text).unwrap_err();
-        assert!(
-            error.message().contains(axis) && error.hint_text().is_some(),
-            "{name}: {}",
-            error.message()
-        );
+        assert!(error.message().contains(axis) && error.hint_text().is_some(), "{name}: {}", error.message());
         assert!(error.place().line > Some(1));
     }
     // What a line leaves out stands where the last move left it.
-    let text =
-        format!("LIN {POINT}\nPTP {{A1 0,A2 -90,A3 90,A4 0,A5 0,A6 0,E1 500}}\nLIN {{X 5}}\n");
+    let text = format!("LIN {POINT}\nPTP {{A1 0,A2 -90,A3 90,A4 0,A5 0,A6 0,E1 500}}\nLIN {{X 5}}\n");
     assert!(read("a.src", &text).is_err());
     Ok(())
 }
@@ -539,40 +396,14 @@ fn inform_jobs_with_poses_are_paths() -> Check {
         "MOVL C00001 V=46.0\nMOVC C00001 V=46.0 PL=0\n'in between\nDOUT OT#(1) ON\nMOVC C00002 V=46.0\nMOVC C00003 V=46.0\nMOVL C00004 V=11.5\n",
     )?;
     let all = positions(&path);
-    assert_eq!(
-        (all[0], all[all.len() - 1]),
-        ([10.0, 0.0, 0.0], [-10.0, 5.0, 7.0])
-    );
+    assert_eq!((all[0], all[all.len() - 1]), ([10.0, 0.0, 0.0], [-10.0, 5.0, 7.0]));
     let arc = all.iter().take_while(|p| p[2] == 0.0);
-    assert!(
-        arc.clone().count() > 10
-            && arc
-                .clone()
-                .all(|p| (p[0].hypot(p[1]) - 10.0).abs() < 1e-6 && p[1] > -1e-6)
-    );
-    assert_eq!(
-        (
-            path.points[0].feed,
-            path.points.last().and_then(|point| point.feed)
-        ),
-        (Some(0.046), Some(0.0115))
-    );
+    assert!(arc.clone().count() > 10 && arc.clone().all(|p| (p[0].hypot(p[1]) - 10.0).abs() < 1e-6 && p[1] > -1e-6));
+    assert_eq!((path.points[0].feed, path.points.last().and_then(|point| point.feed)), (Some(0.046), Some(0.0115)));
     let mut said = codes(&path);
     said.sort_unstable();
-    assert_eq!(
-        said,
-        [
-            "frame-unknown",
-            "frame-unknown",
-            "joint-moves",
-            "speed-unit"
-        ]
-    );
-    assert!(
-        path.findings
-            .iter()
-            .all(|finding| finding.severity == Severity::Note)
-    );
+    assert_eq!(said, ["frame-unknown", "frame-unknown", "joint-moves", "speed-unit"]);
+    assert!(path.findings.iter().all(|finding| finding.severity == Severity::Note));
     // The turns are about fixed x, y, z.
     let table = "x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg\n-10,5,7,180,0,30\n";
     let table = stiffarm_files::table::read_path(table.as_bytes(), "a.csv", &cell_with(""), None)?;
@@ -588,16 +419,12 @@ fn inform_jobs_with_poses_are_paths() -> Check {
     let again = read("a.jbi", std::str::from_utf8(&written.files[0].1)?)?;
     assert!(super::apart(&stated(&again)[..1], &moved[..1]).0 < 1e-6);
     // Two arcs that follow each other.
-    let two =
-        "MOVC C00001 V=1\nMOVC C00002 V=1\nMOVC C00003 V=1 FPT\nMOVC C00004 V=1\nMOVC C00001 V=1\n";
+    let two = "MOVC C00001 V=1\nMOVC C00002 V=1\nMOVC C00003 V=1 FPT\nMOVC C00004 V=1\nMOVC C00001 V=1\n";
     assert!(job(two)?.points.len() > 20);
     for (lines, line) in [
         ("MOVC C00001 V=1\nMOVC C00002 V=1\n", 26),
         ("MOVC C00001 V=1\nMOVC C00002 V=1\nMOVL C00004 V=1\n", 26),
-        (
-            "MOVC C00001 V=1\nMOVC C00002 V=1\nMOVC C00003 V=1\nMOVC C00004 V=1\n",
-            27,
-        ),
+        ("MOVC C00001 V=1\nMOVC C00002 V=1\nMOVC C00003 V=1\nMOVC C00004 V=1\n", 27),
         ("MOVS C00001 V=1\n", 24),
         ("MOVL P00005 V=1\n", 24),
         ("MOVL C00000 V=1\n", 24),
@@ -605,12 +432,7 @@ fn inform_jobs_with_poses_are_paths() -> Check {
         ("+MOVL C00001 V=1\n", 24),
     ] {
         let error = job(lines).unwrap_err();
-        assert_eq!(
-            error.place().line,
-            Some(line),
-            "{lines}: {}",
-            error.message()
-        );
+        assert_eq!(error.place().line, Some(line), "{lines}: {}", error.message());
     }
     let path = job("MFRAME UF#(2) P00005 P00005 P00005\nMOVL C00001 V=1\nCALL JOB:B\n")?;
     assert!(codes(&path).contains(&"frame-assigned") && codes(&path).contains(&"not-followed"));

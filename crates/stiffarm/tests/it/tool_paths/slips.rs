@@ -26,32 +26,17 @@ const SLIPS: [(&str, &str); 44] = [
     ("a.cls", "GOTO/1,2,3,0,0,0\n"),
     ("a.cls", "GOTO/1,2,3\nCUTCOM/LEFT\n"),
     ("a.cls", "GOTO/1,2,3\nCIRCLE/0,0,0,0,0,1,5\nGOTO/9,9,9\n"),
-    (
-        "a.cls",
-        "GOTO/1,2,3\nCIRCLE/0,0,0,0,0,1,5,0,0,0,0,TIMES,2\n",
-    ),
+    ("a.cls", "GOTO/1,2,3\nCIRCLE/0,0,0,0,0,1,5,0,0,0,0,TIMES,2\n"),
     ("a.apt", "GOTO/1,2,x3\n"),
     ("a.apt", "GOTO/1,2,$\n"),
-    (
-        "a.apt",
-        "INDIRV/1,0,0\nTLON,GOFWD/(CIRCLE/0,0,0,5),ON,(LINE/0,0,0,1,1,0)\n",
-    ),
+    ("a.apt", "INDIRV/1,0,0\nTLON,GOFWD/(CIRCLE/0,0,0,5),ON,(LINE/0,0,0,1,1,0)\n"),
     ("a.src", "LIN {X 1,Y 2}\n"),
     ("a.src", "LIN XP7\n"),
     ("a.src", "LIN_REL {X 1}\n"),
-    (
-        "a.src",
-        "LIN {X 1,Y 2,Z 3,A 0,B 0,C 0,E1 100}\nLIN {X 2,E1 100.5}\n",
-    ),
+    ("a.src", "LIN {X 1,Y 2,Z 3,A 0,B 0,C 0,E1 100}\nLIN {X 2,E1 100.5}\n"),
     ("a.mod", "MoveL Offs(p1,0,0,5),v50,z1,t;\n"),
-    (
-        "a.mod",
-        "MoveL [[1,2,3],[0,2,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v50,z1,t;\n",
-    ),
-    (
-        "a.ls",
-        "/PROG A\n/MN\n 1:L PR[1] 50mm/sec FINE ;\n/POS\n/END\n",
-    ),
+    ("a.mod", "MoveL [[1,2,3],[0,2,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v50,z1,t;\n"),
+    ("a.ls", "/PROG A\n/MN\n 1:L PR[1] 50mm/sec FINE ;\n/POS\n/END\n"),
     ("a.cls", "GOTO/1,2,3\nCIRCLE/0,0,0,0,0,1,5\n"),
     ("a.cls", "GOTO/10,5,0,0,2,9\n"),
     ("a.nc", "G90 G0 X0 Y0 Z5\nG51.1 X0\nG1 X5\n"),
@@ -59,14 +44,8 @@ const SLIPS: [(&str, &str); 44] = [
     ("a.mpf", "G1 X0 Y0 Z0\nG1 AP=45 RP=20\n"),
     ("a.src", "LIN XP3:{X 10}\n"),
     ("a.mod", "PDispSet [[10,0,0],[1,0,0,0]];\n"),
-    (
-        "a.mod",
-        "PERS wobjdata w:=[TRUE,TRUE,\"\",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];\n",
-    ),
-    (
-        "a.ls",
-        "/PROG A\n/MN\n 1:L P[1] 50mm/sec FINE Offset,PR[1] ;\n/POS\n/END\n",
-    ),
+    ("a.mod", "PERS wobjdata w:=[TRUE,TRUE,\"\",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];\n"),
+    ("a.ls", "/PROG A\n/MN\n 1:L P[1] 50mm/sec FINE Offset,PR[1] ;\n/POS\n/END\n"),
     (
         "a.ls",
         "/PROG A\n/MN\n 1:L P[1] 50mm/sec FINE ;\n 2:L P[2] 50mm/sec FINE ;\n/POS\nP[1]{\n GP1:\n X= 1 mm, Y= 2 mm, Z= 3 mm,\n W= 0 deg, P= 0 deg, R= 0 deg\n GP2:\n UF : 1, UT : 2,\n J1= 12.0 deg\n};\nP[2]{\n GP1:\n X= 2 mm, Y= 2 mm, Z= 3 mm,\n W= 0 deg, P= 0 deg, R= 0 deg\n GP2:\n J1= 13.0 deg\n};\n/END\n",
@@ -81,11 +60,8 @@ fn slips_are_reported_where_they_are() {
         Ok(path) => format!("{text}READ: {} points", path.points.len()),
         Err(error) => {
             let place = error.place();
-            let at =
-                [place.line, place.column].map(|n| n.map_or("-".to_string(), |n| n.to_string()));
-            let hint = error
-                .hint_text()
-                .map_or_else(String::new, |hint| format!("\n  {hint}"));
+            let at = [place.line, place.column].map(|n| n.map_or("-".to_string(), |n| n.to_string()));
+            let hint = error.hint_text().map_or_else(String::new, |hint| format!("\n  {hint}"));
             format!("{text}{name}:{}: {}{hint}", at.join(":"), error.message())
         }
     });

@@ -1,8 +1,6 @@
 //! The same program with other numbers.
 
-use super::{
-    Check, apart, axes, cell_with, commanded, moved, on_workpiece, positions, read, stated,
-};
+use super::{Check, apart, axes, cell_with, commanded, moved, on_workpiece, positions, read, stated};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use stiffarm::Code;
@@ -17,10 +15,7 @@ const PROGRAMS: [(&str, &str); 6] = [
         "%\nN10 G21 G90 G54 (set up)\nN20 G0 X0. Y0. Z40.\nN30 G1 Z-1.25 F300\nN40 X   40.5 ; along\nN50 Y20\nN60 G2 X60.5 Y0. R20. F200\n\
          N70 X80.5 Y-20. I20. J0. (on)\nN80 G1 X50 Z-2\nG0 Z50\nN90 M30\n%\n",
     ),
-    (
-        "a.mpf",
-        "TRAORI\r\nG1 X1 Y2 Z3 A3=0 B3=0 C3=1 F100\r\nX4\r\nY5 A3=0.1\r\nX9 Z-1 A3=0.2 B3=0.1 C3=0.9\r\nM30\r\n",
-    ),
+    ("a.mpf", "TRAORI\r\nG1 X1 Y2 Z3 A3=0 B3=0 C3=1 F100\r\nX4\r\nY5 A3=0.1\r\nX9 Z-1 A3=0.2 B3=0.1 C3=0.9\r\nM30\r\n"),
     (
         "a.cls",
         "TOOL PATH/A,TOOL,T1\nRAPID\nGOTO/0.0000,0.0000,40.0000,0.1,0.0,0.9949874\nGOTO/0.0000,0.0000,0.0000\nGOTO/10.0000,0.0000,0.0000\n\
@@ -59,8 +54,7 @@ fn where_nothing_moves_the_bytes_are_the_same() -> Check {
     for (name, program) in PROGRAMS {
         let path = read(name, program)?;
         // What an equilibrium leaves of nothing.
-        let still =
-            |point: &PathPoint| moved(point, Vector3::repeat(1e-10), Vector3::repeat(1e-13));
+        let still = |point: &PathPoint| moved(point, Vector3::repeat(1e-10), Vector3::repeat(1e-13));
         let commanded: Vec<PathPoint> = path.points.iter().map(still).collect();
         assert_eq!(text(&write(&path, &commanded)?), program, "{name}");
         assert_eq!(text(&write(&path, &path.points)?), program, "{name}");
@@ -157,10 +151,7 @@ fn a_point_of_two_moves_cannot_have_two_corrections() -> Check {
     assert!(write(&path, &all([0.1, 0.3, 0.1])).is_ok());
     for shifts in [[0.1, 0.3, 0.2], [0.1, 0.3, 0.0], [0.0, 0.3, 0.1]] {
         let error = write(&path, &all(shifts)).unwrap_err();
-        assert_eq!(
-            (error.code(), error.place().line),
-            (Code::Conflict, Some(1))
-        );
+        assert_eq!((error.code(), error.place().line), (Code::Conflict, Some(1)));
     }
     Ok(())
 }
@@ -182,37 +173,21 @@ fn points_in_the_second_file_are_written_there() -> Check {
     let companion = Some(("a.dat", dat.as_bytes()));
     let path = read_tool_path(kind, ("a.src", src.as_bytes()), companion, &cell_with(""))?;
     let up = cell_with("").work.workpiece.rotation * Vector3::new(0.0, 0.0, 0.5);
-    let commanded: Vec<PathPoint> = path
-        .points
-        .iter()
-        .map(|point| moved(point, up, Vector3::zeros()))
-        .collect();
+    let commanded: Vec<PathPoint> = path.points.iter().map(|point| moved(point, up, Vector3::zeros())).collect();
     let files = write(&path, &commanded)?.files;
-    assert_eq!(
-        String::from_utf8_lossy(&files[0].1),
-        src.replace("Z 50", "Z 50.5000")
-    );
-    assert_eq!(
-        String::from_utf8_lossy(&files[1].1),
-        dat.replace("Z 50", "Z 50.5000")
-    );
+    assert_eq!(String::from_utf8_lossy(&files[0].1), src.replace("Z 50", "Z 50.5000"));
+    assert_eq!(String::from_utf8_lossy(&files[1].1), dat.replace("Z 50", "Z 50.5000"));
     Ok(())
 }
 
 #[test]
 fn what_has_no_tool_axis_says_what_is_left() -> Check {
     let path = read("a.nc", "G90 G0 X0 Y0 Z5\nG1 Z0\nX10\n")?;
-    let tilted: Vec<PathPoint> = path
-        .points
-        .iter()
-        .map(|p| moved(p, Vector3::zeros(), Vector3::new(0.001, 0.0, 0.0)))
-        .collect();
+    let tilted: Vec<PathPoint> =
+        path.points.iter().map(|p| moved(p, Vector3::zeros(), Vector3::new(0.001, 0.0, 0.0))).collect();
     let written = write(&path, &tilted)?;
     assert_eq!(text(&written), "G90 G0 X0 Y0 Z5\nG1 Z0\nX10\n");
-    assert!(
-        (written.tilt_left - 0.001 * axes(&path.points)[0].cross(&Vector3::x()).norm()).abs()
-            < 2e-4
-    );
+    assert!((written.tilt_left - 0.001 * axes(&path.points)[0].cross(&Vector3::x()).norm()).abs() < 2e-4);
     let [finding] = &written.findings()[..] else {
         panic!("{:?}", written.findings());
     };
@@ -224,10 +199,7 @@ fn what_has_no_tool_axis_says_what_is_left() -> Check {
 fn steps_and_other_paths_are_not_written() -> Check {
     let path = read("a.nc", "G90 G0 X0 Y0 Z5\nG91 G1 X1\n")?;
     let error = write(&path, &path.points).unwrap_err();
-    assert_eq!(
-        (error.code(), error.place().line),
-        (Code::Unsupported, Some(2))
-    );
+    assert_eq!((error.code(), error.place().line), (Code::Unsupported, Some(2)));
     assert_eq!(stated(&path).len(), 2);
     let error = write(&path, &path.points[..1]).unwrap_err();
     assert_eq!(error.code(), Code::Dimension);
@@ -235,21 +207,13 @@ fn steps_and_other_paths_are_not_written() -> Check {
 }
 
 /// Corrections \[mm\] along a direction of the workpiece, by x of the point \[mm\].
-fn corrected(
-    path: &ReadPath,
-    along: Vector3<f64>,
-    correction: impl Fn(f64) -> f64,
-) -> Vec<PathPoint> {
+fn corrected(path: &ReadPath, along: Vector3<f64>, correction: impl Fn(f64) -> f64) -> Vec<PathPoint> {
     let along = cell_with("").work.workpiece.rotation * along;
     let points = path.points.iter().map(|point| {
         if point.rapid {
             point.clone()
         } else {
-            moved(
-                point,
-                along * correction(on_workpiece(point).0.x),
-                Vector3::zeros(),
-            )
+            moved(point, along * correction(on_workpiece(point).0.x), Vector3::zeros())
         }
     });
     points.collect()
@@ -262,8 +226,7 @@ fn long_moves_get_points_where_their_correction_bends() -> Check {
     // In parts of 50 mm at most, and a millimetre from the ends.
     assert_eq!(path.points.len(), 25);
     let line = corrected(&path, Vector3::z(), |x| 0.1 + 3e-4 * x);
-    let expected =
-        "N1 G90 G0 X0 Y0 Z5\nN2 G1 Z0.1000 F100\nN3 X1000 Z0.4000 F200 (along)\nN4 G0 Z5\n";
+    let expected = "N1 G90 G0 X0 Y0 Z5\nN2 G1 Z0.1000 F100\nN3 X1000 Z0.4000 F200 (along)\nN4 G0 Z5\n";
     assert_eq!(text(&write(&path, &line)?), expected);
     let parabola = |x: f64| 0.4 * (1.0 - (x / 500.0 - 1.0).powi(2));
     let written = text(&write(&path, &corrected(&path, Vector3::z(), parabola))?);
@@ -274,10 +237,7 @@ fn long_moves_get_points_where_their_correction_bends() -> Check {
     for [x, _, z] in positions(&again).into_iter().filter(|p| p[2] < 4.0) {
         assert!((z - parabola(x)).abs() < 0.0102, "{x} {z}\n{written}");
     }
-    assert!(
-        written.contains("F200\n") && written.contains(" (along)\n"),
-        "{written}"
-    );
+    assert!(written.contains("F200\n") && written.contains(" (along)\n"), "{written}");
     Ok(())
 }
 
@@ -291,11 +251,7 @@ fn robots_say_where_a_long_move_would_need_points() -> Check {
     assert_eq!(text(&written), program);
     assert!((written.bend_left - 0.4e-3).abs() < 1e-9);
     assert_eq!(written.findings()[0].code, "bend-left");
-    assert!(
-        write(&path, &corrected(&path, Vector3::z(), |x| 1e-3 * x))?
-            .findings()
-            .is_empty()
-    );
+    assert!(write(&path, &corrected(&path, Vector3::z(), |x| 1e-3 * x))?.findings().is_empty());
     Ok(())
 }
 
@@ -308,30 +264,15 @@ fn higher(program: &str) -> String {
 /// F of G93 is the inverse of the whole move's time: the times of the pieces of an arc add up to it.
 #[test]
 fn the_pieces_of_a_move_have_their_own_inverse_times() -> Check {
-    let program =
-        "G90 G0 X10 Y0 Z0\nG93 G1 X10.5 F60\nN3 G3 X-10.5 Y0 I-10.5 J0 F2.5 (round)\nG1 X0 F30\n";
+    let program = "G90 G0 X10 Y0 Z0\nG93 G1 X10.5 F60\nN3 G3 X-10.5 Y0 I-10.5 J0 F2.5 (round)\nG1 X0 F30\n";
     let written = higher(program);
-    let pieces: Vec<&str> = written
-        .lines()
-        .filter(|line| line.contains("G1") && line.contains('Y'))
-        .collect();
+    let pieces: Vec<&str> = written.lines().filter(|line| line.contains("G1") && line.contains('Y')).collect();
     assert!(pieces.len() > 20, "{written}");
-    let feed = |line: &str| -> f64 {
-        line.split(" F")
-            .nth(1)
-            .unwrap()
-            .split_whitespace()
-            .next()
-            .unwrap()
-            .parse()
-            .unwrap()
-    };
+    let feed =
+        |line: &str| -> f64 { line.split(" F").nth(1).unwrap().split_whitespace().next().unwrap().parse().unwrap() };
     let time: f64 = pieces.iter().map(|line| 1.0 / feed(line)).sum();
     assert!((time - 1.0 / 2.5).abs() < 1e-4, "{time}\n{written}");
-    assert!(
-        pieces[0].starts_with("N3 G1 X") && pieces[1].starts_with("G1 X"),
-        "{written}"
-    );
+    assert!(pieces[0].starts_with("N3 G1 X") && pieces[1].starts_with("G1 X"), "{written}");
     Ok(())
 }
 
@@ -339,16 +280,10 @@ fn the_pieces_of_a_move_have_their_own_inverse_times() -> Check {
 fn what_stands_beside_a_divided_move_stays_where_it_counts() {
     let program = "G90 G0 X10 Y0 Z0\nG1 Z-1 F100\n/N3 G9 G3 X-10 Y0 I-10 J0 F200 M8 M0\nG1 X0\n";
     let written = higher(program);
-    let pieces: Vec<&str> = written
-        .lines()
-        .filter(|line| line.starts_with('/'))
-        .collect();
+    let pieces: Vec<&str> = written.lines().filter(|line| line.starts_with('/')).collect();
     // Every piece may be left out with the block.
     assert!(pieces.len() > 20, "{written}");
-    assert!(
-        pieces[0].starts_with("/N3 G1 X") && pieces[1].starts_with("/G1 X"),
-        "{written}"
-    );
+    assert!(pieces[0].starts_with("/N3 G1 X") && pieces[1].starts_with("/G1 X"), "{written}");
     // Feed and coolant count from the first on; the exact stop and the halt belong to the end of the move.
     for (k, piece) in pieces.iter().enumerate() {
         let (is_first, is_last) = (k == 0, k + 1 == pieces.len());
@@ -372,10 +307,7 @@ fn cycles_are_written_as_the_moves_that_they_are() {
     // The correction is there where the feed begins: a hole that is corrected aside stays straight.
     let path = read("a.nc", program).unwrap();
     let aside = text(&write(&path, &corrected(&path, Vector3::x(), |_| 0.3)).unwrap());
-    assert!(
-        aside.contains("G1 X10.3000 Y0.0000 Z2.0000\nG1 X10.3000 Y0.0000 Z-3.0000\n"),
-        "{aside}"
-    );
+    assert!(aside.contains("G1 X10.3000 Y0.0000 Z2.0000\nG1 X10.3000 Y0.0000 Z-3.0000\n"), "{aside}");
     let again = read("a.nc", &written).unwrap();
     assert!(positions(&again).contains(&[20.0, 0.0, -2.9]));
 }

@@ -48,13 +48,12 @@ fn points(geometry: &CollisionGeometry) -> Vec<Vector3<f64>> {
                 [end(0.5 * length), end(-0.5 * length)]
             })
             .collect(),
-        CollisionGeometry::Capsule { radius, length } => vec![
-            Vector3::z() * (0.5 * length + radius),
-            Vector3::z() * (-0.5 * length - radius),
-        ],
-        CollisionGeometry::Sphere { radius } => turns
-            .map(|t| Vector3::new(radius * t.cos(), 0.0, radius * t.sin()))
-            .collect(),
+        CollisionGeometry::Capsule { radius, length } => {
+            vec![Vector3::z() * (0.5 * length + radius), Vector3::z() * (-0.5 * length - radius)]
+        }
+        CollisionGeometry::Sphere { radius } => {
+            turns.map(|t| Vector3::new(radius * t.cos(), 0.0, radius * t.sin())).collect()
+        }
     }
 }
 
@@ -75,19 +74,11 @@ fn capsules_of_a_written_cell_hold_every_point_of_the_urdf() {
     let text = ARM
         // Mirrored, and not the same along all axes.
         .replace(cover, "scale=\"0.001 -0.002 0.0015\"")
-        .replace(
-            "\"tool.obj\"",
-            "\"tool.obj\" scale=\"0.0005 0.0005 0.0005\"",
-        );
+        .replace("\"tool.obj\"", "\"tool.obj\" scale=\"0.0005 0.0005 0.0005\"");
     let read = read_urdf(&text, "arm.urdf", &options("base", "hand")).unwrap();
-    let capsules = read
-        .link_capsules(|path, unit| Ok(mesh(path, unit)))
-        .unwrap();
+    let capsules = read.link_capsules(|path, unit| Ok(mesh(path, unit))).unwrap();
     let written = template_with_shapes(&read.robot, "A robot.", &capsules).unwrap();
-    assert!(written.contains(&format!(
-        "# Shapes of the links: {} capsules around 3 links",
-        capsules.len()
-    )));
+    assert!(written.contains(&format!("# Shapes of the links: {} capsules around 3 links", capsules.len())));
     let robot = parse_cell(&written, "cell.toml").unwrap().setup.robot;
     let own: &[LinkCapsule] = robot.link_capsules();
     assert_eq!(own.len(), capsules.len());
@@ -127,27 +118,17 @@ fn capsules_of_a_written_cell_hold_every_point_of_the_urdf() {
 #[test]
 fn capsules_that_were_written_are_written_the_same_again() {
     let read = read_urdf(ARM, "arm.urdf", &options("base", "hand")).unwrap();
-    let capsules = read
-        .link_capsules(|path, unit| Ok(mesh(path, unit * 1e-3)))
-        .unwrap();
+    let capsules = read.link_capsules(|path, unit| Ok(mesh(path, unit * 1e-3))).unwrap();
     let written = template_with_shapes(&read.robot, "A robot.", &capsules).unwrap();
     let cell = parse_cell(&written, "cell.toml").unwrap();
     let again = cell.setup.robot.link_capsules();
-    assert_eq!(
-        template_with_shapes(&read.robot, "A robot.", again).unwrap(),
-        written
-    );
+    assert_eq!(template_with_shapes(&read.robot, "A robot.", again).unwrap(), written);
 }
 
 #[test]
 fn a_size_in_millimetres_is_refused() {
     let text = ARM.replace("<box size=\"1 1 0.5\"/>", "<box size=\"900 900 500\"/>");
     let read = read_urdf(&text, "arm.urdf", &options("base", "hand")).unwrap();
-    let error = read
-        .link_capsules(|path, unit| Ok(mesh(path, unit)))
-        .unwrap_err();
-    assert!(
-        error.message().contains("\"pedestal\" is 900 m across"),
-        "{error}"
-    );
+    let error = read.link_capsules(|path, unit| Ok(mesh(path, unit))).unwrap_err();
+    assert!(error.message().contains("\"pedestal\" is 900 m across"), "{error}");
 }

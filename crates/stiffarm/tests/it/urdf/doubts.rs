@@ -20,17 +20,10 @@ fn fixed(parent: &str, child: &str) -> String {
 
 /// A robot of these joints, with the links that they name.
 fn robot(joints: &str) -> String {
-    let mut links: Vec<&str> = joints
-        .split("link=\"")
-        .skip(1)
-        .filter_map(|rest| rest.split('"').next())
-        .collect();
+    let mut links: Vec<&str> = joints.split("link=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
     links.sort_unstable();
     links.dedup();
-    let links: String = links
-        .iter()
-        .map(|link| format!("<link name=\"{link}\"/>\n"))
-        .collect();
+    let links: String = links.iter().map(|link| format!("<link name=\"{link}\"/>\n")).collect();
     format!("<robot name=\"test\">\n{links}{joints}</robot>\n")
 }
 
@@ -44,18 +37,13 @@ fn arm() -> String {
 }
 
 fn read(text: &str, tip: Option<&str>) -> Result<UrdfRobot, Error> {
-    let options = UrdfOptions {
-        base: None,
-        tip: tip.map(str::to_string),
-    };
+    let options = UrdfOptions { base: None, tip: tip.map(str::to_string) };
     read_urdf(text, "robot.urdf", &options)
 }
 
 fn cautions(read: &UrdfRobot, code: &str) -> Vec<(String, String)> {
     let found = read.findings.iter().filter(|finding| finding.code == code);
-    found
-        .map(|finding| (finding.subject.clone(), finding.sentence.clone()))
-        .collect()
+    found.map(|finding| (finding.subject.clone(), finding.sentence.clone())).collect()
 }
 
 #[test]
@@ -69,11 +57,7 @@ fn limits_in_degrees_are_refused_or_doubted() {
     ] {
         let text = robot(&(arm() + &turning("j4", ["l3", "l4"], limits, "")));
         let error = read(&text, None).unwrap_err();
-        assert_eq!(
-            (error.code(), error.place().line),
-            (Code::InvalidValue, Some(10)),
-            "{error}"
-        );
+        assert_eq!((error.code(), error.place().line), (Code::InvalidValue, Some(10)), "{error}");
         assert!(error.message().contains("\"j4\" has a limit"), "{error}");
         assert!(error.message().contains("are these degrees?"), "{error}");
         assert!(error.hint_text().unwrap().contains(in_rad), "{error:?}");
@@ -81,9 +65,7 @@ fn limits_in_degrees_are_refused_or_doubted() {
     // Of a joint that another one drives, too.
     let follows = "<mimic joint=\"j5\"/>";
     let text = robot(
-        &(arm()
-            + &turning("j4", ["l3", "l4"], ["-90", "90"], follows)
-            + &turning("j5", ["base", "l5"], TURN, "")),
+        &(arm() + &turning("j4", ["l3", "l4"], ["-90", "90"], follows) + &turning("j5", ["base", "l5"], TURN, "")),
     );
     let error = read(&text, Some("l4")).unwrap_err();
     assert!(error.message().contains("are these degrees?"), "{error}");
@@ -141,16 +123,10 @@ fn the_likeliest_tips_come_first_with_their_joints() {
     );
     // By custom, by number, and behind a joint that shifts.
     for (more, first) in [
-        (
-            fixed("l3", "arm_tool0"),
-            "arm_tool0 (3 joints, j1 to j3), l",
-        ),
+        (fixed("l3", "arm_tool0"), "arm_tool0 (3 joints, j1 to j3), l"),
         (fixed("l3", "ee_link"), "ee_link (3 joints, j1 to j3), l"),
         (fixed("l3", "l4"), "l4 (3 joints, j1 to j3), l"),
-        (
-            fixed("l3", "my_flange"),
-            "my_flange (3 joints, j1 to j3), l",
-        ),
+        (fixed("l3", "my_flange"), "my_flange (3 joints, j1 to j3), l"),
     ] {
         let error = read(&robot(&(arm() + &hand + &more)), None).unwrap_err();
         let hint = error.hint_text().unwrap();
@@ -167,10 +143,7 @@ fn the_likeliest_tips_come_first_with_their_joints() {
     let error = read(&robot(&(arm() + &shifts)), None).unwrap_err();
     assert!(!error.hint_text().unwrap().contains("left"), "{error:?}");
     let error = read(&robot(&(arm() + &shifts)), Some("left")).unwrap_err();
-    assert!(
-        error.hint_text().unwrap().contains("--tip l3 "),
-        "{error:?}"
-    );
+    assert!(error.hint_text().unwrap().contains("--tip l3 "), "{error:?}");
 }
 
 #[test]
@@ -178,33 +151,19 @@ fn a_gripper_behind_the_arm_is_doubted() {
     let limits = ["0", "0.85"];
     let mimic = "<mimic joint=\"last\"/>";
     let weak = |text: String| text.replace("effort=\"100\"", "effort=\"5\"");
-    let shifting =
-        turning("slide", ["l4", "pad"], ["0", "0.1"], "").replace("revolute", "prismatic");
+    let shifting = turning("slide", ["l4", "pad"], ["0", "0.1"], "").replace("revolute", "prismatic");
     let last = |name: &str, limits| turning(name, ["l3", "l4"], limits, "");
     for (more, said) in [
         (last("jointGripper", ["-1.5", "0"]), "by its name"),
         (last("robotiq_85_left_knuckle_joint", limits), "by its name"),
         (last("finger_joint", limits), "by its name"),
-        (
-            turning("drive", ["l3", "outer_knuckle"], limits, ""),
-            "by its name",
-        ),
-        (
-            last("last", TURN) + &turning("finger2", ["l3", "f2"], TURN, mimic),
-            "fingers follow it",
-        ),
-        (
-            last("last", limits) + &turning("other", ["l3", "f2"], limits, mimic),
-            "another joint follows it",
-        ),
+        (turning("drive", ["l3", "outer_knuckle"], limits, ""), "by its name"),
+        (last("last", TURN) + &turning("finger2", ["l3", "f2"], TURN, mimic), "fingers follow it"),
+        (last("last", limits) + &turning("other", ["l3", "f2"], limits, mimic), "another joint follows it"),
         (weak(last("last", ["-0.3", "0.3"])), "far weaker"),
         (last("last", limits) + &shifting, "beside it shifts"),
     ] {
-        let tip = if more.contains("outer_knuckle") {
-            "outer_knuckle"
-        } else {
-            "l4"
-        };
+        let tip = if more.contains("outer_knuckle") { "outer_knuckle" } else { "l4" };
         let read = read(&robot(&(arm() + &more)), Some(tip)).unwrap();
         let found = cautions(&read, "urdf-gripper");
         assert_eq!(found.len(), 1, "{more}");
@@ -214,10 +173,7 @@ fn a_gripper_behind_the_arm_is_doubted() {
     // An arm is none: a wrist that turns the gripper, one that follows, one that is weak, one that turns little.
     for (more, what) in [
         (last("gripper_roll_joint", TURN), "a wrist"),
-        (
-            last("last", TURN) + &turning("rod", ["l3", "f2"], TURN, mimic),
-            "a rod",
-        ),
+        (last("last", TURN) + &turning("rod", ["l3", "f2"], TURN, mimic), "a rod"),
         (weak(last("last", TURN)), "a weak wrist"),
         (last("last", ["-0.5", "0.5"]), "short"),
         (last("last", ["-2", "0"]), "to one side"),
@@ -227,8 +183,5 @@ fn a_gripper_behind_the_arm_is_doubted() {
     }
     // A robot that is a finger has no arm before it.
     let finger = arm().replace("\"j", "\"finger_j");
-    assert_eq!(
-        cautions(&read(&robot(&finger), None).unwrap(), "urdf-gripper"),
-        []
-    );
+    assert_eq!(cautions(&read(&robot(&finger), None).unwrap(), "urdf-gripper"), []);
 }

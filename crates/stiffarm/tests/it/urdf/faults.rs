@@ -14,14 +14,8 @@ fn joint(name: &str, kind: &str, parent: &str, child: &str, inside: &str) -> Str
 
 /// A robot of links a, b, c, … and the joints given.
 fn robot(links: &str, joints: &[String]) -> String {
-    let links: String = links
-        .chars()
-        .map(|c| format!("<link name=\"{c}\"/>\n"))
-        .collect();
-    format!(
-        "<robot name=\"test\">\n{links}{}</robot>\n",
-        joints.concat()
-    )
+    let links: String = links.chars().map(|c| format!("<link name=\"{c}\"/>\n")).collect();
+    format!("<robot name=\"test\">\n{links}{}</robot>\n", joints.concat())
 }
 
 fn refused(text: &str, options: &UrdfOptions) -> Error {
@@ -34,10 +28,7 @@ fn refused(text: &str, options: &UrdfOptions) -> Error {
 fn arm() -> [String; 2] {
     let z = format!("<axis xyz=\"0 0 1\"/>{LIMIT}");
     let y = format!("<origin xyz=\"0.3 0 0.4\"/><axis xyz=\"0 1 0\"/>{LIMIT}");
-    [
-        joint("j1", "revolute", "a", "b", &z),
-        joint("j2", "revolute", "b", "c", &y),
-    ]
+    [joint("j1", "revolute", "a", "b", &z), joint("j2", "revolute", "b", "c", &y)]
 }
 
 #[test]
@@ -50,49 +41,19 @@ fn faults_are_named_with_their_lines() {
     for (from, to, code, line) in [
         ("lower=\"-2\"", "lower=\"3\"", Code::InvalidValue, Some(5)),
         (LIMIT, "", Code::InvalidValue, Some(5)),
-        (
-            "lower=\"-2\" upper=\"2\"",
-            "lower=\"-180\" upper2=\"1\" upper=\"900\"",
-            Code::InvalidValue,
-            Some(5),
-        ),
+        ("lower=\"-2\" upper=\"2\"", "lower=\"-180\" upper2=\"1\" upper=\"900\"", Code::InvalidValue, Some(5)),
         ("0.3 0 0.4", "300 0 4e5", Code::InvalidValue, Some(6)),
         ("0 1 0", "0 0 0", Code::InvalidValue, Some(6)),
-        (
-            "\"j2\" type=\"revolute\"",
-            "\"j2\" type=\"revolut\"",
-            Code::Urdf,
-            Some(6),
-        ),
-        (
-            "\"j2\" type=\"revolute\"",
-            "\"j2\" type=\"prismatic\"",
-            Code::Unsupported,
-            Some(6),
-        ),
-        (
-            "\"j2\" type=\"revolute\"",
-            "\"j2\" type=\"planar\"",
-            Code::Unsupported,
-            Some(6),
-        ),
+        ("\"j2\" type=\"revolute\"", "\"j2\" type=\"revolut\"", Code::Urdf, Some(6)),
+        ("\"j2\" type=\"revolute\"", "\"j2\" type=\"prismatic\"", Code::Unsupported, Some(6)),
+        ("\"j2\" type=\"revolute\"", "\"j2\" type=\"planar\"", Code::Unsupported, Some(6)),
         (child, "<child link=\"d\"/>", Code::UnknownName, Some(6)),
         (child, "<child link=\"b\"/>", Code::Urdf, Some(6)),
         ("\"j2\"", "\"j1\"", Code::Duplicate, Some(5)),
         ("\"j2\"", "\"=j2\"", Code::InvalidValue, Some(6)),
-        (
-            "<link name=\"c\"/>",
-            "<link name=\"c\"/><link name=\"c\"/>",
-            Code::Duplicate,
-            Some(4),
-        ),
+        ("<link name=\"c\"/>", "<link name=\"c\"/><link name=\"c\"/>", Code::Duplicate, Some(4)),
         ("<link name=\"c\"/>", "<link/>", Code::Urdf, Some(4)),
-        (
-            "xyz=\"0.3 0 0.4\"",
-            "quat_xyzw=\"0 0 0 1\"",
-            Code::Unsupported,
-            Some(6),
-        ),
+        ("xyz=\"0.3 0 0.4\"", "quat_xyzw=\"0 0 0 1\"", Code::Unsupported, Some(6)),
         ("0.3 0 0.4", "${x} 0 0.4", Code::Unsupported, Some(6)),
         ("robot", "sdf", Code::Urdf, Some(1)),
         (whole.as_str(), "<robot name=\"x\"/>", Code::Urdf, None),
@@ -101,11 +62,7 @@ fn faults_are_named_with_their_lines() {
         assert!(whole.contains(from), "{from}");
         let text = whole.replace(from, to);
         let error = refused(&text, &UrdfOptions::default());
-        assert_eq!(
-            (error.code(), error.place().line),
-            (code, line),
-            "{error}\n{text}"
-        );
+        assert_eq!((error.code(), error.place().line), (code, line), "{error}\n{text}");
         assert_eq!(error.place().file.as_deref(), Some("robot.urdf"), "{error}");
     }
 }
@@ -117,10 +74,7 @@ fn base_and_tip_must_be_on_one_branch() {
     let text = robot("abcd", &[j1.clone(), j2.clone(), fork]);
     let error = refused(&text, &UrdfOptions::default());
     assert!(
-        error
-            .hint_text()
-            .unwrap()
-            .ends_with("--tip one of c (2 joints, j1 to j2), d (2 joints, j1 to j3)"),
+        error.hint_text().unwrap().ends_with("--tip one of c (2 joints, j1 to j2), d (2 joints, j1 to j3)"),
         "{error}"
     );
     let error = refused(&text, &options("c", "a"));
@@ -135,14 +89,8 @@ fn base_and_tip_must_be_on_one_branch() {
     let named = text.replace("\"c\"", "\"tool0\"");
     let arm = read_urdf(&named, "robot.urdf", &UrdfOptions::default()).unwrap();
     assert_eq!(arm.tip_link, "tool0");
-    let still = text.replace(
-        "name=\"j3\" type=\"revolute\"",
-        "name=\"j3\" type=\"fixed\"",
-    );
-    let still = still.replace(
-        "<parent link=\"b\"/><child link=\"d\"/>",
-        "<parent link=\"a\"/><child link=\"d\"/>",
-    );
+    let still = text.replace("name=\"j3\" type=\"revolute\"", "name=\"j3\" type=\"fixed\"");
+    let still = still.replace("<parent link=\"b\"/><child link=\"d\"/>", "<parent link=\"a\"/><child link=\"d\"/>");
     let arm = read_urdf(&still, "robot.urdf", &UrdfOptions::default()).unwrap();
     assert_eq!(arm.tip_link, "c");
     // Two trees, and one that bites its tail.
@@ -159,13 +107,7 @@ fn joints_off_the_chain_may_be_of_any_kind() {
     let [j1, j2] = arm();
     let track = joint("track", "prismatic", "t", "a", LIMIT);
     let finger = joint("finger", "prismatic", "c", "f", "<mimic joint=\"j2\"/>");
-    let lever = joint(
-        "lever",
-        "continuous",
-        "b",
-        "l",
-        "<mimic joint=\"j2\" multiplier=\"-1\"/>",
-    );
+    let lever = joint("lever", "continuous", "b", "l", "<mimic joint=\"j2\" multiplier=\"-1\"/>");
     let text = robot("tabcfl", &[track, j1, j2, finger, lever]);
     let read = read_urdf(&text, "robot.urdf", &options("a", "c")).unwrap();
     assert_eq!(read.robot.joint_names, ["j1", "j2"]);
@@ -173,8 +115,7 @@ fn joints_off_the_chain_may_be_of_any_kind() {
 
 /// Poses and Jacobians of a chain with mimic joints, as a second reading has them.
 fn sound(text: &str) -> UrdfRobot {
-    let read = read_urdf(text, "robot.urdf", &UrdfOptions::default())
-        .unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let read = read_urdf(text, "robot.urdf", &UrdfOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
     let worst = differences(text, &read, &mut Dice::new(5), 20);
     assert!(worst.pose < 1e-12 && worst.jacobian < 1e-12 && worst.cell < 1e-9);
     read
@@ -208,51 +149,26 @@ fn a_mimic_joint_on_the_axis_of_the_next_is_an_entry_of_the_coupling() {
         assert_eq!((rows[(2, 1)], rows[(2, 2)], rows[(1, 2)]), (sign, 1.0, 0.0));
         // The limits of the passive joint hold for the one that it follows.
         let limits = read.robot.limits.as_ref().unwrap();
-        assert!(
-            (limits[1][0] + 1.9).abs() < 1e-4 && (limits[1][1] - 2.0).abs() < 1e-4,
-            "{limits:?}"
-        );
+        assert!((limits[1][0] + 1.9).abs() < 1e-4 && (limits[1][1] - 2.0).abs() < 1e-4, "{limits:?}");
     }
     // Along the axis is still the same axis; beside it is not.
     sound(&parallelogram(follows, "0 1 0", "0 0.2 0"));
-    let error = refused(
-        &parallelogram(follows, "0 1 0", "0.01 0 0"),
-        &UrdfOptions::default(),
-    );
-    assert_eq!(
-        (error.code(), error.place().line),
-        (Code::Unsupported, Some(10))
-    );
-    assert!(
-        error.message().contains("\"passive\"") && error.message().contains("4 axes"),
-        "{error}"
-    );
+    let error = refused(&parallelogram(follows, "0 1 0", "0.01 0 0"), &UrdfOptions::default());
+    assert_eq!((error.code(), error.place().line), (Code::Unsupported, Some(10)));
+    assert!(error.message().contains("\"passive\"") && error.message().contains("4 axes"), "{error}");
 }
 
 #[test]
 fn a_mimic_joint_may_follow_one_that_is_off_the_chain() {
     let [j1, _] = arm();
     let motor = joint("motor", "revolute", "b", "m", LIMIT);
-    let gear = joint(
-        "gear",
-        "continuous",
-        "b",
-        "g",
-        "<mimic joint=\"motor\" multiplier=\"2\" offset=\"0.2\"/>",
-    );
-    let follows = format!(
-        "<origin xyz=\"0.3 0 0.4\"/><axis xyz=\"0 1 0\"/>{LIMIT}<mimic joint=\"gear\" multiplier=\"-0.5\"/>"
-    );
+    let gear = joint("gear", "continuous", "b", "g", "<mimic joint=\"motor\" multiplier=\"2\" offset=\"0.2\"/>");
+    let follows =
+        format!("<origin xyz=\"0.3 0 0.4\"/><axis xyz=\"0 1 0\"/>{LIMIT}<mimic joint=\"gear\" multiplier=\"-0.5\"/>");
     let elbow = joint("j2", "revolute", "b", "c", &follows);
     let tool = joint("mount", "fixed", "c", "tool0", "<origin xyz=\"1 0 0\"/>");
-    let text = robot(
-        "abmgc",
-        &[j1.clone(), motor.clone(), gear.clone(), elbow, tool],
-    );
-    let text = text.replace(
-        "<link name=\"c\"/>",
-        "<link name=\"c\"/><link name=\"tool0\"/>",
-    );
+    let text = robot("abmgc", &[j1.clone(), motor.clone(), gear.clone(), elbow, tool]);
+    let text = text.replace("<link name=\"c\"/>", "<link name=\"c\"/><link name=\"tool0\"/>");
     let read = sound(&text);
     assert_eq!(read.robot.joint_names, ["j1", "motor"]);
     assert_eq!(read.robot.coupling[(1, 1)], -1.0);
@@ -262,11 +178,7 @@ fn a_mimic_joint_may_follow_one_that_is_off_the_chain() {
     for (from, to, part) in [
         ("joint=\"gear\"", "joint=\"geer\"", "does not have"),
         ("joint=\"motor\"", "joint=\"j2\"", "follows itself"),
-        (
-            "name=\"motor\" type=\"revolute\"",
-            "name=\"motor\" type=\"prismatic\"",
-            "does not turn",
-        ),
+        ("name=\"motor\" type=\"revolute\"", "name=\"motor\" type=\"prismatic\"", "does not turn"),
     ] {
         let error = refused(&text.replace(from, to), &UrdfOptions::default());
         assert!(error.message().contains(part), "{error}");
@@ -276,18 +188,11 @@ fn a_mimic_joint_may_follow_one_that_is_off_the_chain() {
 #[test]
 fn two_joints_that_one_moves_are_refused() {
     let [j1, _] = arm();
-    let follows =
-        format!("<origin xyz=\"0.3 0 0.4\"/><axis xyz=\"0 1 0\"/>{LIMIT}<mimic joint=\"j1\"/>");
+    let follows = format!("<origin xyz=\"0.3 0 0.4\"/><axis xyz=\"0 1 0\"/>{LIMIT}<mimic joint=\"j1\"/>");
     let text = robot("abc", &[j1, joint("j2", "revolute", "b", "c", &follows)]);
     let error = refused(&text, &UrdfOptions::default());
-    assert_eq!(
-        (error.code(), error.place().line),
-        (Code::Unsupported, Some(6))
-    );
-    assert!(
-        error.message().contains("\"j2\"") && error.message().contains("2 axes"),
-        "{error}"
-    );
+    assert_eq!((error.code(), error.place().line), (Code::Unsupported, Some(6)));
+    assert!(error.message().contains("\"j2\"") && error.message().contains("2 axes"), "{error}");
 }
 
 #[test]
@@ -298,11 +203,7 @@ fn what_says_nothing_here_may_be_anything() {
                <gazebo><joint name=\"j1\"/></gazebo><transmission name=\"t\"><joint name=\"j1\"/></transmission>";
     let odd = text.replace("<link name=\"c\"/>", odd);
     assert_eq!(
-        read_urdf(&odd, "robot.urdf", &UrdfOptions::default())
-            .unwrap()
-            .robot,
-        read_urdf(&text, "robot.urdf", &UrdfOptions::default())
-            .unwrap()
-            .robot
+        read_urdf(&odd, "robot.urdf", &UrdfOptions::default()).unwrap().robot,
+        read_urdf(&text, "robot.urdf", &UrdfOptions::default()).unwrap().robot
     );
 }

@@ -44,16 +44,14 @@ fn spec() -> impl Strategy<Value = Spec> {
     ];
     let xyz = [-1.5..1.5f64, -1.5..1.5, -1.5..1.5];
     let rpy = [-3.2..3.2f64, -3.2..3.2, -3.2..3.2];
-    (lie, xyz, rpy, axis, prop::bool::weighted(0.2), 0..5u8).prop_map(
-        |(lie, xyz, rpy, axis, is_fixed, beside)| Spec {
-            lie,
-            xyz,
-            rpy,
-            axis,
-            is_fixed,
-            beside,
-        },
-    )
+    (lie, xyz, rpy, axis, prop::bool::weighted(0.2), 0..5u8).prop_map(|(lie, xyz, rpy, axis, is_fixed, beside)| Spec {
+        lie,
+        xyz,
+        rpy,
+        axis,
+        is_fixed,
+        beside,
+    })
 }
 
 fn words(numbers: [f64; 3]) -> String {
@@ -74,11 +72,7 @@ fn urdf(specs: &[Spec]) -> String {
             Lie::Nearly(decade) => (spec.xyz, spec.rpy.map(|v| v * 10f64.powi(decade)), axis),
             Lie::Meeting => (along, spec.rpy, spec.axis),
             Lie::Same => (along, [0.0; 3], axis),
-            Lie::Square => (
-                spec.xyz,
-                spec.rpy.map(|v| v.round() * quarter),
-                [0.0, 0.0, 1.0],
-            ),
+            Lie::Square => (spec.xyz, spec.rpy.map(|v| v.round() * quarter), [0.0, 0.0, 1.0]),
         };
         axis = own;
         let kind = match (spec.is_fixed, i % 2) {
@@ -97,8 +91,7 @@ fn urdf(specs: &[Spec]) -> String {
             words(own)
         );
         let beside = match spec.beside {
-            0 => "type=\"prismatic\"><limit lower=\"0\" upper=\"1\" effort=\"0\" velocity=\"0\"/>"
-                .to_string(),
+            0 => "type=\"prismatic\"><limit lower=\"0\" upper=\"1\" effort=\"0\" velocity=\"0\"/>".to_string(),
             1 => format!("type=\"revolute\"><mimic joint=\"j{i}\" multiplier=\"-2\"/>"),
             _ => continue,
         };

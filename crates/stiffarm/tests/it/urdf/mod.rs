@@ -19,10 +19,7 @@ use stiffarm_files::cell::{parse_cell, template_of};
 use stiffarm_files::urdf::{UrdfOptions, UrdfRobot, read_urdf};
 
 fn options(base: &str, tip: &str) -> UrdfOptions {
-    UrdfOptions {
-        base: Some(base.to_string()),
-        tip: Some(tip.to_string()),
-    }
+    UrdfOptions { base: Some(base.to_string()), tip: Some(tip.to_string()) }
 }
 
 /// Worst differences over some postures: poses, Jacobians, and poses of the robot in the
@@ -48,16 +45,11 @@ fn differences(text: &str, read: &UrdfRobot, dice: &mut Dice, postures: usize) -
     let robot = read.robot.robot().unwrap();
     let in_cell = cell_robot(&read.robot);
     let names = &read.robot.joint_names;
-    let mut worst = Differences {
-        pose: 0.0,
-        jacobian: 0.0,
-        cell: 0.0,
-    };
+    let mut worst = Differences { pose: 0.0, jacobian: 0.0, cell: 0.0 };
     for _ in 0..postures {
         let q: Vec<f64> = names.iter().map(|_| dice.between(-3.0, 3.0)).collect();
         let named: BTreeMap<String, f64> = names.iter().cloned().zip(q.iter().copied()).collect();
-        let (pose, jacobian) =
-            pose_and_jacobian(&plain, &read.base_link, &read.tip_link, &named, names);
+        let (pose, jacobian) = pose_and_jacobian(&plain, &read.base_link, &read.tip_link, &named, names);
         let frames = Frames::new(&robot, &q);
         let flange = frames.flange().to_homogeneous();
         worst.pose = worst.pose.max((flange - pose).amax());

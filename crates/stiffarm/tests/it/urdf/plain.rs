@@ -28,10 +28,7 @@ fn attribute<'t>(text: &'t str, tag: &str, name: &str) -> Option<&'t str> {
 
 fn three(text: Option<&str>, default: [f64; 3]) -> [f64; 3] {
     let Some(text) = text else { return default };
-    let values: Vec<f64> = text
-        .split_whitespace()
-        .map(|w| w.parse().unwrap())
-        .collect();
+    let values: Vec<f64> = text.split_whitespace().map(|w| w.parse().unwrap()).collect();
     values.try_into().unwrap()
 }
 
@@ -44,8 +41,7 @@ fn about(axis: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
 fn matrix(rotation: Matrix3<f64>, translation: [f64; 3]) -> Matrix4<f64> {
     let mut m = Matrix4::identity();
     m.fixed_view_mut::<3, 3>(0, 0).copy_from(&rotation);
-    m.fixed_view_mut::<3, 1>(0, 3)
-        .copy_from(&Vector3::from(translation));
+    m.fixed_view_mut::<3, 1>(0, 3).copy_from(&Vector3::from(translation));
     m
 }
 
@@ -69,9 +65,8 @@ pub fn joints_turned(urdf: &str, turned: impl Fn(f64) -> f64) -> Vec<PlainJoint>
         .map(|part| {
             let head = format!("<joint {part}");
             let own = |name: &str| attribute(&head, "joint", name).unwrap().to_string();
-            let number = |name: &str, default: f64| {
-                attribute(part, "mimic", name).map_or(default, |v| v.parse().unwrap())
-            };
+            let number =
+                |name: &str, default: f64| attribute(part, "mimic", name).map_or(default, |v| v.parse().unwrap());
             let axis = Vector3::from(three(attribute(part, "axis", "xyz"), [1.0, 0.0, 0.0]));
             PlainJoint {
                 name: own("name"),
@@ -83,13 +78,8 @@ pub fn joints_turned(urdf: &str, turned: impl Fn(f64) -> f64) -> Vec<PlainJoint>
                     three(attribute(part, "origin", "rpy"), [0.0; 3]).map(&turned),
                 ),
                 axis: axis / axis.norm().max(1e-300),
-                mimic: attribute(part, "mimic", "joint").map(|joint| {
-                    (
-                        joint.to_string(),
-                        number("multiplier", 1.0),
-                        number("offset", 0.0),
-                    )
-                }),
+                mimic: attribute(part, "mimic", "joint")
+                    .map(|joint| (joint.to_string(), number("multiplier", 1.0), number("offset", 0.0))),
             }
         })
         .collect()
@@ -109,17 +99,9 @@ pub fn path<'j>(joints: &'j [PlainJoint], base: &str, tip: &str) -> Vec<&'j Plai
 }
 
 /// Angle of a joint, and its change with each named joint's.
-fn angle(
-    joints: &[PlainJoint],
-    joint: &PlainJoint,
-    q: &BTreeMap<String, f64>,
-) -> (f64, String, f64) {
+fn angle(joints: &[PlainJoint], joint: &PlainJoint, q: &BTreeMap<String, f64>) -> (f64, String, f64) {
     match &joint.mimic {
-        None => (
-            q.get(&joint.name).copied().unwrap_or(0.0),
-            joint.name.clone(),
-            1.0,
-        ),
+        None => (q.get(&joint.name).copied().unwrap_or(0.0), joint.name.clone(), 1.0),
         Some((other, multiplier, offset)) => {
             let other = joints.iter().find(|j| j.name == *other).unwrap();
             let (value, name, factor) = angle(joints, other, q);

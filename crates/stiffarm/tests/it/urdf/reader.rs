@@ -54,20 +54,11 @@ fn the_same_may_be_written_in_other_ways() {
     for changes in [
         &[("0.3 0 0.4", " 3e-1\n\t0  +0.4 ")][..],
         &[("lower=\"-2\"", "lower=' -2.0 '")],
-        &[(
-            "<robot",
-            "\u{feff}\n<?xml version=\"1.0\"?><!-- <robot> -->\n<robot",
-        )],
+        &[("<robot", "\u{feff}\n<?xml version=\"1.0\"?><!-- <robot> -->\n<robot")],
         &[("<robot", "<robot xmlns=\"http://www.ros.org\"")],
         &[("name=\"j2\"", "name=\"j&#50;\"")],
-        &[(
-            "<link name=\"b\"/>",
-            "<link name=\"b\"></link><u:link xmlns:u=\"other\" name=\"b\"/>",
-        )],
-        &[
-            ("<link name=\"b\"/>", ""),
-            ("</robot>", "<link name=\"b\"/></robot>"),
-        ],
+        &[("<link name=\"b\"/>", "<link name=\"b\"></link><u:link xmlns:u=\"other\" name=\"b\"/>")],
+        &[("<link name=\"b\"/>", ""), ("</robot>", "<link name=\"b\"/></robot>")],
     ] {
         assert_eq!(read(&with(changes)), read(WHOLE), "{changes:?}");
     }
@@ -83,10 +74,7 @@ fn a_link_may_have_several_collisions_of_one_shape_each() {
     let second = "<collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>";
     let read = read(&with(&[("</link>", second)]));
     assert_eq!(read.shapes.len(), 2);
-    assert_eq!(
-        read.shapes[1].geometry,
-        CollisionGeometry::Sphere { radius: 0.1 }
-    );
+    assert_eq!(read.shapes[1].geometry, CollisionGeometry::Sphere { radius: 0.1 });
 }
 
 #[test]
@@ -102,10 +90,7 @@ fn limits_of_version_1_2_may_be_left_out() {
         let read = read(&with(&[("<robot", newer), (limit, limit_of_j1)]));
         assert_eq!(read.robot.speeds, None);
         let [lower, upper] = read.robot.limits.unwrap()[0];
-        assert!(
-            (lower - low).abs() < 1e-4 && (upper - high).abs() < 1e-4,
-            "{limit_of_j1}"
-        );
+        assert!((lower - low).abs() < 1e-4 && (upper - high).abs() < 1e-4, "{limit_of_j1}");
     }
     for version in ["", " version=\"1.1\"", " version=\"new\""] {
         let text = with(&[("<robot", &format!("<robot{version}")), (limit, "<limit/>")]);
@@ -122,12 +107,7 @@ fn faults_are_named_with_line_and_column() {
         ("0.3 0 0.4", "0.3 O 0.4", Code::Urdf, (10, 53)),
         ("0.3 0 0.4", "0.3 0", Code::Urdf, (10, 53)),
         ("0 0 0.5", "0 0 inf", Code::NotFinite, (10, 69)),
-        (
-            "velocity=\"2\"",
-            "velocity=\"NaN\"",
-            Code::NotFinite,
-            (11, 56),
-        ),
+        ("velocity=\"2\"", "velocity=\"NaN\"", Code::NotFinite, (11, 56)),
         ("<child link=\"c\"/>", "", Code::Urdf, (9, 3)),
         ("<child link=\"c\"/>", "<child/>", Code::Urdf, (10, 23)),
         ("<axis xyz=\"0 1 0\"/>", "<axis/>", Code::Urdf, (10, 79)),
@@ -138,25 +118,10 @@ fn faults_are_named_with_line_and_column() {
         (mesh, "<plane/>", Code::Urdf, (2, 62)),
         (mesh, "<sphere radius=\"one\"/>", Code::Urdf, (2, 88)),
         (mesh, "<cylinder radius=\"1\"/>", Code::Urdf, (2, 72)),
-        (
-            "<geometry>",
-            "<geometry/><geometry>",
-            Code::Duplicate,
-            (2, 73),
-        ),
-        (
-            "<robot",
-            "<!DOCTYPE robot>\n<robot",
-            Code::Unsupported,
-            (1, 1),
-        ),
+        ("<geometry>", "<geometry/><geometry>", Code::Duplicate, (2, 73)),
+        ("<robot", "<!DOCTYPE robot>\n<robot", Code::Unsupported, (1, 1)),
         ("<robot", "\n<robot u:name=\"x\"", Code::Urdf, (2, 8)),
-        (
-            "<link name=\"b\"/>",
-            "<xacro:link/>",
-            Code::Unsupported,
-            (3, 4),
-        ),
+        ("<link name=\"b\"/>", "<xacro:link/>", Code::Unsupported, (3, 4)),
     ] {
         let text = with(&[(from, to)]);
         let error = read_urdf(&text, "robot.urdf", &UrdfOptions::default()).unwrap_err();

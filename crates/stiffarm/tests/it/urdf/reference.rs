@@ -28,36 +28,21 @@ fn poses_and_jacobians_are_those_of_the_descriptions() {
         let asked = options(own("base_frame"), own("flange_frame"));
         let read = read_urdf(&text, name, &asked).unwrap_or_else(|e| panic!("{name}: {e}"));
         let worst = differences(&text, &read, &mut dice, 20);
-        println!(
-            "{name}: {:.1e} {:.1e} {:.1e}",
-            worst.pose, worst.jacobian, worst.cell
-        );
+        println!("{name}: {:.1e} {:.1e} {:.1e}", worst.pose, worst.jacobian, worst.cell);
         assert!(worst.pose < 1e-12, "{name}: {:e}", worst.pose);
         assert!(worst.jacobian < 1e-12, "{name}: {:e}", worst.jacobian);
         assert!(worst.cell < 1e-9, "{name}: {:e}", worst.cell);
-        let names: Vec<&str> = data["joint_names"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|n| n.as_str().unwrap())
-            .collect();
+        let names: Vec<&str> = data["joint_names"].as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect();
         assert_eq!(read.robot.joint_names, names, "{name}");
         let known = data["joint_limits_deg"].as_array().unwrap();
         let endless = |joint: &str| read.findings.iter().any(|f| f.subject == joint);
         let Some(limits) = read.robot.limits.as_ref() else {
-            assert!(
-                names.iter().all(|joint| endless(joint)),
-                "{name} has no limits"
-            );
+            assert!(names.iter().all(|joint| endless(joint)), "{name} has no limits");
             continue;
         };
         for ((own, limit), joint) in limits.iter().zip(known).zip(names) {
             for (own, limit) in own.iter().zip(numbers(limit)) {
-                let limit = if endless(joint) {
-                    360.0 * limit.signum()
-                } else {
-                    limit
-                };
+                let limit = if endless(joint) { 360.0 * limit.signum() } else { limit };
                 let own = own.to_degrees();
                 // Rounded to what the digits of the radians mean.
                 assert!((own - limit).abs() < 6e-3, "{name}: {own} {limit}");
@@ -70,26 +55,16 @@ fn poses_and_jacobians_are_those_of_the_descriptions() {
 #[ignore = "needs STIFFARM_REFERENCE_DATA"]
 fn base_and_tip_are_found() {
     let mut refused = Vec::new();
-    let mut files: Vec<PathBuf> = std::fs::read_dir(folder().join("robots/urdf"))
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .collect();
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(folder().join("robots/urdf")).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
     for file in files {
         let name = file.file_stem().unwrap().to_string_lossy().into_owned();
         let text = std::fs::read_to_string(&file).unwrap();
         match read_urdf(&text, &name, &UrdfOptions::default()) {
             Ok(read) => {
-                assert!(
-                    ["base_link", "world"].contains(&read.base_link.as_str()),
-                    "{name}: {}",
-                    read.base_link
-                );
-                assert!(
-                    ["tool0", "ee_link"].contains(&read.tip_link.as_str()),
-                    "{name}: {}",
-                    read.tip_link
-                );
+                assert!(["base_link", "world"].contains(&read.base_link.as_str()), "{name}: {}", read.base_link);
+                assert!(["tool0", "ee_link"].contains(&read.tip_link.as_str()), "{name}: {}", read.tip_link);
                 assert!(!read.shapes.is_empty(), "{name}");
             }
             Err(_) => refused.push(name),
@@ -115,14 +90,7 @@ fn poses_and_jacobians_are_those_of_pinocchio() {
             let q = numbers(&sample["q"]);
             let q = &q[..robot.joint_count()];
             let frames = Frames::new(&robot, q);
-            let rows = |key: &str| -> Vec<Vec<f64>> {
-                sample[key]
-                    .as_array()
-                    .unwrap()
-                    .iter()
-                    .map(numbers)
-                    .collect()
-            };
+            let rows = |key: &str| -> Vec<Vec<f64>> { sample[key].as_array().unwrap().iter().map(numbers).collect() };
             let pose = Matrix4::from_row_slice(&rows("T").concat());
             worst = worst.max((to_matrix(frames.flange()) - pose).amax());
             let jacobian = frames.jacobian(&frames.flange().translation.vector);

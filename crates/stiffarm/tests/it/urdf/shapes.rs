@@ -26,18 +26,8 @@ pub const ARM: &str = r#"<robot name="arm">
 fn shapes_move_with_their_links() {
     let read = read_urdf(ARM, "arm.urdf", &options("base", "hand")).unwrap();
     assert_eq!(read.left_out, ["lever"]);
-    let links: Vec<(usize, &str)> = read
-        .shapes
-        .iter()
-        .map(|shape| (shape.link, shape.urdf_link.as_str()))
-        .collect();
-    let expected = [
-        (0, "pedestal"),
-        (1, "arm"),
-        (1, "cover"),
-        (2, "hand"),
-        (2, "tool"),
-    ];
+    let links: Vec<(usize, &str)> = read.shapes.iter().map(|shape| (shape.link, shape.urdf_link.as_str())).collect();
+    let expected = [(0, "pedestal"), (1, "arm"), (1, "cover"), (2, "hand"), (2, "tool")];
     assert_eq!(links, expected);
     let robot = read.robot.robot().unwrap();
     let plain = joints(ARM);
@@ -64,20 +54,12 @@ fn shapes_move_with_their_links() {
 fn geometry_is_as_it_is_written() {
     let read = read_urdf(ARM, "arm.urdf", &options("base", "hand")).unwrap();
     let geometry: Vec<&CollisionGeometry> = read.shapes.iter().map(|s| &s.geometry).collect();
-    let mesh = |path: &str, scale: f64| CollisionGeometry::Mesh {
-        path: path.to_string(),
-        scale: [scale; 3],
-    };
+    let mesh = |path: &str, scale: f64| CollisionGeometry::Mesh { path: path.to_string(), scale: [scale; 3] };
     assert_eq!(
         geometry,
         [
-            &CollisionGeometry::Box {
-                size: [1.0, 1.0, 0.5]
-            },
-            &CollisionGeometry::Cylinder {
-                radius: 0.1,
-                length: 0.8
-            },
+            &CollisionGeometry::Box { size: [1.0, 1.0, 0.5] },
+            &CollisionGeometry::Cylinder { radius: 0.1, length: 0.8 },
             &mesh("package://covers/meshes/cover.STL", 0.001),
             &CollisionGeometry::Sphere { radius: 0.2 },
             &mesh("tool.obj", 1.0),
@@ -85,10 +67,7 @@ fn geometry_is_as_it_is_written() {
     );
     let wrong = ARM.replace("radius=\"0.2\"", "radius=\"-0.2\"");
     let error = read_urdf(&wrong, "arm.urdf", &options("base", "hand")).unwrap_err();
-    assert_eq!(
-        (error.code(), error.place().line),
-        (Code::InvalidValue, Some(6))
-    );
+    assert_eq!((error.code(), error.place().line), (Code::InvalidValue, Some(6)));
 }
 
 /// A folder of its own that goes when the test is over.
@@ -140,68 +119,24 @@ fn meshes_are_found_by_package_and_by_path() {
     let find = |packages: &[&str], path: &str| folders(packages).find(path);
     for (packages, path, expected) in [
         (&[][..], "meshes/own.dae", "src/robots/urdf/meshes/own.dae"),
-        (
-            &[],
-            "package://robots/meshes/link.stl",
-            "src/robots/meshes/link.stl",
-        ),
-        (
-            &[],
-            "package://covers/meshes/cover.STL",
-            "src/covers/meshes/cover.STL",
-        ),
+        (&[], "package://robots/meshes/link.stl", "src/robots/meshes/link.stl"),
+        (&[], "package://covers/meshes/cover.STL", "src/covers/meshes/cover.STL"),
         // The package itself under another name, and a folder that holds it.
-        (
-            &["given"],
-            "package://other/meshes/given.stl",
-            "given/meshes/given.stl",
-        ),
+        (&["given"], "package://other/meshes/given.stl", "given/meshes/given.stl"),
         (&["given"], "package://renamed/b.stl", "given/renamed/b.stl"),
         // Relative paths beside the URDF first, then in the folders given; models as packages.
-        (
-            &["given"],
-            "meshes/own.dae",
-            "src/robots/urdf/meshes/own.dae",
-        ),
+        (&["given"], "meshes/own.dae", "src/robots/urdf/meshes/own.dae"),
         (&["given"], "parts/relative.stl", "given/parts/relative.stl"),
-        (
-            &["given/parts"],
-            "model://relative.stl",
-            "given/parts/relative.stl",
-        ),
+        (&["given/parts"], "model://relative.stl", "given/parts/relative.stl"),
         (&["given"], "model://renamed/b.stl", "given/renamed/b.stl"),
-        (
-            &["models"],
-            "model://arm/meshes/model.dae",
-            "models/arm_v2/meshes/model.dae",
-        ),
+        (&["models"], "model://arm/meshes/model.dae", "models/arm_v2/meshes/model.dae"),
         // A package by the name that it gives itself, as deep as workspaces have them.
-        (
-            &["src"],
-            "package://other_pkg/meshes/deep.stl",
-            "src/other-main/meshes/deep.stl",
-        ),
-        (
-            &["src/other-main"],
-            "package://other_pkg/meshes/deep.stl",
-            "src/other-main/meshes/deep.stl",
-        ),
-        (
-            &["src/other-main"],
-            "$(find other_pkg)/meshes/deep.stl",
-            "src/other-main/meshes/deep.stl",
-        ),
-        (
-            &["."],
-            "file://$(find other_pkg)/meshes/deep.stl",
-            "./src/other-main/meshes/deep.stl",
-        ),
+        (&["src"], "package://other_pkg/meshes/deep.stl", "src/other-main/meshes/deep.stl"),
+        (&["src/other-main"], "package://other_pkg/meshes/deep.stl", "src/other-main/meshes/deep.stl"),
+        (&["src/other-main"], "$(find other_pkg)/meshes/deep.stl", "src/other-main/meshes/deep.stl"),
+        (&["."], "file://$(find other_pkg)/meshes/deep.stl", "./src/other-main/meshes/deep.stl"),
         // Another package has other meshes of the same name.
-        (
-            &["src/other-main"],
-            "package://robots/meshes/link.stl",
-            "src/robots/meshes/link.stl",
-        ),
+        (&["src/other-main"], "package://robots/meshes/link.stl", "src/robots/meshes/link.stl"),
     ] {
         assert_eq!(find(packages, path).unwrap(), at(expected), "{path}");
     }
@@ -227,19 +162,11 @@ fn meshes_are_found_by_package_and_by_path() {
         assert_eq!(find(&[], &local).unwrap(), at("given/renamed/b.stl"));
     }
     let address = format!("file://{}", at("given/renamed/b.stl").display());
-    assert!(
-        find(&[], &address)
-            .unwrap()
-            .ends_with("given/renamed/b.stl")
-    );
+    assert!(find(&[], &address).unwrap().ends_with("given/renamed/b.stl"));
     let error = find(&["given"], "package://robots/meshes/none.stl").unwrap_err();
     assert_eq!(error.code(), Code::FileRead);
     assert!(error.message().contains("given"), "{error}");
     for path in ["http://a/b.stl", "meshes/own.step", "package://robots", ""] {
-        assert_eq!(
-            find(&[], path).unwrap_err().code(),
-            Code::Unsupported,
-            "{path}"
-        );
+        assert_eq!(find(&[], path).unwrap_err().code(), Code::Unsupported, "{path}");
     }
 }

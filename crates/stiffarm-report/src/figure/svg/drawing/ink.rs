@@ -7,9 +7,7 @@ use crate::figure::svg::look::Look;
 /// Red that no other mark has; 5.9 to 1 against white.
 pub(super) const CAUTION: &str = "#c8102e";
 /// Colours of numbered things: those of figures without vermillion, which is too near to [`CAUTION`].
-const ITEMS: [&str; 6] = [
-    "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000",
-];
+const ITEMS: [&str; 6] = ["#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"];
 /// Markers of figures.
 const MARKERS: usize = 7;
 /// Radius of markers.
@@ -36,22 +34,10 @@ pub(super) fn fill(tone: Tone, caution: bool) -> Fill {
         Fill {
             colour: if tone == Tone::Bound { "none" } else { CAUTION },
             opacity: 0.25,
-            edge: Stroke {
-                colour: CAUTION,
-                width: 1.8,
-                dash,
-            },
+            edge: Stroke { colour: CAUTION, width: 1.8, dash },
         }
     } else {
-        Fill {
-            colour,
-            opacity,
-            edge: Stroke {
-                colour: edge,
-                width,
-                dash,
-            },
-        }
+        Fill { colour, opacity, edge: Stroke { colour: edge, width, dash } }
     }
 }
 
@@ -69,29 +55,13 @@ pub(super) fn stroke(tone: Tone, caution: bool) -> Stroke<'static> {
         Tone::Item(_) => ("#b0b0b0", 0.9, ""),
         _ => ("#6f6f6f", 1.0, ""),
     };
-    if caution {
-        Stroke {
-            colour: CAUTION,
-            width: f64::max(width, 1.6),
-            dash,
-        }
-    } else {
-        Stroke {
-            colour,
-            width,
-            dash,
-        }
-    }
+    if caution { Stroke { colour: CAUTION, width: f64::max(width, 1.6), dash } } else { Stroke { colour, width, dash } }
 }
 
 /// Draws the marker of a tone.
 pub(super) fn marker(canvas: &mut Canvas, at: Point, tone: Tone, caution: bool) {
     let ring = |colour| Stroke::solid(colour, 1.4);
-    let look = |colour, variant| Look {
-        colour,
-        dash: "",
-        variant,
-    };
+    let look = |colour, variant| Look { colour, dash: "", variant };
     let own = |colour: &'static str| if caution { CAUTION } else { colour };
     match tone {
         Tone::Item(n) if n >= DISTINCT_ITEMS => {}

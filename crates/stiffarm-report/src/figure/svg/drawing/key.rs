@@ -30,12 +30,8 @@ struct Block<'a> {
 impl<'a> Key<'a> {
     /// As many columns as fit into `width`.
     pub(super) fn of(entries: &'a [KeyEntry], width: f64) -> Self {
-        let (items, things) = entries
-            .iter()
-            .partition(|entry| matches!(entry.tone, Tone::Item(_)));
-        Key {
-            blocks: [Block::of(things, width), Block::of(items, width)],
-        }
+        let (items, things) = entries.iter().partition(|entry| matches!(entry.tone, Tone::Item(_)));
+        Key { blocks: [Block::of(things, width), Block::of(items, width)] }
     }
 
     pub(super) fn height(&self) -> f64 {
@@ -54,16 +50,10 @@ impl<'a> Key<'a> {
 
 impl<'a> Block<'a> {
     fn of(entries: Vec<&'a KeyEntry>, width: f64) -> Self {
-        let widest = entries
-            .iter()
-            .map(|entry| SAMPLE + GAP + text::width(&entry.label, SIZE) + 10.0)
-            .fold(60.0, f64::max);
+        let widest =
+            entries.iter().map(|entry| SAMPLE + GAP + text::width(&entry.label, SIZE) + 10.0).fold(60.0, f64::max);
         let columns = ((width / widest) as usize).clamp(1, 4);
-        Block {
-            entries,
-            columns,
-            width: width / columns as f64,
-        }
+        Block { entries, columns, width: width / columns as f64 }
     }
 
     fn rows(&self) -> usize {

@@ -58,30 +58,19 @@ fn shared(labels: &[Label], place: impl Fn([f64; 2]) -> Option<Point>) -> Vec<Na
         let Some(at) = place(label.at) else { continue };
         let near = |name: &Name| (name.at.0 - at.0).hypot(name.at.1 - at.1) < NEAR;
         let joined = names.iter_mut().find(|(name, cluster, _)| {
-            !label.cluster.is_empty()
-                && *cluster == label.cluster
-                && name.caution == label.caution
-                && near(name)
+            !label.cluster.is_empty() && *cluster == label.cluster && name.caution == label.caution && near(name)
         });
         match joined {
             Some((_, _, texts)) => texts.push(&label.text),
             None => names.push((
-                Name {
-                    at,
-                    text: String::new(),
-                    caution: label.caution,
-                },
+                Name { at, text: String::new(), caution: label.caution },
                 &label.cluster,
                 vec![&label.text],
             )),
         }
     }
     let joined = names.into_iter().map(|(mut name, _, texts)| {
-        name.text = if texts.len() > MOST {
-            format!("{}, …", texts[..MOST].join(", "))
-        } else {
-            texts.join(", ")
-        };
+        name.text = if texts.len() > MOST { format!("{}, …", texts[..MOST].join(", ")) } else { texts.join(", ") };
         name
     });
     joined.collect()
@@ -90,16 +79,8 @@ fn shared(labels: &[Label], place: impl Fn([f64; 2]) -> Option<Point>) -> Vec<Na
 /// The place of a name that hides least, nearest first, and its distance.
 fn best(name: &Name, shown: &str, area: Rect, places: &[Point], taken: &[Rect]) -> (Rect, f64) {
     let (w, h) = (text::width(shown, SIZE) + 3.0, 1.15 * SIZE);
-    let directions = [
-        (1.0, -0.6),
-        (-1.0, -0.6),
-        (1.0, 0.6),
-        (-1.0, 0.6),
-        (0.0, -1.0),
-        (0.0, 1.0),
-        (1.0, 0.0),
-        (-1.0, 0.0),
-    ];
+    let directions =
+        [(1.0, -0.6), (-1.0, -0.6), (1.0, 0.6), (-1.0, 0.6), (0.0, -1.0), (0.0, 1.0), (1.0, 0.0), (-1.0, 0.0)];
     let mut found: Option<(Rect, f64, f64)> = None;
     for distance in DISTANCES {
         for (dx, dy) in directions {
@@ -119,18 +100,7 @@ fn best(name: &Name, shown: &str, area: Rect, places: &[Point], taken: &[Rect]) 
             }
         }
     }
-    found.map_or(
-        (
-            Rect {
-                x: name.at.0,
-                y: name.at.1,
-                w,
-                h,
-            },
-            0.0,
-        ),
-        |(rect, _, distance)| (rect, distance),
-    )
+    found.map_or((Rect { x: name.at.0, y: name.at.1, w, h }, 0.0), |(rect, _, distance)| (rect, distance))
 }
 
 fn overlap(a: &Rect, b: &Rect) -> bool {
@@ -148,12 +118,7 @@ mod tests {
     use super::*;
 
     fn label(x: f64, text: &str, cluster: &str) -> Label {
-        Label {
-            at: [x, 0.0],
-            text: text.into(),
-            caution: false,
-            cluster: cluster.into(),
-        }
+        Label { at: [x, 0.0], text: text.into(), caution: false, cluster: cluster.into() }
     }
 
     #[test]
@@ -171,19 +136,10 @@ mod tests {
 
     #[test]
     fn names_of_one_place_do_not_overlap() {
-        let area = Rect {
-            x: 0.0,
-            y: 0.0,
-            w: 300.0,
-            h: 300.0,
-        };
+        let area = Rect { x: 0.0, y: 0.0, w: 300.0, h: 300.0 };
         let mut taken = Vec::new();
         for _ in 0..6 {
-            let name = Name {
-                at: (150.0, 150.0),
-                text: "measuring".into(),
-                caution: false,
-            };
+            let name = Name { at: (150.0, 150.0), text: "measuring".into(), caution: false };
             let (rect, _) = best(&name, &name.text, area, &[], &taken);
             assert!(taken.iter().all(|other| !overlap(&rect, other)));
             taken.push(rect);

@@ -53,16 +53,8 @@ fn render(drawing: &Drawing, layout: Option<&Layout>) -> String {
     let width = layout.map_or(WIDTH, Layout::drawn_width);
     let mut canvas = Canvas::default();
     let is_told = layout.is_none_or(|layout| layout.title);
-    let title = if is_told {
-        text::wrap(
-            &drawing.title,
-            text::BOLD * HEADING,
-            width - 2.0 * MARGIN,
-            3,
-        )
-    } else {
-        Vec::new()
-    };
+    let title =
+        if is_told { text::wrap(&drawing.title, text::BOLD * HEADING, width - 2.0 * MARGIN, 3) } else { Vec::new() };
     let top = MARGIN + title.len() as f64 * HEADING * LEADING + 6.0;
     let tallest = layout.and_then(Layout::tallest).unwrap_or(f64::INFINITY);
     let placed = fitting(drawing, is_told, (width, top), tallest);
@@ -99,12 +91,7 @@ struct Arrangement<'a> {
 
 /// The arrangement with the highest views that is no higher than `tallest`: with all views; where
 /// they would be too low, with those that have axes alone.
-fn fitting<'a>(
-    drawing: &'a Drawing,
-    has_notes: bool,
-    room: (f64, f64),
-    tallest: f64,
-) -> Arrangement<'a> {
+fn fitting<'a>(drawing: &'a Drawing, has_notes: bool, room: (f64, f64), tallest: f64) -> Arrangement<'a> {
     let all: Vec<&View> = drawing.views.iter().collect();
     let scaled: Vec<&View> = all.iter().copied().filter(|v| v.axes.is_some()).collect();
     let mut choices = vec![all];
@@ -136,8 +123,7 @@ fn arrange<'a>(
     (width, top): (f64, f64),
     highest: f64,
 ) -> Arrangement<'a> {
-    let (with_axes, without): (Vec<&View>, Vec<&View>) =
-        views.iter().partition(|view| view.axes.is_some());
+    let (with_axes, without): (Vec<&View>, Vec<&View>) = views.iter().partition(|view| view.axes.is_some());
     let two = width >= TWO_COLUMNS;
     let plot = if two {
         0.5 * (width - 2.0 * MARGIN - LEFT - GAP - 8.0) - 1.0
@@ -145,8 +131,7 @@ fn arrange<'a>(
         // The last tick label reaches beyond the frame.
         width - 2.0 * MARGIN - LEFT - 6.0
     };
-    let column =
-        |views: &[&'a View], top, across, below| column(views, top, across, (below, highest));
+    let column = |views: &[&'a View], top, across, below| column(views, top, across, (below, highest));
     let (mut placed, left_end) = column(&with_axes, top, (MARGIN + LEFT, plot), BELOW);
     let (right, right_top) = if two {
         (MARGIN + LEFT + plot + GAP + 8.0, top)
@@ -160,11 +145,7 @@ fn arrange<'a>(
     placed.extend(right_views);
     let key = Key::of(&drawing.key, right_width);
     let key_top = right_end + 4.0;
-    let notes = if has_notes {
-        note_lines(drawing, right_width)
-    } else {
-        Vec::new()
-    };
+    let notes = if has_notes { note_lines(drawing, right_width) } else { Vec::new() };
     let notes_top = key_top + key.height() + 8.0;
     let right_end = notes_top + notes.len() as f64 * SMALL * LEADING;
     Arrangement {
@@ -189,17 +170,8 @@ fn column<'a>(
     for view in views {
         let [x_span, y_span] = view.extent.map(|[from, to]| to - from);
         let wanted = width * y_span / x_span;
-        let height = if wanted.is_finite() {
-            wanted.clamp(LOWEST, highest)
-        } else {
-            LOWEST
-        };
-        let area = Rect {
-            x: left,
-            y: y + ABOVE,
-            w: width,
-            h: height,
-        };
+        let height = if wanted.is_finite() { wanted.clamp(LOWEST, highest) } else { LOWEST };
+        let area = Rect { x: left, y: y + ABOVE, w: width, h: height };
         placed.push(Placed::new(view, area));
         y += ABOVE + height + below + GAP;
     }

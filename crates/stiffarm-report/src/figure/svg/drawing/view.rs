@@ -36,22 +36,13 @@ impl<'a> Placed<'a> {
             let size = from.abs().max(to.abs());
             let sound = size < LARGEST && to - from > (NARROWEST * size).max(LARGEST.recip());
             let (lo, hi) = if sound { (from, to) } else { (0.0, 1.0) };
-            Extent {
-                kind: Kind::Linear,
-                lo,
-                hi,
-            }
+            Extent { kind: Kind::Linear, lo, hi }
         };
         let (x, y) = (extent(view.extent[0]), extent(view.extent[1]));
         let wide = (x.hi - x.lo) / area.w;
         let high = (y.hi - y.lo) / area.h;
         let unit = wide.max(high);
-        Placed {
-            view,
-            area,
-            x: x.widened(unit / wide),
-            y: y.widened(unit / high),
-        }
+        Placed { view, area, x: x.widened(unit / wide), y: y.widened(unit / high) }
     }
 
     pub(super) fn draw(&self, canvas: &mut Canvas) {
@@ -64,13 +55,7 @@ impl<'a> Placed<'a> {
         for mark in &self.view.marks {
             self.mark(canvas, mark, &mut places);
         }
-        labels::draw(
-            canvas,
-            area,
-            &self.view.labels,
-            |at| self.place(at),
-            &places,
-        );
+        labels::draw(canvas, area, &self.view.labels, |at| self.place(at), &places);
         canvas.rect(area, "none", 1.0, Stroke::solid(FRAME, 0.9));
         let font = Font::new(NORMAL, Anchor::Middle).bold();
         let at = (area.x + 0.5 * area.w, area.y - 7.0);
@@ -81,10 +66,7 @@ impl<'a> Placed<'a> {
     /// Where a place of the view is on the picture.
     fn place(&self, [x, y]: [f64; 2]) -> Option<Point> {
         (x.is_finite() && y.is_finite()).then(|| {
-            (
-                self.area.x + self.x.fraction(x) * self.area.w,
-                self.area.y + (1.0 - self.y.fraction(y)) * self.area.h,
-            )
+            (self.area.x + self.x.fraction(x) * self.area.w, self.area.y + (1.0 - self.y.fraction(y)) * self.area.h)
         })
     }
 
@@ -148,24 +130,14 @@ impl<'a> Placed<'a> {
             grid.push(vec![(x, area.y), (x, bottom)]);
             marks.push(vec![(x, bottom), (x, bottom + TICK)]);
             let at = (x, bottom + TICK_GAP + 0.8 * SMALL);
-            canvas.text(
-                at,
-                &tick.text,
-                tick.exponent.as_deref(),
-                Font::new(SMALL, Anchor::Middle),
-            );
+            canvas.text(at, &tick.text, tick.exponent.as_deref(), Font::new(SMALL, Anchor::Middle));
         }
         for tick in &y_ticks {
             let y = area.y + (1.0 - self.y.fraction(tick.value)) * area.h;
             grid.push(vec![(area.x, y), (right, y)]);
             marks.push(vec![(area.x - TICK, y), (area.x, y)]);
             let at = (area.x - TICK_GAP, y + 0.36 * SMALL);
-            canvas.text(
-                at,
-                &tick.text,
-                tick.exponent.as_deref(),
-                Font::new(SMALL, Anchor::End),
-            );
+            canvas.text(at, &tick.text, tick.exponent.as_deref(), Font::new(SMALL, Anchor::End));
         }
         canvas.path(&grid, Stroke::solid(GRID, 0.8));
         canvas.path(&marks, Stroke::solid(FRAME, 0.9));
@@ -173,10 +145,7 @@ impl<'a> Placed<'a> {
         let font = Font::new(NORMAL, Anchor::Middle);
         canvas.text(below, &x_axis.heading(), None, font);
         let widest = y_ticks.iter().map(|t| t.width(SMALL)).fold(0.0, f64::max);
-        let beside = (
-            (area.x - TICK_GAP - widest - 8.0).max(NORMAL),
-            area.y + 0.5 * area.h,
-        );
+        let beside = ((area.x - TICK_GAP - widest - 8.0).max(NORMAL), area.y + 0.5 * area.h);
         canvas.text(beside, &y_axis.heading(), None, font.turned(-90.0));
     }
 }
@@ -192,23 +161,15 @@ pub(super) fn head(canvas: &mut Canvas, from: Point, to: Point, stroke: Stroke) 
     let size = (2.6 * stroke.width + 2.6).min(length);
     let back = (to.0 - size * ux, to.1 - size * uy);
     let half = 0.42 * size;
-    let corners = [
-        to,
-        (back.0 - half * uy, back.1 + half * ux),
-        (back.0 + half * uy, back.1 - half * ux),
-    ];
+    let corners = [to, (back.0 - half * uy, back.1 + half * ux), (back.0 + half * uy, back.1 - half * ux)];
     canvas.polygon(&corners, stroke.colour, Stroke::solid(stroke.colour, 0.5));
 }
 
 /// The part of a convex area inside a rectangle (Sutherland and Hodgman).
 fn cut(corners: &[Point], area: &Rect) -> Vec<Point> {
     let (right, bottom) = (area.x + area.w, area.y + area.h);
-    let sides: [&dyn Fn(&Point) -> f64; 4] = [
-        &|p| p.0 - area.x,
-        &|p| right - p.0,
-        &|p| p.1 - area.y,
-        &|p| bottom - p.1,
-    ];
+    let sides: [&dyn Fn(&Point) -> f64; 4] =
+        [&|p| p.0 - area.x, &|p| right - p.0, &|p| p.1 - area.y, &|p| bottom - p.1];
     let mut kept = corners.to_vec();
     for inside in sides {
         let mut next = Vec::with_capacity(kept.len() + 1);
@@ -217,10 +178,7 @@ fn cut(corners: &[Point], area: &Rect) -> Vec<Point> {
             let (a, b) = (inside(before), inside(here));
             if (a < 0.0) != (b < 0.0) {
                 let t = a / (a - b);
-                next.push((
-                    before.0 + t * (here.0 - before.0),
-                    before.1 + t * (here.1 - before.1),
-                ));
+                next.push((before.0 + t * (here.0 - before.0), before.1 + t * (here.1 - before.1)));
             }
             if b >= 0.0 {
                 next.push(*here);
@@ -237,12 +195,7 @@ mod tests {
 
     #[test]
     fn areas_are_cut_off_at_the_frame() {
-        let area = Rect {
-            x: 0.0,
-            y: 0.0,
-            w: 10.0,
-            h: 10.0,
-        };
+        let area = Rect { x: 0.0, y: 0.0, w: 10.0, h: 10.0 };
         let around = [(-5.0, -5.0), (15.0, -5.0), (15.0, 15.0), (-5.0, 15.0)];
         let seen = cut(&around, &area);
         assert_eq!(seen.len(), 4, "{seen:?}");

@@ -36,13 +36,7 @@ impl Deletions {
     /// q_Sᵀ P_SS⁻¹ q_S off the squares (Cook & Weisberg 1982, ch. 2.2 for V = I).
     pub(super) fn of(fit: &Fit, all: &Seen) -> Result<Self> {
         let system = fit.system();
-        let Seen {
-            basis,
-            residual,
-            size,
-            free,
-            gamma,
-        } = all;
+        let Seen { basis, residual, size, free, gamma } = all;
         let (size, free, gamma) = (*size, *free, *gamma);
         let rows = system.delta.len();
         let whitened = fit.prepared().whitened();
@@ -80,18 +74,11 @@ impl Deletions {
                 }));
             }
             for (point, at) in points.iter_mut().zip(&at) {
-                point.add(
-                    &w.select_columns(at),
-                    &seen.select_rows(at),
-                    &q.select_rows(at),
-                );
+                point.add(&w.select_columns(at), &seen.select_rows(at), &q.select_rows(at));
             }
         }
         let points = points.iter().map(|point| point.p_value(size, free));
-        Ok(Deletions {
-            displacements,
-            points: points.collect(),
-        })
+        Ok(Deletions { displacements, points: points.collect() })
     }
 }
 
@@ -114,13 +101,7 @@ struct OfPoint {
 
 impl OfPoint {
     fn new(rank: usize) -> Self {
-        OfPoint {
-            rows: 0,
-            seen: DMatrix::zeros(rank, rank),
-            moved: DVector::zeros(rank),
-            size: 0.0,
-            singular: false,
-        }
+        OfPoint { rows: 0, seen: DMatrix::zeros(rank, rank), moved: DVector::zeros(rank), size: 0.0, singular: false }
     }
 
     /// Adds a posture: the point's columns of V^(−1/2), its rows of K and of q.
@@ -160,11 +141,7 @@ impl OfPoint {
         let explained = self.size + self.moved.dot(&more);
         let left = (size - explained).max(f64::EPSILON * size);
         let free = free - self.rows;
-        f_tail(
-            explained / self.rows as f64 / (left / free as f64),
-            self.rows,
-            free,
-        )
+        f_tail(explained / self.rows as f64 / (left / free as f64), self.rows, free)
     }
 }
 

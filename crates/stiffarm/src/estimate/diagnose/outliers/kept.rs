@@ -8,8 +8,7 @@ use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::diagnose::tails::{LEVEL, f_tail};
 use crate::estimate::elastic::carried;
 use crate::estimate::identify::{
-    Estimator, Fit, Fold, MeasuredSystem, RowLabel, Whitened, missed, prediction_error, rms,
-    rounding,
+    Estimator, Fit, Fold, MeasuredSystem, RowLabel, Whitened, missed, prediction_error, rms, rounding,
 };
 use crate::estimate::mixed::{MixedFit, Seen};
 use nalgebra::{DMatrix, DVector};
@@ -128,14 +127,10 @@ impl<'a> Kept<'a> {
         let posture = least(postures.iter().map(|p| p.p_value).collect());
         let point = least(points.iter().map(|p| p.p_value).collect());
         Ok(match (posture, point) {
-            (Some((i, p)), other) if other.is_none_or(|(_, q)| p <= q) => Some(Outlier {
-                posture: Some(postures[i].posture.clone()),
-                ..named(OutlierKind::Posture, p)
-            }),
-            (_, Some((i, p))) => Some(Outlier {
-                point: Some(points[i].point.clone()),
-                ..named(OutlierKind::Point, p)
-            }),
+            (Some((i, p)), other) if other.is_none_or(|(_, q)| p <= q) => {
+                Some(Outlier { posture: Some(postures[i].posture.clone()), ..named(OutlierKind::Posture, p) })
+            }
+            (_, Some((i, p))) => Some(Outlier { point: Some(points[i].point.clone()), ..named(OutlierKind::Point, p) }),
             _ => None,
         })
     }
@@ -164,30 +159,20 @@ impl<'a> Kept<'a> {
             .map(|(_, d)| d.as_ref().is_some_and(|d| d.p_value < ODD))
             .collect();
         let odd = own.iter().filter(|odd| **odd).count();
-        let of_point = if odd as f64 >= SHARE * own.len() as f64 && odd > 1 {
-            deletions.points[point]
-        } else {
-            None
-        };
+        let of_point = if odd as f64 >= SHARE * own.len() as f64 && odd > 1 { deletions.points[point] } else { None };
         let posture_p = of_posture.filter(|p| *p < FAMILY);
         let point_p = of_point.filter(|p| *p < FAMILY);
         Ok(match (posture_p, point_p) {
-            (Some(p), q) if q.is_none_or(|q| p <= q) => Some(Outlier {
-                posture: Some(posture.to_string()),
-                ..named(OutlierKind::Posture, p)
-            }),
-            (_, Some(p)) => Some(Outlier {
-                point: Some(self.point_name(point)),
-                ..named(OutlierKind::Point, p)
-            }),
+            (Some(p), q) if q.is_none_or(|q| p <= q) => {
+                Some(Outlier { posture: Some(posture.to_string()), ..named(OutlierKind::Posture, p) })
+            }
+            (_, Some(p)) => Some(Outlier { point: Some(self.point_name(point)), ..named(OutlierKind::Point, p) }),
             _ => None,
         })
     }
 
     fn point_name(&self, point: usize) -> String {
-        self.fit.cell().setup.tool.measuring_points[point]
-            .name
-            .clone()
+        self.fit.cell().setup.tool.measuring_points[point].name.clone()
     }
 
     fn deletions(&self) -> Result<&Deletions> {
@@ -226,11 +211,7 @@ impl<'a> Kept<'a> {
                 out.push(PostureFit {
                     posture: system.blocks[b].posture.clone(),
                     prediction_rms_m: error.map(|e| rms(e.as_slice())),
-                    p_value: if judged {
-                        self.posture_p(b, fold, rounding)?
-                    } else {
-                        None
-                    },
+                    p_value: if judged { self.posture_p(b, fold, rounding)? } else { None },
                 });
             }
         }
@@ -244,14 +225,9 @@ impl<'a> Kept<'a> {
         let folds = mixed.folds_of(system.blocks.len())?;
         let all = folds.iter().zip(&system.blocks).enumerate();
         let each = all.map(|(b, (fold, block))| {
-            let error = fold
-                .compliance
-                .as_ref()
-                .map(|own| missed(system, b, &own.values));
+            let error = fold.compliance.as_ref().map(|own| missed(system, b, &own.values));
             let p_value = match (&fold.compliance, &error) {
-                (Some(own), Some(error)) if self.has_residuals() => {
-                    self.mixed_p(system, b, own, error)?
-                }
+                (Some(own), Some(error)) if self.has_residuals() => self.mixed_p(system, b, own, error)?,
                 _ => None,
             };
             Ok(PostureFit {
@@ -294,29 +270,22 @@ impl<'a> Kept<'a> {
         let with = with * &along;
         let variance = along.dot(&(&psi * &with)).max(0.0);
         let noise = spread.sigma.powi(2) * along.norm_squared();
-        let most = spread
-            .degrees_of_freedom
-            .map_or(f64::INFINITY, |n| n as f64);
+        let most = spread.degrees_of_freedom.map_or(f64::INFINITY, |n| n as f64);
         let free = match &spread.doubt {
             Some(doubt) => doubt.bounded(most, &with, variance, noise),
             None => most,
         };
         let count = rows.len();
-        Ok(f_tail(
-            error.dot(&along) / count as f64,
-            count,
-            free.max(1.0) as usize,
-        ))
+        Ok(f_tail(error.dot(&along) / count as f64, count, free.max(1.0) as usize))
     }
 
     /// Probability of a deviation of block `b` from the fit without it.
     fn posture_p(&self, b: usize, fold: &Fold, rounding: f64) -> Result<Option<f64>> {
         let system = self.fit.system();
         let solution = &fold.solution;
-        let (Some(error), Some(sigma)) = (
-            prediction_error(system, b, solution, rounding),
-            solution.residual_std.filter(|s| *s > 0.0),
-        ) else {
+        let (Some(error), Some(sigma)) =
+            (prediction_error(system, b, solution, rounding), solution.residual_std.filter(|s| *s > 0.0))
+        else {
             return Ok(None);
         };
         let (whitened, _) = self.fit.prepared().whitened().select(&[b], &system.delta)?;
@@ -358,17 +327,10 @@ impl<'a> Kept<'a> {
     }
 
     pub(super) fn point_fits(&self) -> Result<Vec<PointFit>> {
-        let p_values = if self.has_residuals() {
-            &self.deletions()?.points[..]
-        } else {
-            &[]
-        };
+        let p_values = if self.has_residuals() { &self.deletions()?.points[..] } else { &[] };
         let all = 0..self.fit.cell().setup.tool.point_count();
         Ok(all
-            .map(|point| PointFit {
-                point: self.point_name(point),
-                p_value: p_values.get(point).copied().flatten(),
-            })
+            .map(|point| PointFit { point: self.point_name(point), p_value: p_values.get(point).copied().flatten() })
             .collect())
     }
 }

@@ -177,19 +177,14 @@ impl Outliers {
              than single readings.",
             list(&worst)
         );
-        vec![Finding::serious(
-            codes::MORE_OUTLIERS,
-            "measurements",
-            message,
-        )]
+        vec![Finding::serious(codes::MORE_OUTLIERS, "measurements", message)]
     }
 }
 
 impl Outlier {
     /// What it is.
     fn subject(&self) -> String {
-        let part =
-            |what: &str, name: &Option<String>| name.as_ref().map(|name| format!("{what} {name}"));
+        let part = |what: &str, name: &Option<String>| name.as_ref().map(|name| format!("{what} {name}"));
         let parts = [part("posture", &self.posture), part("point", &self.point)];
         parts.into_iter().flatten().collect::<Vec<_>>().join(" ")
     }

@@ -101,10 +101,8 @@ pub fn load_states(fit: &Fit, noise: Option<&NoiseTest>) -> Result<Option<LoadSt
     if all.is_empty() {
         return Ok(None);
     }
-    let (size, free) = all
-        .iter()
-        .filter_map(Series::scatter)
-        .fold((0.0, 0), |(s, f), (size, free)| (s + size, f + free));
+    let (size, free) =
+        all.iter().filter_map(Series::scatter).fold((0.0, 0), |(s, f), (size, free)| (s + size, f + free));
     let expected = fit.cell().noise.displacement_std();
     let (scatter, degrees) = if free >= ENOUGH {
         ((size / free as f64).sqrt(), Some(free))
@@ -156,10 +154,7 @@ pub fn load_states(fit: &Fit, noise: Option<&NoiseTest>) -> Result<Option<LoadSt
 }
 
 /// Mean with weights by the standard errors.
-fn pool(
-    values: &mut dyn Iterator<Item = Option<[f64; 2]>>,
-    degrees: Option<usize>,
-) -> Option<PooledStates> {
+fn pool(values: &mut dyn Iterator<Item = Option<[f64; 2]>>, degrees: Option<usize>) -> Option<PooledStates> {
     let (mut sum, mut weights) = (0.0, 0.0);
     for [value, error] in values.flatten() {
         if error > 0.0 && error.is_finite() && value.is_finite() {
@@ -171,11 +166,7 @@ fn pool(
         return None;
     }
     let (value, standard_error) = (sum / weights, 1.0 / weights.sqrt());
-    Some(PooledStates {
-        value,
-        standard_error,
-        p_value: two_sided(value / standard_error, degrees)?,
-    })
+    Some(PooledStates { value, standard_error, p_value: two_sided(value / standard_error, degrees)? })
 }
 
 impl LoadStates {
@@ -188,11 +179,7 @@ impl LoadStates {
         };
         let curved = found(&self.curvature);
         if let Some(bend) = curved {
-            let way = if bend.value > 0.0 {
-                "softens"
-            } else {
-                "stiffens"
-            };
+            let way = if bend.value > 0.0 { "softens" } else { "stiffens" };
             add(
                 "load-curvature",
                 format!(
@@ -231,11 +218,7 @@ impl LoadStates {
                     "Coming down, the points are {} {} than going up at the same load ({} of the displacement): \
                      friction in the joints. Measure both ways and keep both.",
                     length_with_error(width.value.abs(), width.standard_error),
-                    if width.value > 0.0 {
-                        "further out"
-                    } else {
-                        "less far out"
-                    },
+                    if width.value > 0.0 { "further out" } else { "less far out" },
                     percent(share.abs()),
                 ),
             );

@@ -46,11 +46,8 @@ pub(super) fn series(fit: &Fit, block: &Block) -> Result<Option<Series>> {
         .filter_map(|&m| fit.experiment().terms(m))
         .map(|terms| DVector::from_column_slice(terms.torque()))
         .collect();
-    let Some((first, leader)) = torques
-        .iter()
-        .enumerate()
-        .max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()))
-        .filter(|(_, t)| t.norm() > 0.0)
+    let Some((first, leader)) =
+        torques.iter().enumerate().max_by(|a, b| a.1.norm().total_cmp(&b.1.norm())).filter(|(_, t)| t.norm() > 0.0)
     else {
         return Ok(None);
     };
@@ -58,18 +55,11 @@ pub(super) fn series(fit: &Fit, block: &Block) -> Result<Option<Series>> {
     // their torques.
     let case = |s: usize| cell.setup.load.case_of(&measured[states[s]].state).ok();
     let alike = |t: &DVector<f64>| t.dot(leader) > ALIKE * t.norm() * leader.norm();
-    let kept: Vec<usize> = (0..states.len())
-        .filter(|&s| alike(&torques[s]) && case(s) == case(first))
-        .collect();
+    let kept: Vec<usize> = (0..states.len()).filter(|&s| alike(&torques[s]) && case(s) == case(first)).collect();
     let point_of = |l: &RowLabel| measured[l.measured].displacements[l.displacement].point;
-    let has = |state: usize, point: usize| {
-        labels
-            .iter()
-            .any(|l| l.measured == state && point_of(l) == point)
-    };
-    let points: Vec<usize> = (0..cell.setup.tool.point_count())
-        .filter(|&p| kept.iter().all(|&s| has(states[s], p)))
-        .collect();
+    let has = |state: usize, point: usize| labels.iter().any(|l| l.measured == state && point_of(l) == point);
+    let points: Vec<usize> =
+        (0..cell.setup.tool.point_count()).filter(|&p| kept.iter().all(|&s| has(states[s], p))).collect();
     if kept.len() < 2 || points.is_empty() {
         return Ok(None);
     }
@@ -95,12 +85,7 @@ pub(super) fn series(fit: &Fit, block: &Block) -> Result<Option<Series>> {
     };
     // Lost motion that was fitted is in no line.
     let mut delta = system.delta.clone();
-    for (i, _) in system
-        .extra
-        .iter()
-        .enumerate()
-        .filter(|(_, term)| !term.is_spring())
-    {
+    for (i, _) in system.extra.iter().enumerate().filter(|(_, term)| !term.is_spring()) {
         let at = system.springs + i;
         delta.axpy(-fit.solution().values[at], &system.psi.column(at), 1.0);
     }
@@ -108,33 +93,20 @@ pub(super) fn series(fit: &Fit, block: &Block) -> Result<Option<Series>> {
     let spread = block.covariance.averaged(&groups);
     let own = system.psi.rows(block.rows.start, block.rows.len());
     let mut whole = DVector::zeros(system.delta.len());
-    whole
-        .rows_mut(block.rows.start, block.rows.len())
-        .copy_from(&(own * &fit.solution().values));
+    whole.rows_mut(block.rows.start, block.rows.len()).copy_from(&(own * &fit.solution().values));
     let modelled = average(&whole);
-    let load = DVector::from_iterator(
-        kept.len(),
-        kept.iter()
-            .map(|&s| torques[s].dot(leader) / leader.norm_squared()),
-    );
+    let load = DVector::from_iterator(kept.len(), kept.iter().map(|&s| torques[s].dot(leader) / leader.norm_squared()));
     // The state that leads is the largest; its model gives the direction.
-    let direction = modelled
-        .rows(per_state * load.imax(), per_state)
-        .into_owned();
+    let direction = modelled.rows(per_state * load.imax(), per_state).into_owned();
     let Some(direction) = direction.try_normalize(0.0) else {
         return Ok(None);
     };
     let scale = (points.len() as f64).sqrt();
     let mut project = DMatrix::zeros(kept.len(), per_state * kept.len());
     for s in 0..kept.len() {
-        project
-            .view_mut((s, per_state * s), (1, per_state))
-            .copy_from(&(direction.transpose() / scale));
+        project.view_mut((s, per_state * s), (1, per_state)).copy_from(&(direction.transpose() / scale));
     }
-    let states: Vec<String> = kept
-        .iter()
-        .map(|&s| measured[states[s]].state.clone())
-        .collect();
+    let states: Vec<String> = kept.iter().map(|&s| measured[states[s]].state.clone()).collect();
     Ok(Some(Series {
         posture: block.posture.clone(),
         down: directions(&states, &load),
@@ -191,10 +163,7 @@ impl Series {
             columns.push(self.load.component_mul(&self.load));
         }
         if self.returns() {
-            let down = self
-                .down
-                .iter()
-                .map(|d| f64::from(u8::from(*d == Some(true))));
+            let down = self.down.iter().map(|d| f64::from(u8::from(*d == Some(true))));
             columns.push(DVector::from_iterator(count, down));
         }
         (columns.len() <= count).then(|| DMatrix::from_columns(&columns))
@@ -207,10 +176,10 @@ impl Series {
         let x = root.solve_lower_triangular(&design)?;
         let z = root.solve_lower_triangular(&self.z)?;
         let factor = Factor::new(&x).ok()?;
-        factor.undetermined().is_empty().then(|| Line {
-            values: factor.solve(&z),
-            covariance: factor.inverse_information(),
-        })
+        factor
+            .undetermined()
+            .is_empty()
+            .then(|| Line { values: factor.solve(&z), covariance: factor.inverse_information() })
     }
 
     /// What the richest curve that leaves degrees of freedom leaves of the

@@ -10,9 +10,7 @@
 mod result;
 mod truth;
 
-pub use result::{
-    ElasticGroup, ElasticLevel, ElasticModelOutcome, ElasticSimulation, ElasticSimulationOptions,
-};
+pub use result::{ElasticGroup, ElasticLevel, ElasticModelOutcome, ElasticSimulation, ElasticSimulationOptions};
 
 use super::{check_amount, check_determined};
 use crate::error::{Code, Error, Result};
@@ -88,11 +86,7 @@ pub fn simulate_elastic(
     let work = Work::new(cell)?;
     let all = groups.iter().map(|group| Group::new(cell, &group.postures));
     let experiment = Experiment {
-        cells: options
-            .variance_factors
-            .iter()
-            .map(|factor| noisier(cell, *factor))
-            .collect(),
+        cells: options.variance_factors.iter().map(|factor| noisier(cell, *factor)).collect(),
         groups: all.collect::<Result<_>>()?,
         truth,
         work,
@@ -136,11 +130,7 @@ pub fn simulate_elastic(
 ///
 /// # Errors
 /// No prior; as [`simulate_measurements`].
-pub fn simulate_elastic_measurements(
-    cell: &Cell,
-    postures: &[Posture],
-    seed: u64,
-) -> Result<Vec<MeasuredPosture>> {
+pub fn simulate_elastic_measurements(cell: &Cell, postures: &[Posture], seed: u64) -> Result<Vec<MeasuredPosture>> {
     let truth = Truth::new(cell, &cell.elastic_sizes()?.0)?;
     let model = Model::Equilibrium;
     let mut out = simulate_measurements(cell, postures, &truth.prior, model, seed, 0)?;
@@ -158,10 +148,7 @@ pub fn simulate_elastic_measurements(
 
 /// The cell with `factor` times the reading variance.
 fn noisier(cell: &Cell, factor: f64) -> Cell {
-    Cell {
-        noise: cell.noise.with_variance_times(factor),
-        ..cell.clone()
-    }
+    Cell { noise: cell.noise.with_variance_times(factor), ..cell.clone() }
 }
 
 fn expected_prediction(cell: &Cell, group: &PostureGroup) -> Option<f64> {
@@ -201,18 +188,16 @@ impl Experiment<'_> {
     /// The runs of every group and level, group by group.
     fn all_runs(&self, control: Control<'_>) -> Result<Vec<Vec<Run>>> {
         let (levels, runs) = (self.cells.len(), self.options.runs);
-        let series: Vec<(usize, usize)> = (0..self.groups.len())
-            .flat_map(|group| (0..levels).map(move |level| (group, level)))
-            .collect();
+        let series: Vec<(usize, usize)> =
+            (0..self.groups.len()).flat_map(|group| (0..levels).map(move |level| (group, level))).collect();
         let total = series.len() * runs;
         let done = AtomicUsize::new(0);
         let mut out: Vec<Vec<Run>> = series.iter().map(|_| Vec::new()).collect();
         let mut start = 0;
         while start < runs && !(start >= AT_LEAST && control.stopped()) {
             let end = runs.min(start + PORTION);
-            let jobs: Vec<(usize, usize)> = (start..end)
-                .flat_map(|run| (0..series.len()).map(move |s| (s, run)))
-                .collect();
+            let jobs: Vec<(usize, usize)> =
+                (start..end).flat_map(|run| (0..series.len()).map(move |s| (s, run))).collect();
             let found = in_order(&jobs, |(_, &(s, run))| {
                 if run >= AT_LEAST && control.stopped() {
                     return Ok(None);
@@ -242,8 +227,7 @@ impl Experiment<'_> {
         let confidence = fit.options().confidence;
         let by_axes = IdentifiedCompliance::from_solution(fit.system(), fit.solution(), confidence);
         let truth = self.truth.reproduced.of(&compliance);
-        let outcome =
-            |predictor: &IdentifiedCompliance| self.outcome(predictor, &compliance, &truth);
+        let outcome = |predictor: &IdentifiedCompliance| self.outcome(predictor, &compliance, &truth);
         let mixed = match self.options.elastic {
             ElasticChoice::Axes => None,
             ElasticChoice::Mixed => carried(&fit)?.ok(),
@@ -276,21 +260,15 @@ impl Experiment<'_> {
             let (value, k) = (values[j], 1.0 / h);
             let deviation = (1.0 / (value * k) - 1.0).abs();
             if !deviation.is_finite() {
-                return Err(Error::new(
-                    Code::Numerical,
-                    "A stiffness came out infinite in a simulated run.",
-                )
-                .hint("give more postures, or less noise"));
+                return Err(Error::new(Code::Numerical, "A stiffness came out infinite in a simulated run.")
+                    .hint("give more postures, or less noise"));
             }
             deviations.push(deviation);
             // An interval on the wrong side of zero does not hold either.
             let held = known.as_ref().map(|(spread, all)| {
                 let (with, variance) = match reproduced {
                     Some(reproduced) => reproduced.covariance(spread, j),
-                    None => (
-                        spread.covariance.column(j).into_owned(),
-                        spread.covariance[(j, j)].max(0.0),
-                    ),
+                    None => (spread.covariance.column(j).into_owned(), spread.covariance[(j, j)].max(0.0)),
                 };
                 let quantile = all.of(&with, variance, 0.0);
                 let error = Some(variance.sqrt());
@@ -302,19 +280,14 @@ impl Experiment<'_> {
         Ok(Outcome {
             deviations,
             holds,
-            predicted: self
-                .work
-                .predicted(&predictor.values, known.as_ref(), compliance)?,
+            predicted: self.work.predicted(&predictor.values, known.as_ref(), compliance)?,
         })
     }
 }
 
 fn summary(runs: &[Run], factor: f64, expected: Option<f64>, asked: ElasticChoice) -> ElasticLevel {
     let axes: Vec<&Outcome> = runs.iter().map(|run| &run.axes).collect();
-    let mixed: Vec<&Outcome> = runs
-        .iter()
-        .map(|run| run.mixed.as_ref().unwrap_or(&run.axes))
-        .collect();
+    let mixed: Vec<&Outcome> = runs.iter().map(|run| run.mixed.as_ref().unwrap_or(&run.axes)).collect();
     let deflections: Vec<f64> = runs.iter().map(|run| run.deflection).collect();
     let has_mixed = asked != ElasticChoice::Axes;
     let without = runs.iter().filter(|run| run.mixed.is_none()).count();
@@ -347,11 +320,7 @@ fn over_runs(all: &[&Outcome]) -> ElasticModelOutcome {
         interval_share: (0..joints).map(holds).collect(),
         prediction_rms_m: rms,
         // To first order: the error of a root is that of its square over twice the root.
-        prediction_standard_error_m: if rms > 0.0 {
-            standard_error(&squares) / (2.0 * rms)
-        } else {
-            0.0
-        },
+        prediction_standard_error_m: if rms > 0.0 { standard_error(&squares) / (2.0 * rms) } else { 0.0 },
         band_share: share(all.iter().filter_map(|o| o.predicted.inside).collect()),
         confidence: IdentifyOptions::default().confidence,
     }

@@ -7,11 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// Options of an elastic simulation, and of its result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Options")
-)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "Options"))]
 #[non_exhaustive]
 pub struct ElasticSimulationOptions {
     /// Factors on the cell's variance.
@@ -28,12 +24,7 @@ pub struct ElasticSimulationOptions {
 
 impl Default for ElasticSimulationOptions {
     fn default() -> Self {
-        ElasticSimulationOptions {
-            variance_factors: vec![1.0],
-            runs: 100,
-            seed: 1,
-            elastic: ElasticChoice::Mixed,
-        }
+        ElasticSimulationOptions { variance_factors: vec![1.0], runs: 100, seed: 1, elastic: ElasticChoice::Mixed }
     }
 }
 
@@ -138,11 +129,8 @@ impl ElasticSimulation {
     /// What it comes to, in a sentence or two, at the first noise level.
     pub fn verdict(&self) -> String {
         let first = |group: &ElasticGroup| group.levels.first().cloned();
-        let all: Vec<(&str, ElasticLevel)> = self
-            .groups
-            .iter()
-            .filter_map(|g| Some((g.name.as_str(), first(g)?)))
-            .collect();
+        let all: Vec<(&str, ElasticLevel)> =
+            self.groups.iter().filter_map(|g| Some((g.name.as_str(), first(g)?))).collect();
         let own = |level: &ElasticLevel| {
             let model = level.mixed.as_ref().unwrap_or(&level.axes);
             model.prediction_rms_m
@@ -156,15 +144,9 @@ impl ElasticSimulation {
             _ => format!("From \"{name}\", the best of these groups,"),
         };
         let axes = &level.axes;
-        let by_axes = format!(
-            "{} with the joint axes alone",
-            length(axes.prediction_rms_m)
-        );
+        let by_axes = format!("{} with the joint axes alone", length(axes.prediction_rms_m));
         let Some(mixed) = &level.mixed else {
-            return format!(
-                "{from} deflections of {} are predicted to {by_axes}.",
-                length(level.deflection_rms_m)
-            );
+            return format!("{from} deflections of {} are predicted to {by_axes}.", length(level.deflection_rms_m));
         };
         let mut out = format!(
             "{from} deflections of {} are predicted to {} with the mixed model and to {by_axes}.",

@@ -35,10 +35,7 @@ impl Truth {
     pub(super) fn new(cell: &Cell, sizes: &ElasticSizes) -> Result<Self> {
         let prior = cell.require_prior()?.to_vec();
         let effects = springs(cell);
-        let deviation = effects
-            .iter()
-            .map(|e| e.scale * sizes.of(e.class))
-            .collect::<Vec<_>>();
+        let deviation = effects.iter().map(|e| e.scale * sizes.of(e.class)).collect::<Vec<_>>();
         Ok(Truth {
             reproduced: Reproduced::over_cell(cell, &terms(&effects), Control::default())?,
             axes: DVector::from_iterator(prior.len(), prior.iter().map(|k| 1.0 / k)),
@@ -57,12 +54,7 @@ impl Truth {
 
 /// What the mixed model may find, in its order.
 fn springs(cell: &Cell) -> Vec<Effect> {
-    fitted(
-        &cell.setup.robot,
-        &[],
-        ElasticSizing::Alike,
-        &cell.known_elements,
-    )
+    fitted(&cell.setup.robot, &[], ElasticSizing::Alike, &cell.known_elements)
 }
 
 /// A group of postures on any such arm.
@@ -88,9 +80,7 @@ impl Group {
         for (p, posture) in postures.iter().enumerate() {
             let terms = PostureTerms::new(&cell.setup, &posture.q, None)?;
             blocks.push(terms.block_with(&cell.setup.robot, &springs));
-            known
-                .rows_mut(rows * p, rows)
-                .copy_from(&terms.known_displacement(&cell.setup.tool));
+            known.rows_mut(rows * p, rows).copy_from(&terms.known_displacement(&cell.setup.tool));
         }
         let named = postures.iter().enumerate().map(|(p, posture)| Posture {
             // Two postures of one name would count as one.
@@ -118,11 +108,7 @@ impl Group {
     }
 
     /// What is measured on an arm with these compliances, with this noise \[m\].
-    pub(super) fn measured(
-        &self,
-        compliance: &DVector<f64>,
-        noise: &DVector<f64>,
-    ) -> Vec<MeasuredPosture> {
+    pub(super) fn measured(&self, compliance: &DVector<f64>, noise: &DVector<f64>) -> Vec<MeasuredPosture> {
         let all = &self.columns * compliance + &self.known + noise;
         let postures = self.postures.iter().enumerate();
         postures
@@ -163,9 +149,7 @@ impl Work {
             columns.rows(0, 3).into_owned()
         };
         let blocks: Vec<DMatrix<f64>> = work.iter().map(|(_, terms)| tip(terms)).collect();
-        Ok(Work {
-            columns: stacked(&blocks, blocks.first().map_or(0, DMatrix::ncols)),
-        })
+        Ok(Work { columns: stacked(&blocks, blocks.first().map_or(0, DMatrix::ncols)) })
     }
 
     /// Number of deflections.
@@ -193,10 +177,7 @@ impl Work {
         let errors = own * values - &self.columns * compliance;
         let square = errors.norm_squared() / self.count() as f64;
         if !square.is_finite() {
-            return Err(Error::new(
-                Code::Numerical,
-                "A predicted deflection is not a finite number.",
-            ));
+            return Err(Error::new(Code::Numerical, "A predicted deflection is not a finite number."));
         }
         let inside = known.map(|(spread, quantiles)| {
             let with = &spread.covariance * own.transpose();

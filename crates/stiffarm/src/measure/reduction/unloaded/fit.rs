@@ -2,9 +2,7 @@
 
 use super::Seen;
 use crate::error::Result;
-use crate::measure::registration::{
-    Agreement, Pair, PointPair, Registration, TurnSums, register, robust,
-};
+use crate::measure::registration::{Agreement, Pair, PointPair, Registration, TurnSums, register, robust};
 use nalgebra::Vector3;
 
 /// A posture whose residual is so many times that of the others disagrees. With
@@ -38,22 +36,11 @@ pub(super) fn robust_fit(seen: &[Seen<'_>], reading_std: f64) -> Result<Fit> {
         floor_few: floor,
         many: 0,
         most: |count| (2 * count).div_ceil(3),
-        least: if seen.iter().all(|s| s.pairs.len() > 1) {
-            3
-        } else {
-            4
-        },
+        least: if seen.iter().all(|s| s.pairs.len() > 1) { 3 } else { 4 },
     };
     let groups: Vec<Vec<Pair>> = seen.iter().map(|s| s.positions().collect()).collect();
-    let found = if seen.len() > FEW {
-        robust(&groups, agreement)
-    } else {
-        None
-    };
-    let used = found.map_or_else(
-        || vec![true; seen.len()],
-        |found| found.bad.iter().map(|bad| !bad).collect(),
-    );
+    let found = if seen.len() > FEW { robust(&groups, agreement) } else { None };
+    let used = found.map_or_else(|| vec![true; seen.len()], |found| found.bad.iter().map(|bad| !bad).collect());
     let registration = register(&pairs(seen, &used))?;
     Ok(Fit { registration, used })
 }
@@ -67,10 +54,7 @@ pub(super) fn jackknife(seen: &[Seen<'_>], full: &Fit) -> Option<[f64; 3]> {
     }
     let base = full.registration.centroid;
     let to_tracker = full.registration.base_from_tracker.inverse();
-    let origins = (
-        to_tracker.rotation * base + to_tracker.translation.vector,
-        base,
-    );
+    let origins = (to_tracker.rotation * base + to_tracker.translation.vector, base);
     let sums = |seen: &Seen<'_>| TurnSums::of(seen.positions(), &origins);
     let all = TurnSums::of(used.iter().flat_map(|s| s.positions()), &origins);
     let inverse = full.registration.base_from_tracker.rotation.inverse();

@@ -100,8 +100,7 @@ impl<'a> Seen<'a> {
             .collect();
         let (mut points, mut pairs) = (Vec::new(), Vec::new());
         for (index, series) in &posture.points {
-            let states: Vec<&StateSamples<'_>> =
-                series.states.iter().filter(|s| s.role == role).collect();
+            let states: Vec<&StateSamples<'_>> = series.states.iter().filter(|s| s.role == role).collect();
             let count: usize = states.iter().map(|s| s.count()).sum();
             if count == 0 {
                 continue;
@@ -118,11 +117,7 @@ impl<'a> Seen<'a> {
                 base: mean(&|s| frames[s.state].point(&point.position)),
             });
         }
-        (!pairs.is_empty()).then_some(Seen {
-            posture: posture.name(),
-            points,
-            pairs,
-        })
+        (!pairs.is_empty()).then_some(Seen { posture: posture.name(), points, pairs })
     }
 
     /// Tracker and base position of each point.
@@ -131,10 +126,7 @@ impl<'a> Seen<'a> {
     }
 
     fn mean_square(&self, transform: &Isometry3<f64>) -> f64 {
-        let squares = self
-            .pairs
-            .iter()
-            .map(|p| residual(p, transform).norm_squared());
+        let squares = self.pairs.iter().map(|p| residual(p, transform).norm_squared());
         squares.sum::<f64>() / self.pairs.len() as f64
     }
 }
@@ -192,23 +184,14 @@ pub(in crate::measure) fn by_themselves(
 }
 
 /// True where a transform fits pairs as well as the best one does, which leaves `best` \[m\].
-pub(in crate::measure) fn fits(
-    cell: &Cell,
-    transform: &Isometry3<f64>,
-    pairs: &[Pair],
-    best: f64,
-) -> bool {
+pub(in crate::measure) fn fits(cell: &Cell, transform: &Isometry3<f64>, pairs: &[Pair], best: f64) -> bool {
     let noise = ABOVE_NOISE * cell.noise.reading_variance.sqrt();
     rms(transform, pairs) <= (WORSE * best).max(noise).max(ROUNDING)
 }
 
 /// At least three points that are not on a line.
 fn enough(seen: &[Seen<'_>]) -> Result<()> {
-    let points: Vec<Vector3<f64>> = seen
-        .iter()
-        .flat_map(|s| &s.pairs)
-        .map(|p| p.tracker)
-        .collect();
+    let points: Vec<Vector3<f64>> = seen.iter().flat_map(|s| &s.pairs).map(|p| p.tracker).collect();
     let mean = points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64;
     let from_mean: Vec<Vector3<f64>> = points.iter().map(|p| p - mean).collect();
     let (code, message) = match points.len() {
@@ -239,18 +222,9 @@ fn describe(
 ) -> UnloadedRegistration {
     let names = &cell.setup.tool.measuring_points;
     let rotation = transform.rotation.to_rotation_matrix();
-    let count: usize = seen
-        .iter()
-        .zip(used)
-        .filter(|(_, u)| **u)
-        .map(|(s, _)| s.pairs.len())
-        .sum();
-    let sum: f64 = seen
-        .iter()
-        .zip(used)
-        .filter(|(_, u)| **u)
-        .map(|(s, _)| s.mean_square(transform) * s.pairs.len() as f64)
-        .sum();
+    let count: usize = seen.iter().zip(used).filter(|(_, u)| **u).map(|(s, _)| s.pairs.len()).sum();
+    let sum: f64 =
+        seen.iter().zip(used).filter(|(_, u)| **u).map(|(s, _)| s.mean_square(transform) * s.pairs.len() as f64).sum();
     UnloadedRegistration {
         given,
         rotation: std::array::from_fn(|i| std::array::from_fn(|j| rotation[(i, j)])),
@@ -281,8 +255,7 @@ fn describe(
 
 /// What the residuals of our own fit say.
 fn check_own(summary: &UnloadedRegistration, findings: &mut Vec<Finding>) {
-    let left_out: Vec<&UnloadedPostureResidual> =
-        summary.postures.iter().filter(|p| !p.used).collect();
+    let left_out: Vec<&UnloadedPostureResidual> = summary.postures.iter().filter(|p| !p.used).collect();
     if !left_out.is_empty() {
         let names: Vec<&str> = left_out.iter().map(|p| p.posture.as_str()).collect();
         let worst = left_out.iter().map(|p| p.rms_m).fold(0.0, f64::max);
@@ -343,13 +316,8 @@ fn check_given(
             ),
         ));
     }
-    let odd: Vec<&str> = summary
-        .postures
-        .iter()
-        .zip(&best.used)
-        .filter(|(_, used)| !**used)
-        .map(|(p, _)| p.posture.as_str())
-        .collect();
+    let odd: Vec<&str> =
+        summary.postures.iter().zip(&best.used).filter(|(_, used)| !**used).map(|(p, _)| p.posture.as_str()).collect();
     if !odd.is_empty() {
         findings.push(Finding::caution(
             codes::REGISTRATION_OUTLIER,

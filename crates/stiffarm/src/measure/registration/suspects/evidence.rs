@@ -20,17 +20,11 @@ pub(super) fn ln_evidence(
     let freedom = explanation.degrees_of_freedom as f64;
     let rss = explanation.fit.rss_above_rounding();
     let residuals = match std {
-        Some(std) => {
-            -rss / (2.0 * std.powi(2)) - freedom * std.ln() - freedom / 2.0 * (2.0 * PI).ln()
-        }
+        Some(std) => -rss / (2.0 * std.powi(2)) - freedom * std.ln() - freedom / 2.0 * (2.0 * PI).ln(),
         // ∫ of the same over σ with the prior 1/σ.
         None => ln_gamma(freedom / 2.0) - freedom / 2.0 * (PI * rss).ln() - 2f64.ln(),
     };
-    let weights = samples
-        .iter()
-        .enumerate()
-        .filter(|(i, _)| Some(*i) != left_out)
-        .map(|(_, s)| 1.5 * s.weight.ln());
+    let weights = samples.iter().enumerate().filter(|(i, _)| Some(*i) != left_out).map(|(_, s)| 1.5 * s.weight.ln());
     residuals + weights.sum::<f64>() + ln_volume_of_transforms(&explanation.fit)
 }
 
@@ -49,10 +43,7 @@ fn ln_volume_of_transforms(fit: &RigidFit) -> f64 {
 /// \[m³\].
 pub(super) fn ln_volume(samples: &[Sample]) -> f64 {
     let mean = samples.iter().map(|s| s.base).sum::<Vector3<f64>>() / samples.len() as f64;
-    let mut far: Vec<(f64, Vector3<f64>)> = samples
-        .iter()
-        .map(|s| ((s.base - mean).norm(), s.base))
-        .collect();
+    let mut far: Vec<(f64, Vector3<f64>)> = samples.iter().map(|s| ((s.base - mean).norm(), s.base)).collect();
     sort_by_number(&mut far, |a| -a.0);
     // No two points are farther apart than their distances from the mean together.
     let mut largest: f64 = 0.0;
@@ -73,10 +64,7 @@ pub(super) fn ln_volume(samples: &[Sample]) -> f64 {
 /// Chance that noise alone makes the pair left out by `rest` fit the others as
 /// badly as it does.
 pub(super) fn tail(plain: &Explanation, rest: &Explanation, std: Option<f64>) -> f64 {
-    let freedoms = [
-        plain.degrees_of_freedom - rest.degrees_of_freedom,
-        rest.degrees_of_freedom,
-    ];
+    let freedoms = [plain.degrees_of_freedom - rest.degrees_of_freedom, rest.degrees_of_freedom];
     let rest = rest.fit.rss_above_rounding();
     let drop = (plain.fit.rss_above_rounding() - rest).max(0.0);
     let known = std.filter(|s| chi_squared_tail(rest / s.powi(2), freedoms[1]) > CONTRADICTION);

@@ -28,11 +28,7 @@ pub(in super::super) fn mm(m: f64) -> String {
 
 impl Suspicion {
     /// Refuses a mirrored frame.
-    pub(in super::super) fn refuse_mirrored(
-        &self,
-        names: &[&str],
-        samples: &[Sample],
-    ) -> Result<()> {
+    pub(in super::super) fn refuse_mirrored(&self, names: &[&str], samples: &[Sample]) -> Result<()> {
         let Some(mirrored) = self.mirrored() else {
             return Ok(());
         };
@@ -42,22 +38,16 @@ impl Suspicion {
             mm(mirrored.rms()),
         );
         let mut hint =
-            "one frame is left-handed, an axis has the wrong sign, or two columns are exchanged; "
-                .to_string();
+            "one frame is left-handed, an axis has the wrong sign, or two columns are exchanged; ".to_string();
         let slips = parallel_frames(samples);
         hint += &match slips.as_slice() {
-            [] => "the points cannot tell which axis, for each one cures the residuals alike"
-                .to_string(),
+            [] => "the points cannot tell which axis, for each one cures the residuals alike".to_string(),
             slips => format!(
                 "first check {}: without that slip the axes of both frames are nearly parallel",
                 slips.join(" or ")
             ),
         };
-        let others: Vec<String> = self
-            .likely()
-            .into_iter()
-            .map(|(cause, _)| cause.alternative(names))
-            .collect();
+        let others: Vec<String> = self.likely().into_iter().map(|(cause, _)| cause.alternative(names)).collect();
         if !others.is_empty() {
             hint += &format!("; it may also be that {}", others.join(", or that "));
         }
@@ -94,18 +84,11 @@ impl Suspicion {
         )
     }
 
-    fn outlier(
-        &self,
-        severity: Severity,
-        name: &str,
-        sample: &Sample,
-        one: &Explanation,
-    ) -> Finding {
+    fn outlier(&self, severity: Severity, name: &str, sample: &Sample, one: &Explanation) -> Finding {
         let (before, after) = (mm(self.plain.rms()), mm(one.rms()));
         let miss = mm(one.fit.residual(sample).norm());
-        let expected = one.expected_miss(sample).map_or(String::new(), |miss| {
-            format!(" where {} mm are expected", mm(miss))
-        });
+        let expected =
+            one.expected_miss(sample).map_or(String::new(), |miss| format!(" where {} mm are expected", mm(miss)));
         Finding::new(
             "outlier",
             severity,
@@ -118,12 +101,7 @@ impl Suspicion {
         )
     }
 
-    fn undecided(
-        &self,
-        severity: Severity,
-        several: &[&(Cause, Explanation)],
-        names: &[&str],
-    ) -> Finding {
+    fn undecided(&self, severity: Severity, several: &[&(Cause, Explanation)], names: &[&str]) -> Finding {
         let mut involved: Vec<usize> = Vec::new();
         for (cause, _) in several {
             match *cause {
@@ -135,11 +113,7 @@ impl Suspicion {
         involved.dedup();
         let subject: Vec<&str> = involved.iter().map(|i| names[*i]).collect();
         let outliers: Vec<&str> = (0..names.len())
-            .filter(|i| {
-                several
-                    .iter()
-                    .any(|(cause, _)| *cause == Cause::Outlier(*i))
-            })
+            .filter(|i| several.iter().any(|(cause, _)| *cause == Cause::Outlier(*i)))
             .map(|i| names[i])
             .collect();
         let mut causes: Vec<String> = several
@@ -184,8 +158,7 @@ impl Explanation {
             return None;
         }
         let inverse = self.fit.inertia.cholesky()?.inverse();
-        let lever =
-            (self.fit.pose.rotation * (sample.tracker - self.fit.tracker_centroid)).cross_matrix();
+        let lever = (self.fit.pose.rotation * (sample.tracker - self.fit.tracker_centroid)).cross_matrix();
         let turn = lever * inverse * lever.transpose();
         let variance = self.fit.rss / self.degrees_of_freedom as f64;
         let own = 3.0 / sample.weight + 3.0 / self.fit.weight;
@@ -197,13 +170,7 @@ impl Explanation {
 /// leave the frames nearly parallel when they are undone.
 fn parallel_frames(samples: &[Sample]) -> Vec<String> {
     let slips = axis_slips(|undo| {
-        let undone: Vec<Sample> = samples
-            .iter()
-            .map(|s| Sample {
-                tracker: undo * s.tracker,
-                ..*s
-            })
-            .collect();
+        let undone: Vec<Sample> = samples.iter().map(|s| Sample { tracker: undo * s.tracker, ..*s }).collect();
         rigid(&undone).map_or(f64::INFINITY, |fit| fit.pose.rotation.angle())
     });
     slips.into_iter().map(|(said, _)| said).collect()
@@ -217,18 +184,12 @@ pub(crate) fn axis_slips(turn: impl Fn(&Matrix3<f64>) -> f64) -> Vec<(String, Ma
     for i in 0..3 {
         let mut sign = Vector3::repeat(1.0);
         sign[i] = -1.0;
-        slips.push((
-            format!("the sign of {}", axes[i]),
-            Matrix3::from_diagonal(&sign),
-        ));
+        slips.push((format!("the sign of {}", axes[i]), Matrix3::from_diagonal(&sign)));
     }
     for (i, j) in [(0, 1), (1, 2), (0, 2)] {
         let mut exchange = Matrix3::identity();
         exchange.swap_columns(i, j);
-        slips.push((
-            format!("whether {} and {} are exchanged", axes[i], axes[j]),
-            exchange,
-        ));
+        slips.push((format!("whether {} and {} are exchanged", axes[i], axes[j]), exchange));
     }
     slips.retain(|(_, undo)| rad_to_deg(turn(undo)) < PARALLEL_DEG);
     slips

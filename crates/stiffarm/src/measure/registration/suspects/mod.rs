@@ -66,12 +66,7 @@ impl Explanation {
     fn new(samples: &[Sample]) -> Option<Self> {
         let fit = rigid(samples)?;
         let degrees_of_freedom = (3 * samples.len()).checked_sub(fit.rank())?;
-        (degrees_of_freedom > 0).then_some(Explanation {
-            fit,
-            degrees_of_freedom,
-            ln_weight: 0.0,
-            share: 0.0,
-        })
+        (degrees_of_freedom > 0).then_some(Explanation { fit, degrees_of_freedom, ln_weight: 0.0, share: 0.0 })
     }
 
     /// RMS of the norms of its residuals, weighted \[m\].
@@ -97,23 +92,15 @@ impl Suspicion {
     /// Weighs the explanations of the residuals of `fit`.
     pub(super) fn of(samples: &[Sample], fit: &RigidFit, known: Option<f64>) -> Self {
         let count = samples.len();
-        let mut plain = Explanation {
-            fit: fit.clone(),
-            degrees_of_freedom: 3 * count - 6,
-            ln_weight: 0.0,
-            share: 0.0,
-        };
+        let mut plain = Explanation { fit: fit.clone(), degrees_of_freedom: 3 * count - 6, ln_weight: 0.0, share: 0.0 };
         // Three points lie in a plane: their mirror image is the same triangle.
-        let mut mirrored = Some(mirrored(samples))
-            .filter(|_| count > 3)
-            .and_then(|mirrored| Explanation::new(&mirrored));
+        let mut mirrored =
+            Some(mirrored(samples)).filter(|_| count > 3).and_then(|mirrored| Explanation::new(&mirrored));
         let mut wrong = wrong_pairs(samples, fit);
 
         // A known σ that contradicts every explanation is not used to choose one.
         let agrees = |e: &Explanation| {
-            known.is_some_and(|std| {
-                chi_squared_tail(e.fit.rss / std.powi(2), e.degrees_of_freedom) > CONTRADICTION
-            })
+            known.is_some_and(|std| chi_squared_tail(e.fit.rss / std.powi(2), e.degrees_of_freedom) > CONTRADICTION)
         };
         let all = wrong.iter().map(|(_, e)| e).chain(&mirrored);
         let std = known.filter(|_| all.chain([&plain]).any(agrees));
@@ -129,42 +116,27 @@ impl Suspicion {
                     let swaps = (count * (count - 1) / 2) as f64;
                     ln_evidence(e, samples, None, std) - swaps.ln()
                 }
-                Cause::Outlier(i) => {
-                    ln_evidence(e, samples, Some(i), std) - volume - (count as f64).ln()
-                }
+                Cause::Outlier(i) => ln_evidence(e, samples, Some(i), std) - volume - (count as f64).ln(),
             };
         }
         wrong.sort_by(|(_, a), (_, b)| b.ln_weight.total_cmp(&a.ln_weight));
         share_out(wrong.iter_mut().map(|(_, e)| e).chain(&mut mirrored));
 
-        let overwhelming = wrong
-            .iter()
-            .any(|(_, e)| e.ln_weight - plain.ln_weight > ODDS.ln());
-        let outliers = wrong
-            .iter()
-            .filter(|(cause, _)| matches!(cause, Cause::Outlier(_)));
-        let chance = outliers
-            .map(|(_, e)| count as f64 * tail(&plain, e, std))
-            .fold(1.0, f64::min);
+        let overwhelming = wrong.iter().any(|(_, e)| e.ln_weight - plain.ln_weight > ODDS.ln());
+        let outliers = wrong.iter().filter(|(cause, _)| matches!(cause, Cause::Outlier(_)));
+        let chance = outliers.map(|(_, e)| count as f64 * tail(&plain, e, std)).fold(1.0, f64::min);
         let severity = if overwhelming || chance < SIGNIFICANT {
             Some(Severity::Serious)
         } else {
             (chance < LIKELY).then_some(Severity::Caution)
         };
-        Suspicion {
-            plain,
-            mirrored,
-            wrong,
-            severity,
-        }
+        Suspicion { plain, mirrored, wrong, severity }
     }
 
     /// True where the residuals would have told a mirrored frame: never for
     /// three pairs, nor for points in a plane.
     pub(super) fn hand_is_known(&self) -> bool {
-        self.mirrored
-            .as_ref()
-            .is_some_and(|mirrored| self.plain.ln_weight - mirrored.ln_weight > ODDS.ln())
+        self.mirrored.as_ref().is_some_and(|mirrored| self.plain.ln_weight - mirrored.ln_weight > ODDS.ln())
     }
 
     /// A mirrored frame, where that is among the likely explanations.
@@ -216,20 +188,14 @@ fn wrong_pairs(samples: &[Sample], fit: &RigidFit) -> Vec<(Cause, Explanation)> 
 
 /// The samples with tracker axes of the other hand.
 fn mirrored(samples: &[Sample]) -> Vec<Sample> {
-    let reverse = |s: &Sample| Sample {
-        tracker: -s.tracker,
-        ..*s
-    };
+    let reverse = |s: &Sample| Sample { tracker: -s.tracker, ..*s };
     samples.iter().map(reverse).collect()
 }
 
 /// Shares of the explanations in the sum of their weights.
 fn share_out<'e>(explanations: impl Iterator<Item = &'e mut Explanation>) {
     let mut explanations: Vec<&mut Explanation> = explanations.collect();
-    let best = explanations
-        .iter()
-        .map(|e| e.ln_weight)
-        .fold(f64::NEG_INFINITY, f64::max);
+    let best = explanations.iter().map(|e| e.ln_weight).fold(f64::NEG_INFINITY, f64::max);
     let weight = |e: &Explanation| (e.ln_weight - best).exp();
     let total: f64 = explanations.iter().map(|e| weight(e)).sum();
     for e in &mut explanations {

@@ -47,16 +47,8 @@ pub(super) fn expected_stiffness(robot: &Robot) -> Vec<f64> {
     };
     let count = robot.spring_count();
     let mean = |j: usize| {
-        let logs: Vec<f64> = sets
-            .iter()
-            .filter_map(|s| s.get(j))
-            .map(|k| k.ln())
-            .collect();
-        if logs.is_empty() {
-            WRIST * factor
-        } else {
-            factor * (logs.iter().sum::<f64>() / logs.len() as f64).exp()
-        }
+        let logs: Vec<f64> = sets.iter().filter_map(|s| s.get(j)).map(|k| k.ln()).collect();
+        if logs.is_empty() { WRIST * factor } else { factor * (logs.iter().sum::<f64>() / logs.len() as f64).exp() }
     };
     (0..count).map(mean).collect()
 }

@@ -73,11 +73,7 @@ pub(super) fn check(work: &Work, moves: &[Move], fitted: &Fitted) -> Option<Susp
     // The cell's own load may be typed in the same unit as the table's.
     let stated = |load: f64| sizes.stated(load).max(sizes.stated(1.0) - BOTH);
     let judge = |slip: Option<(Cause, Unit)>| {
-        let mut out = Explanation {
-            slip,
-            all: 0.0,
-            file: 0.0,
-        };
+        let mut out = Explanation { slip, all: 0.0, file: 0.0 };
         let [load, displacement] = out.factors();
         let of_class = load.ln() - displacement.ln();
         let expected = match slip {

@@ -50,12 +50,7 @@ fn slips(work: &Work) -> Vec<Slip> {
 }
 
 /// Tries the slips and undoes the one that is believed.
-pub(super) fn check(
-    work: &mut Work,
-    base_from_tracker: &Isometry3<f64>,
-    _: &[Move],
-    fitted: &Fitted,
-) {
+pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, _: &[Move], fitted: &Fitted) {
     let told = best_of(work, base_from_tracker, fitted, slips(work), f64::MAX);
     let is_told = matches!(told, Some(Undo::Times(Cause::LoadingPointUnits, _)));
     let distance = work.setup().tool.loading_point.norm();
@@ -72,12 +67,7 @@ pub(super) fn check(
 }
 
 /// Load cases exchanged in the whole table, where that leaves much less than `other` does.
-pub(super) fn exchange(
-    work: &mut Work,
-    base_from_tracker: &Isometry3<f64>,
-    fitted: &Fitted,
-    other: f64,
-) {
+pub(super) fn exchange(work: &mut Work, base_from_tracker: &Isometry3<f64>, fitted: &Fitted, other: f64) {
     let mut all = slips(work);
     all.retain(|slip| matches!(slip.undo, Undo::Cases(_)));
     best_of(work, base_from_tracker, fitted, all, other);
@@ -100,11 +90,7 @@ fn best_of(
         let after = fit(&copy, &clear_moves(&copy, base_from_tracker));
         (slip, after.map(|after| after.mean_misfit()))
     });
-    let rule = Rule {
-        most: f64::MAX,
-        alike: [1.0 / DISTINCT, 0.0],
-        beside: f64::MAX,
-    };
+    let rule = Rule { most: f64::MAX, alike: [1.0 / DISTINCT, 0.0], beside: f64::MAX };
     let most = (FALLEN * before).min(DISTINCT * other);
     let settled = settle(tried, &rule)?;
     (settled.others.is_empty() && settled.after <= most).then(|| note(work, settled, before))
@@ -120,12 +106,7 @@ fn note(work: &mut Work, settled: Settled, before: f64) -> Undo {
 }
 
 /// Single postures whose states are filed under another case than they were taken under.
-pub(super) fn cases_of_postures(
-    work: &mut Work,
-    base_from_tracker: &Isometry3<f64>,
-    _: &[Move],
-    fitted: &Fitted,
-) {
+pub(super) fn cases_of_postures(work: &mut Work, base_from_tracker: &Isometry3<f64>, _: &[Move], fitted: &Fitted) {
     let cases = work.setup().load.cases().len();
     if !(2..=MOST_CASES).contains(&cases) {
         return;
@@ -146,11 +127,7 @@ pub(super) fn cases_of_postures(
             let after = left(&work.without(&slip));
             (slip, after)
         });
-        let rule = Rule {
-            most: (FALLEN * before).min(before - EXPLAINS),
-            alike: [1.0, 0.0],
-            beside: 0.0,
-        };
+        let rule = Rule { most: (FALLEN * before).min(before - EXPLAINS), alike: [1.0, 0.0], beside: 0.0 };
         if let Some(settled) = settle(tried, &rule) {
             note(work, settled, before);
         }

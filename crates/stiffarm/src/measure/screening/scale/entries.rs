@@ -54,18 +54,11 @@ impl Entry {
 }
 
 /// Names loads of single states that are off by a factor, and goes on with what they should be.
-pub(super) fn check(
-    work: &mut Work,
-    base_from_tracker: &Isometry3<f64>,
-    moves: &[Move],
-    fitted: &Fitted,
-) {
+pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, moves: &[Move], fitted: &Fitted) {
     let limit = OFF[0].max(OFF[1] * fitted.level);
     let mut entries: Vec<Entry> = Vec::new();
     for p in 0..work.sheet.postures.len() {
-        let own: Vec<usize> = (0..moves.len())
-            .filter(|i| moves[*i].posture == p)
-            .collect();
+        let own: Vec<usize> = (0..moves.len()).filter(|i| moves[*i].posture == p).collect();
         let off: Vec<usize> = own
             .iter()
             .copied()
@@ -142,16 +135,10 @@ fn mended(
         units.extend(DISPLACEMENTS.map(|unit| (Cause::DisplacementUnits, unit)));
     }
     let settled = SETTLED[0].max(SETTLED[1] * fitted.level);
-    let mut rule = Rule {
-        most: settled.min(FALLEN * before),
-        alike: [1.0, ALIKE],
-        beside: f64::MAX,
-    };
+    let mut rule = Rule { most: settled.min(FALLEN * before), alike: [1.0, ALIKE], beside: f64::MAX };
     // What states of this name have elsewhere, or the name itself says, decides.
     if let Pattern::Times(factor) = pattern {
-        units.retain(|(cause, u)| {
-            *cause == Cause::LoadEntry && (u.factor / factor - 1.0).abs() < SAME
-        });
+        units.retain(|(cause, u)| *cause == Cause::LoadEntry && (u.factor / factor - 1.0).abs() < SAME);
         rule.most = 0.9 * before;
     }
     // Numbers of a sensor, and all of a posture, are not typed one by one.
@@ -168,12 +155,7 @@ fn mended(
     let Undo::Times(cause, unit) = settled.slip.undo else {
         return None;
     };
-    Some(Entry {
-        cause,
-        unit,
-        settled,
-        before,
-    })
+    Some(Entry { cause, unit, settled, before })
 }
 
 /// What states of this name have in other postures, or else the name itself, says
@@ -226,9 +208,7 @@ fn those_wrong(work: &Work, moves: &[Move], fitted: &Fitted, entries: Vec<Entry>
             let state = work.sheet.at(**at);
             let number = number_in(&state.name);
             let load = load_of(work, state);
-            number
-                .zip(load)
-                .is_some_and(|(n, l)| (l / n - 1.0).abs() < SAME)
+            number.zip(load).is_some_and(|(n, l)| (l / n - 1.0).abs() < SAME)
         });
         own.count() as f64 / at.len().max(1) as f64
     };
@@ -239,9 +219,7 @@ fn those_wrong(work: &Work, moves: &[Move], fitted: &Fitted, entries: Vec<Entry>
         let other = fitted.common + unit.factor.ln();
         other.abs() < fitted.common.abs()
     };
-    let inverse = ENTRIES
-        .iter()
-        .find(|u| (u.factor * unit.factor - 1.0).abs() < 1e-9);
+    let inverse = ENTRIES.iter().find(|u| (u.factor * unit.factor - 1.0).abs() < 1e-9);
     let Some(inverse) = inverse.filter(|_| flip) else {
         return entries;
     };

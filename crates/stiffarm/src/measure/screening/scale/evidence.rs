@@ -52,15 +52,10 @@ pub(super) struct Sizes {
 pub(super) fn number_in(name: &str) -> Option<f64> {
     let start = name.find(|c: char| c.is_ascii_digit())?;
     let rest = &name[start..];
-    let end = rest
-        .find(|c: char| !(c.is_ascii_digit() || c == '.'))
-        .unwrap_or(rest.len());
+    let end = rest.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(rest.len());
     let value: f64 = rest[..end].trim_end_matches('.').parse().ok()?;
-    let unit: String = rest[end..]
-        .trim_start_matches([' ', '_'])
-        .chars()
-        .take_while(|c| c.is_ascii_alphabetic())
-        .collect();
+    let unit: String =
+        rest[end..].trim_start_matches([' ', '_']).chars().take_while(|c| c.is_ascii_alphabetic()).collect();
     let factor = match unit.to_ascii_lowercase().as_str() {
         "kg" | "kgf" | "kp" => STANDARD_GRAVITY,
         "lb" | "lbs" | "lbf" => super::super::units::POUND,
@@ -78,10 +73,7 @@ impl Sizes {
         let mut typed_largest = 0.0_f64;
         let nominal = work.setup().load.each().filter_map(|l| l.size());
         let nominal = nominal.fold(0.0, f64::max);
-        let strongest = moves
-            .iter()
-            .map(|m| m.wrench.force.norm())
-            .fold(0.0, f64::max);
+        let strongest = moves.iter().map(|m| m.wrench.force.norm()).fold(0.0, f64::max);
         for one in moves {
             let state = work.sheet.at((one.posture, one.state));
             let own = work.setup().of_state(&state.name).ok();
@@ -117,10 +109,8 @@ impl Sizes {
         out.most = weight.map_or(MOST_FORCE, |weight| PAYLOADS * weight);
         if !loads.is_empty() {
             out.load = median(&loads);
-            let sizes: Vec<f64> = moves
-                .iter()
-                .map(|m| (m.shift.norm_squared() * 3.0 / m.shift.len() as f64).sqrt())
-                .collect();
+            let sizes: Vec<f64> =
+                moves.iter().map(|m| (m.shift.norm_squared() * 3.0 / m.shift.len() as f64).sqrt()).collect();
             out.displacement = median(&sizes);
         }
         out
@@ -134,11 +124,8 @@ impl Sizes {
             out -= outside(ratio * factor, OF_NOMINAL);
         }
         if !self.expected.is_empty() {
-            let logs: Vec<f64> = self
-                .expected
-                .iter()
-                .map(|(force, expected)| (factor * force / expected).ln())
-                .collect();
+            let logs: Vec<f64> =
+                self.expected.iter().map(|(force, expected)| (factor * force / expected).ln()).collect();
             out -= ((median(&logs) / SAME_FORCE).powi(2) / 2.0).min(COUNTS);
         }
         out
@@ -155,18 +142,12 @@ impl Sizes {
     pub fn reasons(&self, load: f64, displacement: f64) -> Vec<String> {
         let mut out = Vec::new();
         if load != 1.0 && self.is_named(load) {
-            let ratios: Vec<f64> = self
-                .named
-                .iter()
-                .map(|(size, number)| number / size)
-                .collect();
+            let ratios: Vec<f64> = self.named.iter().map(|(size, number)| number / size).collect();
             let of_loads = match median(&ratios) {
                 times if times < 0.1 => format!("1/{} of", short(1.0 / times)),
                 times => format!("{} times", short(times)),
             };
-            out.push(format!(
-                "the numbers in the names of states ({of_loads} the loads)"
-            ));
+            out.push(format!("the numbers in the names of states ({of_loads} the loads)"));
         }
         if self.stated(load) - self.stated(1.0) > WORTH {
             out.push("the load that cell or table states".to_string());
@@ -178,10 +159,7 @@ impl Sizes {
             } else if load > 1.0 {
                 format!("{} N, which hardly bends such a robot", short(self.load))
             } else {
-                format!(
-                    "{} mm, which no such load moves it by",
-                    short(1e3 * self.displacement)
-                )
+                format!("{} mm, which no such load moves it by", short(1e3 * self.displacement))
             });
         }
         out
@@ -192,8 +170,7 @@ impl Sizes {
         if self.load <= 0.0 {
             return 0.0;
         }
-        -outside(self.load * load, [LEAST, self.most])
-            - outside(self.displacement * displacement, DISPLACEMENT)
+        -outside(self.load * load, [LEAST, self.most]) - outside(self.displacement * displacement, DISPLACEMENT)
     }
 }
 

@@ -69,12 +69,7 @@ fn scaled(one: &Move, compliance: &DVector<f64>) -> Scaled {
 }
 
 /// Mean misfit of the displacements of the states `at`; `None` where one is not known.
-pub(super) fn misfit_of(
-    work: &Work,
-    base_from_tracker: &Isometry3<f64>,
-    at: &[Place],
-    fitted: &Fitted,
-) -> Option<f64> {
+pub(super) fn misfit_of(work: &Work, base_from_tracker: &Isometry3<f64>, at: &[Place], fitted: &Fitted) -> Option<f64> {
     let mut sum = 0.0;
     for (p, s) in at {
         let reference = *work.sheet.postures[*p].references().first()?;
@@ -89,9 +84,7 @@ pub(super) fn misfit_of(
 pub(super) fn clear_moves(work: &Work, base_from_tracker: &Isometry3<f64>) -> Vec<Move> {
     let mut out = moves(work, base_from_tracker);
     let least = if work.is_displacements { 0.0 } else { CLEAR };
-    out.retain(|m| {
-        m.shift.norm() > least * m.std * (m.shift.len() as f64).sqrt() && m.block.amax() > 0.0
-    });
+    out.retain(|m| m.shift.norm() > least * m.std * (m.shift.len() as f64).sqrt() && m.block.amax() > 0.0);
     out
 }
 
@@ -118,10 +111,7 @@ pub(super) fn fit(work: &Work, all: &[Move]) -> Option<Fitted> {
     let sizes: Vec<f64> = rows.iter().map(|(_, given)| given.norm()).collect();
     let mut common = median(&sizes);
     let weight = |log: f64, half: f64| 1.0 / (1.0 + (log / half).powi(4));
-    let mut weights: Vec<f64> = sizes
-        .iter()
-        .map(|s| weight((s / common).ln(), HALF[0]))
-        .collect();
+    let mut weights: Vec<f64> = sizes.iter().map(|s| weight((s / common).ln(), HALF[0])).collect();
     let n = expected.len();
     let mut left = 0.2;
     let mut out = None;
@@ -141,13 +131,7 @@ pub(super) fn fit(work: &Work, all: &[Move]) -> Option<Fitted> {
         let states: Vec<Scaled> = all.iter().map(|one| scaled(one, &compliance)).collect();
         weights = states
             .iter()
-            .map(|s| {
-                if s.ratio > 0.05 {
-                    weight(s.ratio.ln(), HALF[1])
-                } else {
-                    weight(3.0, HALF[1])
-                }
-            })
+            .map(|s| if s.ratio > 0.05 { weight(s.ratio.ln(), HALF[1]) } else { weight(3.0, HALF[1]) })
             .collect();
         let misfits: Vec<f64> = states.iter().map(|s| s.misfit).collect();
         let level = median(&misfits);
@@ -162,13 +146,7 @@ pub(super) fn fit(work: &Work, all: &[Move]) -> Option<Fitted> {
         }
         let mean = sum / total;
         common = mean.exp();
-        out = Some(Fitted {
-            compliance,
-            common: mean,
-            common_std: total.sqrt().recip(),
-            states,
-            level,
-        });
+        out = Some(Fitted { compliance, common: mean, common_std: total.sqrt().recip(), states, level });
     }
     out.filter(|f| f.common.is_finite())
 }

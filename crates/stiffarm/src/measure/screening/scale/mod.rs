@@ -77,11 +77,7 @@ pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>) {
     moments::check(work, &all);
     // A few states fit whatever is tried.
     let enough = postures(&all) >= ENOUGH;
-    for check in [
-        described::check,
-        described::cases_of_postures,
-        entries::check,
-    ] {
+    for check in [described::check, described::cases_of_postures, entries::check] {
         if let Some((all, found)) = fitted(work).filter(|_| enough) {
             check(work, base_from_tracker, &all, &found);
         }

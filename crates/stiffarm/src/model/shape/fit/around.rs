@@ -45,11 +45,8 @@ pub(super) fn capsule_around(points: &[Vector3<f64>], effort: Effort) -> Capsule
     }
     for _ in 0..ROUNDS {
         let capsule = axis.capsule(&shell);
-        let mut out: Vec<(f64, Vector3<f64>)> = points
-            .iter()
-            .map(|p| (capsule.distance_to(p), *p))
-            .filter(|(out, _)| *out > 0.1 / GRID)
-            .collect();
+        let mut out: Vec<(f64, Vector3<f64>)> =
+            points.iter().map(|p| (capsule.distance_to(p), *p)).filter(|(out, _)| *out > 0.1 / GRID).collect();
         if out.is_empty() {
             break;
         }
@@ -68,11 +65,7 @@ fn rounded(capsule: &Capsule, points: &[Vector3<f64>]) -> Capsule {
     let most = most.fold(0.0, f64::max);
     // A little more than rounding of the distance.
     let steps = (most * GRID * (1.0 + 1e-12) + 1e-6).ceil().max(1.0);
-    Capsule {
-        a,
-        b,
-        radius: steps / GRID,
-    }
+    Capsule { a, b, radius: steps / GRID }
 }
 
 /// The outermost points in evenly spread directions, each once.
@@ -154,32 +147,21 @@ impl Axis {
     /// Through the middle of the smallest circle around the points seen along the direction
     /// (Bădoiu and Clarkson, "Smaller core-sets for balls", 2003).
     fn through_the_middle(points: &[Vector3<f64>], direction: Vector3<f64>) -> Self {
-        let flat: Vec<Vector3<f64>> = points
-            .iter()
-            .map(|p| p - direction * p.dot(&direction))
-            .collect();
+        let flat: Vec<Vector3<f64>> = points.iter().map(|p| p - direction * p.dot(&direction)).collect();
         let mut point = flat.first().copied().unwrap_or_default();
         for step in 2..60 {
             let away = |p: &&Vector3<f64>| (*p - point).norm_squared();
             let far = flat.iter().max_by(|a, b| away(a).total_cmp(&away(b)));
             point += (far.copied().unwrap_or(point) - point) / f64::from(step);
         }
-        Axis {
-            direction,
-            point,
-            wider: 0.0,
-        }
+        Axis { direction, point, wider: 0.0 }
     }
 
     /// The shortest capsule about this axis that contains the points.
     fn capsule(&self, points: &[Vector3<f64>]) -> Capsule {
         let (along, radius, [low, high]) = self.fit(points);
         let at = |s: f64| along * s + self.point;
-        Capsule {
-            a: at(low),
-            b: at(high),
-            radius,
-        }
+        Capsule { a: at(low), b: at(high), radius }
     }
 
     /// Unit direction, radius, and both ends of the segment along it.
@@ -225,9 +207,7 @@ impl Axis {
 
 /// Two unit vectors across a direction and each other.
 fn across(direction: &Vector3<f64>) -> [Vector3<f64>; 2] {
-    let e = direction
-        .cross(&Vector3::ith(direction.iamin(), 1.0))
-        .normalize();
+    let e = direction.cross(&Vector3::ith(direction.iamin(), 1.0)).normalize();
     [e, direction.cross(&e)]
 }
 

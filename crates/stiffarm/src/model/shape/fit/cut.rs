@@ -27,13 +27,8 @@ pub(super) fn planes(polygons: &[Polygon]) -> Vec<Plane> {
     let mut planes = Vec::new();
     for normal in normals {
         let along = corners.iter().map(|p| p.dot(&normal));
-        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| {
-            (low.min(s), high.max(s))
-        });
-        planes.extend(SHARES.map(|share| Plane {
-            normal,
-            offset: low + share * (high - low),
-        }));
+        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s), high.max(s)));
+        planes.extend(SHARES.map(|share| Plane { normal, offset: low + share * (high - low) }));
     }
     planes.extend(between_clusters(&corners));
     planes
@@ -43,10 +38,7 @@ pub(super) fn planes(polygons: &[Polygon]) -> Vec<Plane> {
 fn between_clusters(corners: &[Vector3<f64>]) -> Option<Plane> {
     let [long, ..] = principal_axes(corners);
     let by_long = |a: &&Vector3<f64>, b: &&Vector3<f64>| a.dot(&long).total_cmp(&b.dot(&long));
-    let mut means = [
-        *corners.iter().min_by(by_long)?,
-        *corners.iter().max_by(by_long)?,
-    ];
+    let mut means = [*corners.iter().min_by(by_long)?, *corners.iter().max_by(by_long)?];
     for _ in 0..20 {
         let mut sums = [(Vector3::zeros(), 0.0); 2];
         for p in corners {
@@ -68,10 +60,7 @@ fn between_clusters(corners: &[Vector3<f64>]) -> Option<Plane> {
 pub(super) fn cut(polygons: &[Polygon], plane: &Plane) -> [Vec<Polygon>; 2] {
     let mut halves = [Vec::new(), Vec::new()];
     for polygon in polygons {
-        let heights: Vec<f64> = polygon
-            .iter()
-            .map(|p| plane.normal.dot(p) - plane.offset)
-            .collect();
+        let heights: Vec<f64> = polygon.iter().map(|p| plane.normal.dot(p) - plane.offset).collect();
         if heights.iter().all(|h| *h <= 0.0) {
             halves[0].push(polygon.clone());
         } else if heights.iter().all(|h| *h >= 0.0) {

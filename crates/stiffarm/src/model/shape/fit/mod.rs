@@ -30,10 +30,7 @@ pub fn capsules_of_mesh(mesh: &TriangleMesh, most: usize) -> Vec<Capsule> {
         return Vec::new();
     }
     let mut seen = vec![false; mesh.vertices.len()];
-    mesh.triangles
-        .iter()
-        .flatten()
-        .for_each(|v| seen[*v] = true);
+    mesh.triangles.iter().flatten().for_each(|v| seen[*v] = true);
     let lone = mesh.vertices.iter().zip(&seen).filter(|(_, seen)| !**seen);
     let polygons: Vec<Polygon> = mesh
         .corners()
@@ -46,14 +43,8 @@ pub fn capsules_of_mesh(mesh: &TriangleMesh, most: usize) -> Vec<Capsule> {
         for part in &mut parts {
             part.look_for_halves();
         }
-        let saved = |part: &Part| {
-            part.halves
-                .as_ref()
-                .map(|halves| part.volume() - volume(halves))
-        };
-        let best = (0..parts.len())
-            .filter_map(|at| Some((at, saved(&parts[at])?)))
-            .max_by(|a, b| a.1.total_cmp(&b.1));
+        let saved = |part: &Part| part.halves.as_ref().map(|halves| part.volume() - volume(halves));
+        let best = (0..parts.len()).filter_map(|at| Some((at, saved(&parts[at])?))).max_by(|a, b| a.1.total_cmp(&b.1));
         let Some((at, _)) = best else { break };
         let halves = parts[at].halves.take();
         parts.splice(at..=at, halves.into_iter().flatten());
@@ -76,12 +67,7 @@ fn volume(parts: &[Part]) -> f64 {
 
 impl Part {
     fn new(polygons: Vec<Polygon>) -> Self {
-        Part {
-            capsule: capsule_around(&polygons.concat(), Effort::Full),
-            polygons,
-            halves: None,
-            looked: false,
-        }
+        Part { capsule: capsule_around(&polygons.concat(), Effort::Full), polygons, halves: None, looked: false }
     }
 
     fn volume(&self) -> f64 {
@@ -92,8 +78,7 @@ impl Part {
         if std::mem::replace(&mut self.looked, true) {
             return;
         }
-        let rough =
-            |polygons: &[Polygon]| capsule_around(&polygons.concat(), Effort::Rough).volume();
+        let rough = |polygons: &[Polygon]| capsule_around(&polygons.concat(), Effort::Rough).volume();
         let mut cuts: Vec<(f64, [Vec<Polygon>; 2])> = planes(&self.polygons)
             .into_iter()
             .map(|plane| cut(&self.polygons, &plane))

@@ -3,8 +3,7 @@
 
 use super::batch::Batch;
 use super::lanes::{
-    Lanes, Vec3, Vec6, ZERO, ZERO3, ZERO6, add, cross, dot, dot6, rotate, scale, sin_cos, six, sub,
-    three,
+    Lanes, Vec3, Vec6, ZERO, ZERO3, ZERO6, add, cross, dot, dot6, rotate, scale, sin_cos, six, sub, three,
 };
 use super::model::{KernelLoad, Model};
 
@@ -15,11 +14,7 @@ pub(super) fn forward(model: &Model, batch: &mut Batch, n: usize) {
     points_and_load(model, batch, n);
     if model.has_information {
         // Equal numbers let the compiler unroll.
-        if model.springs == n {
-            information(model, batch, n, n)
-        } else {
-            information(model, batch, n, model.springs)
-        }
+        if model.springs == n { information(model, batch, n, n) } else { information(model, batch, n, model.springs) }
     }
     if let Some(inverse_length) = model.inverse_length {
         super::dexterity::forward(batch, n, inverse_length);

@@ -159,11 +159,7 @@ pub(crate) fn dot(a: &Vec3, b: &Vec3) -> Lanes {
 
 #[inline(always)]
 pub(crate) fn cross(a: &Vec3, b: &Vec3) -> Vec3 {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[inline(always)]
@@ -184,11 +180,7 @@ const LARGEST_ANGLE: f64 = 1e5;
 const ROUND: f64 = 6_755_399_441_055_744.0;
 /// π/2 in three parts; the first two have 33 bits, so that small integer
 /// multiples of them are exact.
-const HALF_PI: [f64; 3] = [
-    1.570_796_326_734_125_6,
-    6.077_100_506_303_966e-11,
-    2.022_266_248_795_950_6e-21,
-];
+const HALF_PI: [f64; 3] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
 /// Factorials of the Taylor series of sin x = x + x³(S₀ + S₁x² + …) and
 /// cos x = 1 − x²/2 + x⁴(C₀ + C₁x² + …), which end below one unit in the last
 /// place on |x| ≤ π/4.

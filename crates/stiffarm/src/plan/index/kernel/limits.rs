@@ -80,8 +80,7 @@ pub(super) fn forward(model: &Model, batch: &mut Batch) {
                     let offset = sub(point, first_origin);
                     let across = sub(offset, scale(first_axis, dot(&first_axis, &offset)));
                     let distance = dot(&across, &across).sqrt();
-                    let inverse =
-                        slope_at(distance) / distance.max(Lanes::splat(f64::MIN_POSITIVE));
+                    let inverse = slope_at(distance) / distance.max(Lanes::splat(f64::MIN_POSITIVE));
                     push = add(push, scale(across, inverse));
                 }
             }

@@ -162,8 +162,7 @@ impl Kernel {
                 for i in 0..3 {
                     anchor[i] += batch.anchor_gradient[i].0[lane];
                     for r in 0..3 {
-                        local[i] +=
-                            batch.rotation[i][r].0[lane] * batch.loading_gradient[r].0[lane];
+                        local[i] += batch.rotation[i][r].0[lane] * batch.loading_gradient[r].0[lane];
                     }
                 }
                 // From the axes of the last joint to those of the flange.
@@ -197,8 +196,7 @@ impl Kernel {
         let model = &mut case.model;
         let r = &model.flange_rotation;
         for i in 0..3 {
-            model.loading_point[i] =
-                model.flange[i] + r[i][0] * to[0] + r[i][1] * to[1] + r[i][2] * to[2];
+            model.loading_point[i] = model.flange[i] + r[i][0] * to[0] + r[i][1] * to[1] + r[i][2] * to[2];
         }
     }
 
@@ -282,18 +280,10 @@ fn live(count: usize, b: usize) -> usize {
 impl Case {
     fn new(cell: &Cell, wanted: Wanted<'_>, count: usize) -> Result<Self> {
         let model = Model::new(cell, wanted)?;
-        let scene = if wanted.limits {
-            SceneKernel::new(cell, count)?.map(Box::new)
-        } else {
-            None
-        };
+        let scene = if wanted.limits { SceneKernel::new(cell, count)?.map(Box::new) } else { None };
         let margins = model.limit_count + scene.as_ref().map_or(0, |scene| scene.count());
         let batches = vec![Batch::new(&model, margins); count.div_ceil(WIDTH)];
-        Ok(Case {
-            model,
-            batches,
-            scene,
-        })
+        Ok(Case { model, batches, scene })
     }
 
     fn forward(&mut self, q: &[f64], count: usize) {

@@ -19,10 +19,7 @@ impl Placement {
     fn new(pose: &Isometry3<f64>) -> Self {
         let r = pose.rotation.to_rotation_matrix();
         let entry = |i: usize, j: usize| r[(i, j)];
-        Placement {
-            rotation: [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j))),
-            shift: pose.translation.vector.into(),
-        }
+        Placement { rotation: [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j))), shift: pose.translation.vector.into() }
     }
 }
 
@@ -92,15 +89,8 @@ impl Model {
         let middle: Vec<f64> = cell.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
         PostureTerms::new(setup, &middle, None)?;
         let flange = robot.flange();
-        let place = |p: &Vector3<f64>| -> [f64; 3] {
-            (flange.rotation * p + flange.translation.vector).into()
-        };
-        let measuring_points: Vec<[f64; 3]> = setup
-            .tool
-            .measuring_points
-            .iter()
-            .map(|p| place(&p.position))
-            .collect();
+        let place = |p: &Vector3<f64>| -> [f64; 3] { (flange.rotation * p + flange.translation.vector).into() };
+        let measuring_points: Vec<[f64; 3]> = setup.tool.measuring_points.iter().map(|p| place(&p.position)).collect();
         let m = measuring_points.len() as f64;
         let mut centroid = Vector3::zeros();
         for p in &measuring_points {
@@ -117,55 +107,26 @@ impl Model {
         };
         let direction = |v: &Vector3<f64>| -> [f64; 3] { (flange.rotation * v).into() };
         let load = match &setup.load {
-            Load::Rope { anchor, magnitude } => KernelLoad::Rope {
-                anchor: (*anchor).into(),
-                magnitude: *magnitude,
-            },
-            Load::Weight {
-                magnitude,
-                direction,
-            } => KernelLoad::Base {
-                force: (direction * *magnitude).into(),
-                moment: [0.0; 3],
-            },
+            Load::Rope { anchor, magnitude } => KernelLoad::Rope { anchor: (*anchor).into(), magnitude: *magnitude },
+            Load::Weight { magnitude, direction } => {
+                KernelLoad::Base { force: (direction * *magnitude).into(), moment: [0.0; 3] }
+            }
             Load::Constant { wrench, axes } => match axes {
-                Axes::Base => KernelLoad::Base {
-                    force: wrench.force.into(),
-                    moment: wrench.moment.into(),
-                },
-                Axes::Tool => KernelLoad::Tool {
-                    force: direction(&wrench.force),
-                    moment: direction(&wrench.moment),
-                },
+                Axes::Base => KernelLoad::Base { force: wrench.force.into(), moment: wrench.moment.into() },
+                Axes::Tool => KernelLoad::Tool { force: direction(&wrench.force), moment: direction(&wrench.moment) },
             },
             // Refused above.
-            Load::Measured | Load::Cases(_) => KernelLoad::Base {
-                force: [0.0; 3],
-                moment: [0.0; 3],
-            },
+            Load::Measured | Load::Cases(_) => KernelLoad::Base { force: [0.0; 3], moment: [0.0; 3] },
         };
         let coupling = (0..n)
-            .map(|i| {
-                (0..n)
-                    .map(|j| (j, robot.coupling()[(i, j)]))
-                    .filter(|(_, c)| *c != 0.0)
-                    .collect()
-            })
+            .map(|i| (0..n).map(|j| (j, robot.coupling()[(i, j)])).filter(|(_, c)| *c != 0.0).collect())
             .collect();
-        let limits = if wanted.limits {
-            cell.limits.clone()
-        } else {
-            Limits::default()
-        };
+        let limits = if wanted.limits { cell.limits.clone() } else { Limits::default() };
         Ok(Model {
             joints: n,
             offset: robot.serial_angles(&vec![0.0; n]).iter().copied().collect(),
             coupling,
-            placements: robot
-                .joints()
-                .iter()
-                .map(|j| Placement::new(&j.placement))
-                .collect(),
+            placements: robot.joints().iter().map(|j| Placement::new(&j.placement)).collect(),
             flange: flange.translation.vector.into(),
             flange_rotation: Placement::new(flange).rotation,
             loading_point: place(&setup.tool.loading_point),
@@ -189,13 +150,8 @@ impl Model {
 /// Symmetric square root of a positive semidefinite matrix.
 fn symmetric_root(matrix: &Matrix3<f64>) -> Result<[[f64; 3]; 3]> {
     let dynamic = DMatrix::from_iterator(3, 3, matrix.iter().copied());
-    let (values, vectors) = symmetric_eigen(dynamic).ok_or_else(|| {
-        crate::error::Error::new(
-            crate::error::Code::NotFinite,
-            "A measuring point is not finite.",
-        )
-    })?;
-    let root =
-        &vectors * DMatrix::from_diagonal(&values.map(|v| v.max(0.0).sqrt())) * vectors.transpose();
+    let (values, vectors) = symmetric_eigen(dynamic)
+        .ok_or_else(|| crate::error::Error::new(crate::error::Code::NotFinite, "A measuring point is not finite."))?;
+    let root = &vectors * DMatrix::from_diagonal(&values.map(|v| v.max(0.0).sqrt())) * vectors.transpose();
     Ok([0, 1, 2].map(|i| [0, 1, 2].map(|j| root[(i, j)])))
 }

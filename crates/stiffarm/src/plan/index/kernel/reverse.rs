@@ -2,9 +2,7 @@
 //! to the angles of four postures, by one sweep backwards.
 
 use super::batch::Batch;
-use super::lanes::{
-    Lanes, Vec3, Vec6, ZERO, ZERO3, ZERO6, add, cross, dot, dot6, scale, six, sub, three,
-};
+use super::lanes::{Lanes, Vec3, Vec6, ZERO, ZERO3, ZERO6, add, cross, dot, dot6, scale, six, sub, three};
 use super::model::{KernelLoad, Model};
 
 /// Fills `batch.gradient` (with respect to θ) from `batch.adjoint`,
@@ -27,17 +25,9 @@ pub(super) fn reverse(model: &Model, batch: &mut Batch, n: usize) {
     }
     if model.has_information {
         // Equal numbers let the compiler unroll.
-        if model.springs == n {
-            information(model, batch, n, n)
-        } else {
-            information(model, batch, n, model.springs)
-        }
+        if model.springs == n { information(model, batch, n, n) } else { information(model, batch, n, model.springs) }
     }
-    add_axis_gradient(
-        &batch.axes[..n],
-        &batch.axis_adjoint[..n],
-        &mut batch.gradient[..n],
-    );
+    add_axis_gradient(&batch.axes[..n], &batch.axis_adjoint[..n], &mut batch.gradient[..n]);
     if model.limit_count > 0 {
         super::limits::add_gradient(batch, n);
         // The rope's length changes with both of its ends; a loading point that
@@ -88,15 +78,9 @@ fn information(model: &Model, batch: &mut Batch, n: usize, count: usize) {
     for i in 0..n {
         let a: [Lanes; 6] = column_adjoint[i];
         batch.centre_adjoint[i] = three!(|r| a[r] * model.root_count);
-        batch.moment_adjoint[i] =
-            three!(|r| root[0][r] * a[3] + root[1][r] * a[4] + root[2][r] * a[5]);
+        batch.moment_adjoint[i] = three!(|r| root[0][r] * a[3] + root[1][r] * a[4] + root[2][r] * a[5]);
     }
-    add_column_gradient(
-        axes,
-        &batch.centre_columns[..n],
-        &batch.centre_adjoint[..n],
-        &mut batch.gradient[..n],
-    );
+    add_column_gradient(axes, &batch.centre_columns[..n], &batch.centre_adjoint[..n], &mut batch.gradient[..n]);
     let mut behind = ZERO3;
     for k in 0..n {
         batch.gradient[k] += dot(&axes[k], &behind);

@@ -70,13 +70,7 @@ impl SceneKernel {
             batch.violation.0[lane] = f64::INFINITY;
         } else {
             let (weight, guard) = (batch.penalty_weight, batch.penalty_guard);
-            let Batch {
-                multipliers,
-                margins,
-                penalty,
-                violation,
-                ..
-            } = batch;
+            let Batch { multipliers, margins, penalty, violation, .. } = batch;
             let (multipliers, margins) = (&multipliers[before..], &mut margins[before..]);
             let frames = self.terms.frames();
             let gradient = &mut self.gradient;

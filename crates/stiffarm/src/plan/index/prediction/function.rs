@@ -61,11 +61,7 @@ impl PredictionFunction {
     pub(crate) fn readings(&self, postures: &[&[f64]]) -> Option<DMatrix<f64>> {
         let under_each = |q: &&[f64]| {
             let under = |setup| PostureTerms::new(setup, q, None).ok();
-            self.model
-                .cases
-                .iter()
-                .map(under)
-                .collect::<Option<Vec<_>>>()
+            self.model.cases.iter().map(under).collect::<Option<Vec<_>>>()
         };
         let terms: Option<Vec<_>> = postures.iter().map(under_each).collect();
         let each: Vec<_> = terms?.iter().map(|own| self.model.readings(own)).collect();
@@ -109,8 +105,7 @@ impl PredictionFunction {
                 let gained = held.gain_and_gradient(&self.rows.all);
                 gained.map(|(gain, by_rows)| (held.error - gain, -by_rows))
             }
-            None => Posterior::new(&self.rows)
-                .and_then(|own| own.error_and_gradient(self.model.targets())),
+            None => Posterior::new(&self.rows).and_then(|own| own.error_and_gradient(self.model.targets())),
         };
         let Some((error, by_rows)) = found else {
             return f64::INFINITY;
@@ -148,8 +143,7 @@ impl PredictionFunction {
             by_theta.fill(0.0);
             for (arm, setup) in arms.iter().zip(&self.model.cases) {
                 let own = adjoint.rows(from, per).into_owned();
-                self.model
-                    .add_gradient(arm, &setup.load, &own, &mut by_theta);
+                self.model.add_gradient(arm, &setup.load, &own, &mut by_theta);
                 from += per;
             }
             robot.gradient_to_controller(&by_theta, &mut by_q);
@@ -171,10 +165,7 @@ impl PredictionFunction {
                     return false;
                 }
                 let arm = ArmMotion::new(terms, &setup.load);
-                self.rows
-                    .all
-                    .rows_mut(from, per)
-                    .copy_from(&self.model.readings_of(&arm));
+                self.rows.all.rows_mut(from, per).copy_from(&self.model.readings_of(&arm));
                 self.arms[p][c] = arm;
                 from += per;
             }

@@ -24,9 +24,7 @@ use crate::model::elastic::{ElasticSizes, ElasticSource};
 use crate::model::load::Load;
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::tool::Tool;
-use crate::numerics::information::{
-    Stack, scale_columns, stacked, symmetric_eigen, whiten_posture,
-};
+use crate::numerics::information::{Stack, scale_columns, stacked, symmetric_eigen, whiten_posture};
 use crate::numerics::streams::spread;
 use crate::plan::index::kinds::Index;
 use motion::ArmMotion;
@@ -73,9 +71,7 @@ impl PredictionModel {
     /// cell lacks what it needs.
     pub(crate) fn for_index(cell: &Cell, index: Option<Index>) -> Option<Self> {
         let wanted = index == Some(Index::Prediction);
-        wanted
-            .then(|| PredictionModel::of_cell(cell).ok())
-            .flatten()
+        wanted.then(|| PredictionModel::of_cell(cell).ok()).flatten()
     }
 
     /// The same for the first kind of work alone, where all entries scatter around zero with these sizes.
@@ -108,11 +104,7 @@ impl PredictionModel {
     ///
     /// # Errors
     /// As [`of_cell`](Self::of_cell).
-    pub(crate) fn at_candidates(
-        cell: &Cell,
-        factor: f64,
-        candidates: &[Vec<PostureTerms>],
-    ) -> Result<Self> {
+    pub(crate) fn at_candidates(cell: &Cell, factor: f64, candidates: &[Vec<PostureTerms>]) -> Result<Self> {
         let (prior, source) = Prior::of_cell(cell, factor)?;
         if cell.setup.load != Load::Measured {
             return PredictionModel::at_work(cell, prior, Some(source));
@@ -154,10 +146,7 @@ impl PredictionModel {
         Ok(PredictionModel {
             readings: seen(tool, cell.noise.common_weight(tool.point_count()))? / std,
             cases: cell.setup.cases(),
-            targets: Rows {
-                all: DMatrix::zeros(0, units.len() + prior.root.ncols()),
-                fixed: units.len(),
-            },
+            targets: Rows { all: DMatrix::zeros(0, units.len() + prior.root.ncols()), fixed: units.len() },
             prior,
             units,
             source,
@@ -197,21 +186,16 @@ impl PredictionModel {
         for i in 0..SAMPLES {
             let q = spread(&cell.bounds, i);
             let each = self.cases.iter().map(|s| PostureTerms::new(s, &q, None));
-            each.flatten()
-                .for_each(|terms| add(&self.readings(&[terms])));
+            each.flatten().for_each(|terms| add(&self.readings(&[terms])));
         }
         let (values, vectors) = eigen(gram)?;
-        let kept: Vec<usize> = (0..random)
-            .filter(|i| values[*i] > UNSEEN * values.max())
-            .collect();
+        let kept: Vec<usize> = (0..random).filter(|i| values[*i] > UNSEEN * values.max()).collect();
         let seen = vectors.select_columns(&kept);
         self.prior.root *= &seen;
         let targets = &self.targets.all;
         let mut rows = DMatrix::zeros(targets.nrows(), fixed + kept.len());
-        rows.columns_mut(0, fixed)
-            .copy_from(&targets.columns(0, fixed));
-        rows.columns_mut(fixed, kept.len())
-            .copy_from(&(targets.columns(fixed, random) * seen));
+        rows.columns_mut(0, fixed).copy_from(&targets.columns(0, fixed));
+        rows.columns_mut(fixed, kept.len()).copy_from(&(targets.columns(fixed, random) * seen));
         if rows.nrows() > rows.ncols() {
             rows = rows.qr().r();
         }
@@ -224,24 +208,17 @@ impl PredictionModel {
         let columns = arm.columns(&self.cases[0].robot, &self.prior.entries);
         let fixed = self.units.len();
         let mut out = DMatrix::zeros(6, self.unknowns());
-        out.columns_mut(0, fixed)
-            .copy_from(&columns.columns(0, fixed));
+        out.columns_mut(0, fixed).copy_from(&columns.columns(0, fixed));
         scale_columns(&mut out, self.units.iter().copied());
         let entries = columns.columns(fixed, columns.ncols() - fixed);
-        out.columns_mut(fixed, self.prior.root.ncols())
-            .gemm(1.0, &entries, &self.prior.root, 0.0);
+        out.columns_mut(fixed, self.prior.root.ncols()).gemm(1.0, &entries, &self.prior.root, 0.0);
         out
     }
 
     /// What the readings at a posture tell, under the load of each of `terms`: rows over σ.
-    pub(crate) fn readings<'a>(
-        &self,
-        terms: impl IntoIterator<Item = &'a PostureTerms>,
-    ) -> DMatrix<f64> {
-        let each: Vec<DMatrix<f64>> = terms
-            .into_iter()
-            .map(|own| self.readings_of(&ArmMotion::new(own, &Load::Measured)))
-            .collect();
+    pub(crate) fn readings<'a>(&self, terms: impl IntoIterator<Item = &'a PostureTerms>) -> DMatrix<f64> {
+        let each: Vec<DMatrix<f64>> =
+            terms.into_iter().map(|own| self.readings_of(&ArmMotion::new(own, &Load::Measured))).collect();
         stacked(&each, self.unknowns())
     }
 
@@ -251,25 +228,15 @@ impl PredictionModel {
 
     /// Adds the derivatives by the serial joint angles of a function whose derivative by
     /// the readings' rows at a posture under one load is `adjoint`.
-    fn add_gradient(
-        &self,
-        arm: &ArmMotion,
-        load: &Load,
-        adjoint: &DMatrix<f64>,
-        gradient: &mut [f64],
-    ) {
+    fn add_gradient(&self, arm: &ArmMotion, load: &Load, adjoint: &DMatrix<f64>, gradient: &mut [f64]) {
         let by_motions = self.readings.tr_mul(adjoint);
         let fixed = self.units.len();
         let entries = self.prior.entries.len();
         let mut by_columns = DMatrix::zeros(6, fixed + entries);
-        by_columns
-            .columns_mut(0, fixed)
-            .copy_from(&by_motions.columns(0, fixed));
+        by_columns.columns_mut(0, fixed).copy_from(&by_motions.columns(0, fixed));
         scale_columns(&mut by_columns, self.units.iter().copied());
         let by_effects = by_motions.columns(fixed, by_motions.ncols() - fixed);
-        by_columns
-            .columns_mut(fixed, entries)
-            .copy_from(&(by_effects * self.prior.root.transpose()));
+        by_columns.columns_mut(fixed, entries).copy_from(&(by_effects * self.prior.root.transpose()));
         let robot = &self.cases[0].robot;
         arm.add_gradient(robot, load, &self.prior.entries, &by_columns, gradient);
     }
@@ -292,16 +259,12 @@ impl PredictionModel {
     /// The arm at one posture under each load of the cell.
     fn arms(&self, terms: &[PostureTerms]) -> Vec<ArmMotion> {
         let each = terms.iter().zip(&self.cases);
-        each.map(|(terms, setup)| ArmMotion::new(terms, &setup.load))
-            .collect()
+        each.map(|(terms, setup)| ArmMotion::new(terms, &setup.load)).collect()
     }
 
     /// Rows of several postures, one below the other.
     pub(crate) fn stacked(&self, postures: &[DMatrix<f64>]) -> Rows {
-        Rows {
-            all: stacked(postures, self.unknowns()),
-            fixed: self.units.len(),
-        }
+        Rows { all: stacked(postures, self.unknowns()), fixed: self.units.len() }
     }
 
     /// Where the sizes come from; `None` where the caller gave them.
@@ -331,10 +294,7 @@ impl PredictionModel {
 
     /// Such readings.
     pub(crate) fn rows(&self, readings: Stack) -> Rows {
-        Rows {
-            all: readings.into_matrix(),
-            fixed: self.units.len(),
-        }
+        Rows { all: readings.into_matrix(), fixed: self.units.len() }
     }
 
     /// [`value`](Self::value) of these readings where what is expected to give way beyond the axes, and not drawn, is
@@ -358,8 +318,7 @@ fn point_rows(points: &[Vector3<f64>]) -> DMatrix<f64> {
     for (i, point) in points.iter().enumerate() {
         let mut rows = out.rows_mut(3 * i, 3);
         rows.fixed_view_mut::<3, 3>(0, 0).fill_with_identity();
-        rows.fixed_view_mut::<3, 3>(0, 3)
-            .copy_from(&-point.cross_matrix());
+        rows.fixed_view_mut::<3, 3>(0, 3).copy_from(&-point.cross_matrix());
     }
     out
 }
@@ -373,9 +332,7 @@ fn seen(tool: &Tool, common_weight: f64) -> Result<DMatrix<f64>> {
     let (values, vectors) = eigen(rows.tr_mul(&rows))?;
     let most = values.max();
     let kept: Vec<usize> = (0..6).filter(|i| values[*i] > UNSEEN * most).collect();
-    Ok(DMatrix::from_fn(kept.len(), 6, |i, j| {
-        vectors[(j, kept[i])] * values[kept[i]].sqrt()
-    }))
+    Ok(DMatrix::from_fn(kept.len(), 6, |i, j| vectors[(j, kept[i])] * values[kept[i]].sqrt()))
 }
 
 fn eigen(matrix: DMatrix<f64>) -> Result<(DVector<f64>, DMatrix<f64>)> {

@@ -43,10 +43,7 @@ impl ArmMotion {
         for (j, origin) in frames.origins().iter().enumerate() {
             transforms.push(at(&link_axes(frames, j), origin));
         }
-        let joints = transforms[1..]
-            .iter()
-            .map(|a| a.column(5).into_owned())
-            .collect();
+        let joints = transforms[1..].iter().map(|a| a.column(5).into_owned()).collect();
         let in_flange = |point: &Vector3<f64>| inverse * (point - flange.translation.vector);
         let loading_point = in_flange(terms.loading_point());
         let stated = terms.wrench();
@@ -187,12 +184,7 @@ impl ArmMotion {
                     *g -= by_anchor.dot(&(shift + turn.cross(&anchor)));
                 }
             }
-            (
-                Load::Constant {
-                    axes: Axes::Tool, ..
-                },
-                _,
-            ) => {}
+            (Load::Constant { axes: Axes::Tool, .. }, _) => {}
             _ => {
                 for (g, xi) in gradient.iter_mut().zip(&self.joints) {
                     let (_, turn) = split(xi);
@@ -218,22 +210,16 @@ fn stack(first: &Vector3<f64>, second: &Vector3<f64>) -> Vector6<f64> {
 }
 
 fn split(v: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    (
-        Vector3::new(v[0], v[1], v[2]),
-        Vector3::new(v[3], v[4], v[5]),
-    )
+    (Vector3::new(v[0], v[1], v[2]), Vector3::new(v[3], v[4], v[5]))
 }
 
 /// ad(ξ): the change of a motion \[shift; turn\] that turns with ξ.
 fn cross_motion(xi: &Vector6<f64>) -> Matrix6<f64> {
     let (shift, turn) = split(xi);
     let mut out = Matrix6::zeros();
-    out.fixed_view_mut::<3, 3>(0, 0)
-        .copy_from(&turn.cross_matrix());
-    out.fixed_view_mut::<3, 3>(3, 3)
-        .copy_from(&turn.cross_matrix());
-    out.fixed_view_mut::<3, 3>(0, 3)
-        .copy_from(&shift.cross_matrix());
+    out.fixed_view_mut::<3, 3>(0, 0).copy_from(&turn.cross_matrix());
+    out.fixed_view_mut::<3, 3>(3, 3).copy_from(&turn.cross_matrix());
+    out.fixed_view_mut::<3, 3>(0, 3).copy_from(&shift.cross_matrix());
     out
 }
 

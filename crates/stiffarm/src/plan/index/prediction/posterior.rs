@@ -63,12 +63,7 @@ impl<'a> Posterior<'a> {
         let covariance = Cholesky::new(v)?;
         let axes = covariance.l_dirty().solve_lower_triangular(&rows.h())?;
         let factor = Factor::new(&axes).ok()?;
-        factor.undetermined().is_empty().then_some(Posterior {
-            rows,
-            covariance,
-            axes,
-            factor,
-        })
+        factor.undetermined().is_empty().then_some(Posterior { rows, covariance, axes, factor })
     }
 
     /// What the group leaves open of `rows`; `None` where an entry is not finite.
@@ -93,19 +88,14 @@ impl<'a> Posterior<'a> {
         let Open { c, d, .. } = open;
         let e = d * self.factor.right_inverse().transpose();
         let mut b = c + &self.axes * e.transpose();
-        if !self
-            .covariance
-            .l_dirty()
-            .tr_solve_lower_triangular_mut(&mut b)
-        {
+        if !self.covariance.l_dirty().tr_solve_lower_triangular_mut(&mut b) {
             return None;
         }
         let fixed = self.rows.fixed;
         let mut out = DMatrix::zeros(self.rows.all.nrows(), self.rows.all.ncols());
         out.columns_mut(0, fixed).copy_from(&(&b * e * -2.0));
         let rest = b.tr_mul(&self.rows.u()) - targets.u();
-        out.columns_mut(fixed, rest.ncols())
-            .copy_from(&(b * rest * 2.0));
+        out.columns_mut(fixed, rest.ncols()).copy_from(&(b * rest * 2.0));
         Some((error, out))
     }
 }
@@ -144,9 +134,7 @@ const DETERMINED: f64 = 1e-10;
 impl Equations {
     /// Of no readings at all.
     pub(crate) fn new(unknowns: usize, fixed: usize) -> Self {
-        let a = DMatrix::from_fn(unknowns, unknowns, |i, j| {
-            f64::from(u8::from(i == j && i >= fixed))
-        });
+        let a = DMatrix::from_fn(unknowns, unknowns, |i, j| f64::from(u8::from(i == j && i >= fixed)));
         Equations { a, fixed }
     }
 
@@ -194,11 +182,7 @@ impl Held {
         let inverse = equations.inverse()?;
         let with = &inverse * targets.all.transpose();
         let error = targets.all.transpose().dot(&with);
-        Some(Held {
-            inverse,
-            with,
-            error,
-        })
+        Some(Held { inverse, with, error })
     }
 
     /// X A⁻¹Tᵀ of readings: the squares of a row are the derivative of the error by its weight, with the other sign.
@@ -226,9 +210,7 @@ impl Held {
     /// From X A⁻¹, X and Y.
     fn taken(moved: &DMatrix<f64>, x: &DMatrix<f64>, mut seen: DMatrix<f64>) -> Option<f64> {
         let own = moved * x.transpose() + DMatrix::identity(x.nrows(), x.nrows());
-        let solved = Cholesky::new(own)?
-            .l_dirty()
-            .solve_lower_triangular_mut(&mut seen);
+        let solved = Cholesky::new(own)?.l_dirty().solve_lower_triangular_mut(&mut seen);
         solved.then(|| seen.norm_squared())
     }
 

@@ -77,9 +77,7 @@ impl Prior {
         let column = |effect: &Effect| -> Vec<f64> {
             let (place, spring) = effect.term.compliance(&frames);
             let of = |entry: &Effect| match entry.term {
-                ExtraTerm::Spring { joint, row, column } if joint == place => {
-                    spring[(row, column)] * effect.scale
-                }
+                ExtraTerm::Spring { joint, row, column } if joint == place => spring[(row, column)] * effect.scale,
                 _ => 0.0,
             };
             entries.iter().map(of).collect()
@@ -114,11 +112,7 @@ fn all_entries(joints: usize) -> Vec<Effect> {
         effect.scale = 1.0;
     }
     all.extend((0..joints).map(|j| Effect {
-        term: ExtraTerm::Spring {
-            joint: Some(j),
-            row: 5,
-            column: 5,
-        },
+        term: ExtraTerm::Spring { joint: Some(j), row: 5, column: 5 },
         class: ElasticClass::Turn,
         scale: 1.0,
     }));

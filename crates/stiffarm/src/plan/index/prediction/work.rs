@@ -55,10 +55,8 @@ fn anywhere(cell: &Cell) -> Result<Vec<(Setup, PostureTerms)>> {
     let (seed, stream) = STATED_DRAW;
     let (mut all_directions, mut as_it_is) = (Vec::new(), Vec::new());
     for q in random_group(cell, StartKind::Uniform, STATED, seed, stream)? {
-        let loaded: Vec<PostureTerms> = cases
-            .iter()
-            .map(|setup| PostureTerms::new(setup, &q, None))
-            .collect::<Result<_>>()?;
+        let loaded: Vec<PostureTerms> =
+            cases.iter().map(|setup| PostureTerms::new(setup, &q, None)).collect::<Result<_>>()?;
         let sizes = loaded.iter().map(|terms| terms.wrench().force.norm());
         let size = sizes.fold(0.0, f64::max);
         as_it_is.extend(cases.iter().cloned().zip(loaded));
@@ -73,9 +71,5 @@ fn anywhere(cell: &Cell) -> Result<Vec<(Setup, PostureTerms)>> {
             all_directions.extend(loaded_at(cell, &each)?);
         }
     }
-    Ok(if all_directions.is_empty() {
-        as_it_is
-    } else {
-        all_directions
-    })
+    Ok(if all_directions.is_empty() { as_it_is } else { all_directions })
 }

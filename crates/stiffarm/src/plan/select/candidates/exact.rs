@@ -53,15 +53,7 @@ pub(super) fn branch_and_bound<J: Bounded>(
         Some(tangent) => order_by_number(of, |i| -tangent.scores[i]),
         None => (0..of).collect(),
     };
-    let mut tree = Tree {
-        judge,
-        tangent,
-        order,
-        count,
-        control,
-        left: affordable,
-        complete: true,
-    };
+    let mut tree = Tree { judge, tangent, order, count, control, left: affordable, complete: true };
     tree.branch(&mut Vec::with_capacity(count), 0, 0.0, found);
     found.exact = tree.complete && found.value.is_finite();
     found.compared = affordable - tree.left;
@@ -99,9 +91,7 @@ impl<J: Bounded> Tree<'_, J> {
                 }
                 continue;
             }
-            let score = self
-                .tangent
-                .map_or(0.0, |tangent| tangent.scores[candidate]);
+            let score = self.tangent.map_or(0.0, |tangent| tangent.scores[candidate]);
             chosen.push(candidate);
             self.branch(chosen, at + 1, sum + score, found);
             chosen.pop();

@@ -60,12 +60,7 @@ impl InformationJudge {
                     }
                     full += posture_information(&block, weight);
                 }
-                each.push(
-                    (0..n)
-                        .flat_map(|i| (0..=i).map(move |j| (i, j)))
-                        .map(|at| full[at])
-                        .collect(),
-                );
+                each.push((0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|at| full[at]).collect());
             }
         }
         let log_dexterity = match wanted.dexterity {

@@ -58,14 +58,7 @@ pub struct CandidateOptions {
 
 impl Default for CandidateOptions {
     fn default() -> Self {
-        CandidateOptions {
-            starts: 16,
-            seed: 1,
-            groups: None,
-            bound: true,
-            size_factor: 1.0,
-            limits: true,
-        }
+        CandidateOptions { starts: 16, seed: 1, groups: None, bound: true, size_factor: 1.0, limits: true }
     }
 }
 
@@ -149,40 +142,23 @@ pub fn select_candidates(
     if count == 0 || count > candidates.len() {
         return Err(Error::new(
             Code::TooFewData,
-            format!(
-                "{count} postures cannot be chosen from {} candidates.",
-                candidates.len()
-            ),
+            format!("{count} postures cannot be chosen from {} candidates.", candidates.len()),
         ));
     }
-    let (allowed, forbidden) = if options.limits {
-        sorted(cell, candidates)?
-    } else {
-        ((0..candidates.len()).collect(), Vec::new())
-    };
+    let (allowed, forbidden) =
+        if options.limits { sorted(cell, candidates)? } else { ((0..candidates.len()).collect(), Vec::new()) };
     if count > allowed.len() {
         return Err(too_few(count, candidates, &forbidden));
     }
     let given = candidates;
     let candidates: Vec<Candidate> = allowed.iter().map(|c| given[*c].clone()).collect();
-    let terms = candidates
-        .iter()
-        .map(|candidate| candidate.states(&cell.setup))
-        .collect::<Result<Vec<_>>>()?;
-    let model = match (
-        index,
-        PredictionModel::at_candidates(cell, options.size_factor, &terms),
-    ) {
+    let terms = candidates.iter().map(|candidate| candidate.states(&cell.setup)).collect::<Result<Vec<_>>>()?;
+    let model = match (index, PredictionModel::at_candidates(cell, options.size_factor, &terms)) {
         (Index::Prediction, model) => Some(model?),
         // Shown beside the others where the cell has what it needs.
         (_, model) => model.ok(),
     };
-    let search = Search {
-        count,
-        of: candidates.len(),
-        options,
-        control,
-    };
+    let search = Search { count, of: candidates.len(), options, control };
     let found = match &model {
         Some(model) if index == Index::Prediction => {
             let each: Vec<_> = terms.iter().map(|own| model.readings(own)).collect();
@@ -192,33 +168,19 @@ pub fn select_candidates(
     };
     let group: Vec<&Vec<PostureTerms>> = found.chosen.iter().map(|p| &terms[*p]).collect();
     let evaluation = evaluate_terms(cell, index.as_str(), &group, model.as_ref())?;
-    let value = evaluation
-        .indices
-        .get(index)
-        .filter(|value| value.is_finite())
-        .ok_or_else(|| {
-            Error::new(
-                Code::NotIdentifiable,
-                format!(
-                    "No group of {count} of these {} candidates was found for which {} exists.",
-                    candidates.len(),
-                    index.as_str()
-                ),
-            )
-            .hint("choose more postures, or give candidates that differ more")
-        })?;
-    let bound = if found.exact {
-        Some(value)
-    } else {
-        found.bound.map(|log| index.of_log(log))
-    };
-    let efficiency = bound.map(|bound| {
-        if index.larger_is_better() {
-            value / bound
-        } else {
-            bound / value
-        }
-    });
+    let value = evaluation.indices.get(index).filter(|value| value.is_finite()).ok_or_else(|| {
+        Error::new(
+            Code::NotIdentifiable,
+            format!(
+                "No group of {count} of these {} candidates was found for which {} exists.",
+                candidates.len(),
+                index.as_str()
+            ),
+        )
+        .hint("choose more postures, or give candidates that differ more")
+    })?;
+    let bound = if found.exact { Some(value) } else { found.bound.map(|log| index.of_log(log)) };
+    let efficiency = bound.map(|bound| if index.larger_is_better() { value / bound } else { bound / value });
     Ok(CandidateSelection {
         index,
         value,
@@ -229,11 +191,7 @@ pub fn select_candidates(
         bound,
         efficiency,
         groups_compared: found.compared,
-        termination: if control.stopped() {
-            Termination::Interrupted
-        } else {
-            Termination::Converged
-        },
+        termination: if control.stopped() { Termination::Interrupted } else { Termination::Converged },
     })
 }
 
@@ -276,12 +234,7 @@ impl Search<'_> {
     fn run<J: Bounded>(&self, judge: J) -> Result<Found> {
         let all: Vec<usize> = (0..self.of).collect();
         let stop = || self.control.stopped();
-        let exchange = Exchange {
-            passes: PASSES,
-            least: LEAST,
-            repeats: false,
-            stop: &stop,
-        };
+        let exchange = Exchange { passes: PASSES, least: LEAST, repeats: false, stop: &stop };
         let starts: Vec<u64> = (0..self.options.starts.max(1) as u64).collect();
         let ends = in_order(&starts, |(_, start)| {
             let mut judge = judge.clone();
@@ -295,26 +248,12 @@ impl Search<'_> {
             .into_iter()
             .reduce(|best, next| if next.0 < best.0 { next } else { best })
             .unwrap_or((f64::INFINITY, (0..self.count).collect()));
-        let mut found = Found {
-            value,
-            chosen,
-            exact: false,
-            bound: None,
-            compared: 0,
-        };
+        let mut found = Found { value, chosen, exact: false, bound: None, compared: 0 };
         if self.options.bound && !self.control.stopped() {
             let mut judge = judge;
             let tangent = self.best_tangent(&mut judge);
             let most = self.options.groups.unwrap_or(judge.affordable());
-            branch_and_bound(
-                &mut judge,
-                tangent,
-                self.count,
-                self.of,
-                most,
-                self.control,
-                &mut found,
-            );
+            branch_and_bound(&mut judge, tangent, self.count, self.of, most, self.control, &mut found);
         }
         Ok(found)
     }

@@ -28,12 +28,7 @@ impl Tangent {
         log_factor: f64,
     ) -> Self {
         let gained: f64 = weights.iter().zip(&scores).map(|(w, g)| w * g).sum();
-        Tangent {
-            level: value + gained,
-            scores,
-            logarithmic,
-            log_factor,
-        }
+        Tangent { level: value + gained, scores, logarithmic, log_factor }
     }
 
     /// Lower bound on ln(index) of every group whose scores sum to at most `sum`.
@@ -58,20 +53,11 @@ impl Tangent {
 /// Weights between 0 and 1 that sum to `count`, moved from `weights` towards larger
 /// scores.
 pub(super) fn moved(weights: &[f64], scores: &[f64], count: usize) -> Vec<f64> {
-    let mut out: Vec<f64> = weights
-        .iter()
-        .zip(scores)
-        .map(|(w, g)| w * g.max(0.0).sqrt())
-        .collect();
+    let mut out: Vec<f64> = weights.iter().zip(scores).map(|(w, g)| w * g.max(0.0).sqrt()).collect();
     // Those that would pass 1 stay there; the others share what is left.
     let mut full = vec![false; out.len()];
     loop {
-        let free: f64 = out
-            .iter()
-            .zip(&full)
-            .filter(|(_, f)| !**f)
-            .map(|(w, _)| w)
-            .sum();
+        let free: f64 = out.iter().zip(&full).filter(|(_, f)| !**f).map(|(w, _)| w).sum();
         let left = count as f64 - full.iter().filter(|f| **f).count() as f64;
         if free <= 0.0 || left <= 0.0 {
             return weights.to_vec();

@@ -28,12 +28,7 @@ const SWEEPS: usize = 6;
 const WORTH_A_SWEEP: f64 = 3e-3;
 
 /// A few passes are enough for a start.
-const ROUGH: Exchange<'_> = Exchange {
-    passes: 4,
-    least: 1e-6,
-    repeats: true,
-    stop: &|| false,
-};
+const ROUGH: Exchange<'_> = Exchange { passes: 4, least: 1e-6, repeats: true, stop: &|| false };
 
 /// Under the index prediction they are the start.
 const START: Exchange<'_> = Exchange { passes: 8, ..ROUGH };
@@ -82,17 +77,7 @@ impl Chain {
             single,
         });
         let count = local.angle_count() / joints;
-        Chain {
-            local,
-            criterion,
-            base,
-            predicting,
-            joints,
-            count,
-            current: None,
-            best: None,
-            idle: 0,
-        }
+        Chain { local, criterion, base, predicting, joints, count, current: None, best: None, idle: 0 }
     }
 
     /// Local searches and evaluations of the index with its gradient so far.
@@ -100,9 +85,7 @@ impl Chain {
         let single = self.predicting.as_ref().map(|own| &own.single);
         let all = [Some(&self.local), single];
         let all = all.into_iter().flatten();
-        all.fold((0, 0), |sum, own| {
-            (sum.0 + own.searches, sum.1 + own.evaluations)
-        })
+        all.fold((0, 0), |sum, own| (sum.0 + own.searches, sum.1 + own.evaluations))
     }
 
     /// Puts the chain onto another plan.
@@ -125,13 +108,7 @@ impl Chain {
 
     /// `tries` local searches with the random numbers of this round; false
     /// when it was stopped before the last.
-    pub fn work(
-        &mut self,
-        rng: &mut ChaCha8Rng,
-        pool: &Pool,
-        tries: usize,
-        control: Control<'_>,
-    ) -> bool {
+    pub fn work(&mut self, rng: &mut ChaCha8Rng, pool: &Pool, tries: usize, control: Control<'_>) -> bool {
         for attempt in 0..tries {
             if control.stopped() {
                 return false;
@@ -151,8 +128,7 @@ impl Chain {
                 self.idle += 1;
                 continue;
             }
-            let better =
-                |old: &Option<Plan>| old.as_ref().is_none_or(|old| plan.value < old.value - 1e-9);
+            let better = |old: &Option<Plan>| old.as_ref().is_none_or(|old| plan.value < old.value - 1e-9);
             if better(&self.best) {
                 self.best = Some(plan.clone());
             }
@@ -174,13 +150,8 @@ impl Chain {
     fn together(&mut self, start: Vec<f64>) -> Plan {
         let plan = self.local.improve(start, Effort::Rough);
         // Compare the end of the valley, not where a rough search stops.
-        let near =
-            |old: &Option<Plan>| old.as_ref().is_none_or(|old| plan.value < old.value + NEAR);
-        if plan.value.is_finite() && near(&self.current) {
-            self.local.refine(plan, Effort::Fine)
-        } else {
-            plan
-        }
+        let near = |old: &Option<Plan>| old.as_ref().is_none_or(|old| plan.value < old.value + NEAR);
+        if plan.value.is_finite() && near(&self.current) { self.local.refine(plan, Effort::Fine) } else { plan }
     }
 
     /// Where no posture of a group near `start` can be moved alone to make the index prediction better: beside the
@@ -203,9 +174,7 @@ impl Chain {
                 let known = self.local.known().iter().map(Vec::as_slice);
                 let known: Vec<&[f64]> = others.into_iter().chain(known).collect();
                 own.single.hold([&own.given, &rows], &known);
-                let own = own
-                    .single
-                    .improve(plan.x[p * n..(p + 1) * n].to_vec(), Effort::Rough);
+                let own = own.single.improve(plan.x[p * n..(p + 1) * n].to_vec(), Effort::Rough);
                 let mut x = plan.x.clone();
                 x[p * n..(p + 1) * n].copy_from_slice(&own.x);
                 let next = self.local.judge(x);
@@ -221,13 +190,7 @@ impl Chain {
     }
 
     /// A new group: random, or the best exchange among random candidates.
-    fn fresh(
-        &mut self,
-        rng: &mut ChaCha8Rng,
-        pool: &Pool,
-        by_exchange: bool,
-        control: Control<'_>,
-    ) -> Vec<f64> {
+    fn fresh(&mut self, rng: &mut ChaCha8Rng, pool: &Pool, by_exchange: bool, control: Control<'_>) -> Vec<f64> {
         self.idle = 0;
         let judge = self.predicting.as_mut().map(|own| &mut own.judge);
         let of = judge.as_ref().map_or(pool.len(), |judge| judge.len());
@@ -235,23 +198,14 @@ impl Chain {
         if let Some(judge) = judge {
             let candidates: Vec<usize> = (0..of).collect();
             let stop = || control.stopped();
-            let exchange = Exchange {
-                stop: &stop,
-                repeats: self.local.keeps_from().is_none(),
-                ..START
-            };
+            let exchange = Exchange { stop: &stop, repeats: self.local.keeps_from().is_none(), ..START };
             exchange.run(judge, &mut chosen, &candidates);
         } else if by_exchange && self.is_known(pool) {
-            let candidates: Vec<usize> = (0..CANDIDATES)
-                .map(|_| rng.random_range(0..pool.len()))
-                .collect();
+            let candidates: Vec<usize> = (0..CANDIDATES).map(|_| rng.random_range(0..pool.len())).collect();
             let mut judge = PoolJudge::new(&mut self.criterion, &self.base, pool);
             ROUGH.run(&mut judge, &mut chosen, &candidates);
         }
-        let mut x: Vec<f64> = chosen
-            .iter()
-            .flat_map(|at| pool.angles(*at).iter().copied())
-            .collect();
+        let mut x: Vec<f64> = chosen.iter().flat_map(|at| pool.angles(*at).iter().copied()).collect();
         self.add_load(rng, &mut x);
         x
     }
@@ -272,8 +226,7 @@ impl Chain {
     /// the load is free.
     fn is_known(&self, pool: &Pool) -> bool {
         let (lower, _) = self.local.bounds();
-        lower.len() == self.local.angle_count()
-            && (!pool.information(0).is_empty() || self.base.uses_dexterity)
+        lower.len() == self.local.angle_count() && (!pool.information(0).is_empty() || self.base.uses_dexterity)
     }
 
     /// Load variables at random within their boxes.
@@ -323,12 +276,7 @@ impl Chain {
 }
 
 /// The free postures of `x` but `p`, `joints` angles each, and their readings; `None` where a load has no direction.
-fn beside<'a>(
-    local: &Local,
-    x: &'a [f64],
-    joints: usize,
-    p: usize,
-) -> (Vec<&'a [f64]>, Option<DMatrix<f64>>) {
+fn beside<'a>(local: &Local, x: &'a [f64], joints: usize, p: usize) -> (Vec<&'a [f64]>, Option<DMatrix<f64>>) {
     let others = x[..local.angle_count()].chunks_exact(joints).enumerate();
     let others: Vec<&[f64]> = others.filter(|(i, _)| *i != p).map(|(_, q)| q).collect();
     let rows = local.prediction().and_then(|own| own.readings(&others));

@@ -20,18 +20,10 @@ pub(super) struct Base {
 impl Base {
     /// What `given` brings to an index; `triangle` entries of information.
     pub fn new(index: Index, given: &Given, triangle: usize) -> Self {
-        let size = if index.uses_observation() {
-            triangle
-        } else {
-            0
-        };
+        let size = if index.uses_observation() { triangle } else { 0 };
         let mut information = vec![0.0; size];
         given.add_information(&mut information);
-        Base {
-            information,
-            log_dexterity: given.log_dexterity,
-            uses_dexterity: index.uses_dexterity(),
-        }
+        Base { information, log_dexterity: given.log_dexterity, uses_dexterity: index.uses_dexterity() }
     }
 }
 

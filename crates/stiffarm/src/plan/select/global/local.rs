@@ -43,21 +43,9 @@ pub(super) enum Effort {
 impl Effort {
     fn options(self) -> SmoothOptions {
         match self {
-            Effort::Rough => SmoothOptions {
-                max_iterations: 150,
-                optimality: 1e-3,
-                reduction: 1e-6,
-            },
-            Effort::Fine => SmoothOptions {
-                max_iterations: 400,
-                optimality: 1e-5,
-                reduction: 1e-9,
-            },
-            Effort::Full => SmoothOptions {
-                max_iterations: 3000,
-                optimality: 1e-7,
-                reduction: 1e-13,
-            },
+            Effort::Rough => SmoothOptions { max_iterations: 150, optimality: 1e-3, reduction: 1e-6 },
+            Effort::Fine => SmoothOptions { max_iterations: 400, optimality: 1e-5, reduction: 1e-9 },
+            Effort::Full => SmoothOptions { max_iterations: 3000, optimality: 1e-7, reduction: 1e-13 },
         }
     }
 }
@@ -100,9 +88,7 @@ impl Local {
         let has_kinks = function.has_extreme_singular_values() || function.component_count() > 0;
         let bounds = |side: usize| -> Vec<f64> {
             let angles = cell.bounds.iter().map(|b| b[side]).cycle().take(n * count);
-            angles
-                .chain(design.bounds().iter().map(|b| b[side]))
-                .collect()
+            angles.chain(design.bounds().iter().map(|b| b[side])).collect()
         };
         Ok(Local {
             stages: if has_kinks { &SHARPNESS } else { &SMOOTH },
@@ -162,10 +148,7 @@ impl Local {
         let met = met && (!self.apart || self.are_apart(&x));
         // Asked last: it may be slow.
         let met = met && value.is_finite() && self.accepts(&x);
-        Plan {
-            x,
-            value: if met { value } else { f64::INFINITY },
-        }
+        Plan { x, value: if met { value } else { f64::INFINITY } }
     }
 
     /// True where no two postures of `x` are as good as the same.
@@ -202,9 +185,7 @@ impl Local {
         let begin = self.judge(start);
         if self.has_limits {
             self.weight = FIRST_WEIGHT;
-            self.function
-                .kernel_mut()
-                .reset_penalty(FIRST_WEIGHT, GUARD);
+            self.function.kernel_mut().reset_penalty(FIRST_WEIGHT, GUARD);
         }
         self.descend(begin, 0, effort)
     }
@@ -241,12 +222,7 @@ impl Local {
     }
 
     fn minimise(&mut self, x: Vec<f64>, sharpness: f64, effort: Effort) -> Vec<f64> {
-        let Local {
-            function,
-            design,
-            angles,
-            ..
-        } = self;
+        let Local { function, design, angles, .. } = self;
         let angles = *angles;
         let solution = minimise_smooth(
             &mut |x, gradient| {

@@ -23,9 +23,7 @@ mod plan;
 mod polish;
 mod pool;
 
-use super::selection::{
-    RoundReport, Selection, check_bounds, limits_of, no_result, smallest_length, too_near,
-};
+use super::selection::{RoundReport, Selection, check_bounds, limits_of, no_result, smallest_length, too_near};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::check_angles;
@@ -119,10 +117,7 @@ pub fn select_watched(
     watch: &mut dyn FnMut(&RoundReport),
 ) -> Result<Selection> {
     if count == 0 {
-        return Err(Error::new(
-            Code::TooFewData,
-            "The number of postures must be at least 1, got 0.",
-        ));
+        return Err(Error::new(Code::TooFewData, "The number of postures must be at least 1, got 0."));
     }
     check_bounds(cell)?;
     let given = &options.given;
@@ -163,15 +158,8 @@ struct Global<'a> {
 
 impl<'a> Global<'a> {
     fn new(cell: &'a Cell, index: Index, count: usize, options: &'a GlobalOptions) -> Result<Self> {
-        let local = Local::new(
-            cell,
-            index,
-            count,
-            &options.given,
-            &options.load,
-            options.accept.as_ref(),
-        )?
-        .with_apart(options.apart(index));
+        let local = Local::new(cell, index, count, &options.given, &options.load, options.accept.as_ref())?
+            .with_apart(options.apart(index));
         let inputs = Inputs::new(cell, index)?;
         let wanted = inputs.wanted(true);
         let criterion = criterion(cell, index)?;
@@ -203,11 +191,7 @@ impl<'a> Global<'a> {
     }
 
     /// Rounds until the budget is used up or nothing improves any more.
-    fn rounds(
-        &mut self,
-        control: Control<'_>,
-        watch: &mut dyn FnMut(&RoundReport),
-    ) -> Result<Termination> {
+    fn rounds(&mut self, control: Control<'_>, watch: &mut dyn FnMut(&RoundReport)) -> Result<Termination> {
         let begin = Instant::now();
         let limit = self.options.time_limit;
         let over = || limit.is_some_and(|limit| begin.elapsed() >= limit);
@@ -223,10 +207,7 @@ impl<'a> Global<'a> {
             let saved = self.chains.clone();
             // The first round is worth finishing: there is nothing else to show.
             let stop = || control.stopped() || (self.completed > 0 && over());
-            let inner = Control {
-                stop: Some(&stop),
-                progress: None,
-            };
+            let inner = Control { stop: Some(&stop), progress: None };
             let mut chains = std::mem::take(&mut self.chains);
             let complete = self.round(&mut chains, inner);
             self.chains = chains;
@@ -237,11 +218,7 @@ impl<'a> Global<'a> {
                 } else {
                     self.gather();
                 }
-                return Ok(if control.stopped() {
-                    Termination::Interrupted
-                } else {
-                    Termination::TimeLimit
-                });
+                return Ok(if control.stopped() { Termination::Interrupted } else { Termination::TimeLimit });
             }
             self.gather();
             self.completed += 1;
@@ -294,11 +271,8 @@ impl<'a> Global<'a> {
 
     /// Takes the best of all chains, and keeps them from doing the same work.
     fn gather(&mut self) {
-        let values: Vec<f64> = self
-            .chains
-            .iter()
-            .map(|chain| chain.best.as_ref().map_or(f64::INFINITY, |p| p.value))
-            .collect();
+        let values: Vec<f64> =
+            self.chains.iter().map(|chain| chain.best.as_ref().map_or(f64::INFINITY, |p| p.value)).collect();
         let order = ascending(&values);
         if let Some(plan) = self.chains[order[0]].best.clone()
             && self.best.as_ref().is_none_or(|b| plan.value < b.value)
@@ -364,11 +338,7 @@ impl<'a> Global<'a> {
         if self.options.load.is_empty() && self.completed > 0 && !is_done {
             let rough = plan.clone();
             let (polished, solution) = polish::polish(self.cell, self.index, plan, n, given)?;
-            plan = if self.chains[0].local.accepts(&polished.x) {
-                polished
-            } else {
-                rough
-            };
+            plan = if self.chains[0].local.accepts(&polished.x) { polished } else { rough };
             if let Some(solution) = solution {
                 evaluations += solution.evaluations;
                 iterations = solution.iterations;
@@ -380,10 +350,8 @@ impl<'a> Global<'a> {
         let group: Vec<Vec<f64>> = angles.chunks_exact(n).map(<[f64]>::to_vec).collect();
         let all: Vec<&Vec<f64>> = given.iter().chain(&group).collect();
         let evaluation = evaluate(&cell, self.index.as_str(), &all)?;
-        let value = evaluation
-            .indices
-            .get(self.index)
-            .ok_or_else(|| no_result(&cell, self.index, &evaluation, termination))?;
+        let value =
+            evaluation.indices.get(self.index).ok_or_else(|| no_result(&cell, self.index, &evaluation, termination))?;
         let limits = limits_of(&cell, &group)?;
         Ok(Selection {
             index: self.index,
@@ -407,13 +375,7 @@ impl<'a> Global<'a> {
 
     /// Why nothing was found.
     fn nothing(&self, termination: Termination) -> Error {
-        let random = random_group(
-            self.cell,
-            StartKind::Uniform,
-            self.count,
-            self.options.seed,
-            0,
-        );
+        let random = random_group(self.cell, StartKind::Uniform, self.count, self.options.seed, 0);
         let random = match random {
             Ok(group) => group,
             Err(error) => return error,
@@ -423,11 +385,7 @@ impl<'a> Global<'a> {
             Ok(evaluation) => {
                 let error = no_result(self.cell, self.index, &evaluation, termination);
                 let apart = all.len() > 1 && self.options.apart(self.index);
-                if apart && error.code() == Code::InvalidValue {
-                    too_near(all.len())
-                } else {
-                    error
-                }
+                if apart && error.code() == Code::InvalidValue { too_near(all.len()) } else { error }
             }
             Err(error) => error,
         }

@@ -88,19 +88,9 @@ impl Schedule {
             (false, true) => (1, 20, 8),
         };
         if has_scene {
-            Schedule {
-                chains: CHAINS,
-                tries,
-                rounds: rounds / 4,
-                patience: patience / 2,
-            }
+            Schedule { chains: CHAINS, tries, rounds: rounds / 4, patience: patience / 2 }
         } else {
-            Schedule {
-                chains: CHAINS,
-                tries,
-                rounds,
-                patience,
-            }
+            Schedule { chains: CHAINS, tries, rounds, patience }
         }
     }
 }

@@ -28,15 +28,9 @@ pub(super) fn polish<Q: AsRef<[f64]>>(
         return Ok((plan, None));
     }
     let search = Search::new(cell, index, plan.x.len() / joints, given)?;
-    let options = Options {
-        max_iterations: MAX_ITERATIONS,
-        ..Options::default()
-    };
+    let options = Options { max_iterations: MAX_ITERATIONS, ..Options::default() };
     let solution = search.run(plan.x.clone(), LAST, options, Control::default())?;
     let better = solution.merit < plan.value;
-    let polished = Plan {
-        x: solution.x.clone(),
-        value: solution.merit,
-    };
+    let polished = Plan { x: solution.x.clone(), value: solution.merit };
     Ok((if better { polished } else { plan }, Some(solution)))
 }

@@ -39,12 +39,7 @@ impl Pool {
     ///
     /// # Errors
     /// No posture inside the limits was found.
-    pub fn new(
-        cell: &Cell,
-        wanted: Wanted<'_>,
-        seed: u64,
-        accept: Option<&Accept>,
-    ) -> Result<Self> {
+    pub fn new(cell: &Cell, wanted: Wanted<'_>, seed: u64, accept: Option<&Accept>) -> Result<Self> {
         let n = cell.setup.robot.joint_count();
         let springs = cell.setup.robot.spring_count();
         let mut kernel = Kernel::new(cell, wanted, CHUNK)?;
@@ -72,11 +67,7 @@ impl Pool {
             draw(&mut q);
             drawn += CHUNK;
             let postures = q.chunks_exact(n);
-            ready.extend(
-                postures
-                    .filter(|q| cell.scene.is_empty() || meets(q))
-                    .flatten(),
-            );
+            ready.extend(postures.filter(|q| cell.scene.is_empty() || meets(q)).flatten());
             if ready.len() >= CHUNK * n {
                 let rest = ready.split_off(CHUNK * n);
                 inside += pool.take(&mut kernel, &ready, wanted, accept);
@@ -117,11 +108,7 @@ impl Pool {
 
     /// Information of one candidate, packed; empty where the index has none.
     pub fn information(&self, at: usize) -> &[f64] {
-        if self.information.is_empty() {
-            &[]
-        } else {
-            &self.information[at * self.triangle..(at + 1) * self.triangle]
-        }
+        if self.information.is_empty() { &[] } else { &self.information[at * self.triangle..(at + 1) * self.triangle] }
     }
 
     /// ln k(J_N) of one candidate, 0 where the index does not use it.
@@ -131,14 +118,8 @@ impl Pool {
 
     /// The first candidates as the index prediction judges them, in their order; where `given` postures are to be kept
     /// away from, no two of a group may be alike either.
-    pub fn judge(
-        &self,
-        function: &PredictionFunction,
-        given: Option<&[Vec<f64>]>,
-    ) -> PredictionJudge {
-        let angles: Vec<Vec<f64>> = (0..self.len().min(PREDICTING))
-            .map(|at| self.angles(at).to_vec())
-            .collect();
+    pub fn judge(&self, function: &PredictionFunction, given: Option<&[Vec<f64>]>) -> PredictionJudge {
+        let angles: Vec<Vec<f64>> = (0..self.len().min(PREDICTING)).map(|at| self.angles(at).to_vec()).collect();
         // A load without a direction shows nothing.
         let none = function.model().stacked(&[]).all;
         let readings = |q: &Vec<f64>| function.readings(&[q]).unwrap_or_else(|| none.clone());
@@ -151,24 +132,13 @@ impl Pool {
     }
 
     /// Keeps those of a chunk of postures, or of fewer, that are inside the limits and accepted; how many are inside.
-    fn take(
-        &mut self,
-        kernel: &mut Kernel,
-        q: &[f64],
-        wanted: Wanted<'_>,
-        accept: Option<&Accept>,
-    ) -> usize {
+    fn take(&mut self, kernel: &mut Kernel, q: &[f64], wanted: Wanted<'_>, accept: Option<&Accept>) -> usize {
         if q.is_empty() {
             return 0;
         }
         // Lanes without a posture of their own repeat the last one.
         let last = q[q.len() - self.joints..].iter().cycle();
-        let filled: Vec<f64> = q
-            .iter()
-            .chain(last)
-            .copied()
-            .take(CHUNK * self.joints)
-            .collect();
+        let filled: Vec<f64> = q.iter().chain(last).copied().take(CHUNK * self.joints).collect();
         kernel.forward(&filled);
         let postures = q.len() / self.joints;
         let inside = kernel.violations().map(|v| v <= 0.0);
