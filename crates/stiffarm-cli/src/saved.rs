@@ -5,8 +5,11 @@ use crate::screen::plain;
 use crate::text;
 use stiffarm::Result;
 use stiffarm::model::cell::Cell;
+use stiffarm_files::envelope::to_json;
 use stiffarm_files::result::read_result;
-use stiffarm_report::page::render_told;
+use stiffarm_report::page::{pictures, render_told};
+use stiffarm_report::report::report;
+use stiffarm_report::shown_figure;
 use stiffarm_report::tell::{WithCell, tell};
 
 /// How much of a result is told.
@@ -43,4 +46,14 @@ pub fn told(json: &str, cell: Option<&Cell>, how: Telling) -> Result<String> {
 /// As [`told`].
 pub fn page(json: &str, cell: Option<&Cell>) -> Result<String> {
     page_of_saved(&read_result(json.as_bytes(), "result")?, cell)
+}
+
+/// The figures of the [`page`] as JSON, in its order: data, and what the page decides of how they look.
+///
+/// # Errors
+/// As [`told`].
+pub fn figures(json: &str, cell: Option<&Cell>) -> Result<String> {
+    let saved = read_result(json.as_bytes(), "result")?;
+    let (figures, _) = pictures(&report(&[WithCell::new(&saved, cell)])?);
+    to_json(&figures.iter().map(shown_figure).collect::<Vec<_>>())
 }

@@ -83,3 +83,11 @@ pub fn page(py: Python<'_>, json: &str, cell: Option<&PyCell>) -> PyResult<Strin
     let cell = cell.map(|cell| &cell.cell);
     py.detach(|| stiffarm_cli::page(json, cell)).raised(py)
 }
+
+/// The figures of a result's page as JSON.
+#[pyfunction]
+#[pyo3(signature = (json, cell))]
+pub fn figures(py: Python<'_>, json: &str, cell: Option<&PyCell>) -> PyResult<String> {
+    let cell = cell.map(|cell| &cell.cell);
+    py.detach(|| stiffarm_cli::figures(json, cell)).raised(py)
+}

@@ -39,7 +39,10 @@ pub use cell::{Full, cell_drawing, usual_posture};
 pub use figure::csv::figure_csv;
 pub use figure::drawing::Drawing;
 pub use figure::layout::{Layout, Size};
-pub use figure::svg::{render_drawing, render_drawing_with, render_svg, render_svg_with, series_colour};
+pub use figure::svg::{
+    ShownFigure, ShownPanel, render_drawing, render_drawing_with, render_svg, render_svg_with, series_colour,
+    shown_figure,
+};
 pub use figure::{Axis, Colour, Figure, Panel, Scale, Series, Style};
 pub use map::{map_figure, map_table};
 

@@ -20,12 +20,14 @@ mod panel;
 mod plan;
 mod scale;
 mod shared;
+mod shown;
 mod text;
 mod ticks;
 
 pub use drawing::{render_drawing, render_drawing_with};
 pub use palette::series_colour;
 pub use shared::share_axes;
+pub use shown::{ShownFigure, ShownPanel, shown_figure};
 
 pub use canvas::escape;
 use canvas::{Anchor, Canvas, Font, Rect, num};

@@ -4,7 +4,7 @@ use super::data::Coverage;
 use super::scale::{Extent, Kind};
 use super::text;
 use super::ticks::{self, Tick};
-use crate::figure::{Axis, Panel, Style};
+use crate::figure::{Axis, Colour, Panel, Style};
 
 /// Font size of tick labels and the legend.
 pub(super) const SMALL: f64 = 12.0;
@@ -67,13 +67,23 @@ pub(super) struct ColourPlan {
 }
 
 impl ColourPlan {
-    /// That of the panel's first map that has values.
-    fn of(panel: &Panel, height: f64) -> Option<Self> {
+    /// The colours of the panel's first map that has values.
+    fn colours(panel: &Panel) -> Option<&Colour> {
         let mut maps = panel.series.iter().filter(|s| s.style == Style::Map);
-        let colour = maps.find_map(|s| s.colour.as_ref())?;
+        maps.find_map(|s| s.colour.as_ref())
+    }
+
+    /// What their bar reaches over.
+    pub(super) fn extent_of(panel: &Panel) -> Option<Extent> {
+        let colour = Self::colours(panel)?;
         let kind = Kind::of(&colour.axis);
         let shown = colour.values.iter().copied().filter(|v| kind.accepts(*v));
-        let extent = Extent::choose(&colour.axis, &shown.collect::<Vec<_>>(), false);
+        Some(Extent::choose(&colour.axis, &shown.collect::<Vec<_>>(), false))
+    }
+
+    /// Their bar at this height.
+    fn of(panel: &Panel, height: f64) -> Option<Self> {
+        let (colour, extent) = (Self::colours(panel)?, Self::extent_of(panel)?);
         let ticks = ticks::ticks(&extent, (height / 30.0).max(2.0) as usize);
         Some(Self {
             extent,
@@ -108,7 +118,7 @@ pub(super) struct Shown {
 }
 
 /// The extents before they are adapted to the shape of the plot area.
-fn natural(panel: &Panel) -> (Extent, Extent, Coverage) {
+pub(super) fn natural(panel: &Panel) -> (Extent, Extent, Coverage) {
     let covered = Coverage::of(panel);
     let x = Extent::choose(&panel.x, &covered.x, false);
     let y = Extent::choose(&panel.y, &covered.y, covered.bars);
