@@ -36,8 +36,8 @@ pub fn stiffness_figure(
             let ends = row.interval.map(|end| end.map(|k| 1e-6 * k));
             Some((j as f64, (1e-6 * of(row)?, ends)))
         });
-        let (x, rows_with_k): (Vec<f64>, Vec<(f64, _)>) = rows_with_k.unzip();
-        let (k, ends): (Vec<f64>, Vec<_>) = rows_with_k.into_iter().unzip();
+        let (x, k_with_ends): (Vec<f64>, Vec<(f64, _)>) = rows_with_k.unzip();
+        let (k, ends): (Vec<f64>, Vec<_>) = k_with_ends.into_iter().unzip();
         Series::new(label, style, x, k).with_interval(ends)
     };
     let beside = |by: f64| places(rows.len()).iter().map(|x| x + by).collect();

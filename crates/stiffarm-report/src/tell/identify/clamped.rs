@@ -19,7 +19,7 @@ impl Telling<IdentifiedOptions> for ClampedIdentification {
         let estimates = &identification.estimates;
         let joints = Joints {
             context,
-            estimates: estimates,
+            estimates,
             systematic_errors: None,
             unusable: identification.findings.iter().any(|f| f.severity == Severity::Serious),
         };
