@@ -279,9 +279,9 @@ fn line(map: &StiffnessMap, axis: usize, quantity: &Quantity) -> Panel {
     });
     // A gap is said by the legend, not by a count of lost values.
     let pairs = map.axes()[axis].iter().zip(values);
-    let kept: Vec<(f64, f64)> =
+    let points: Vec<(f64, f64)> =
         pairs.filter(|(_, value)| value.is_finite()).map(|(at, value)| (1e3 * at, value)).collect();
-    let (x, y) = kept.into_iter().unzip();
+    let (x, y) = points.into_iter().unzip();
     Panel::new(
         quantity.title.clone(),
         Axis::linear(AXES[axis], "mm"),

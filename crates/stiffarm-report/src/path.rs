@@ -171,17 +171,17 @@ pub(crate) fn thinned(values: &[Option<f64>]) -> Vec<usize> {
         return (0..count).collect();
     }
     let pieces = DRAWN / 3;
-    let mut kept = Vec::with_capacity(DRAWN + 1);
+    let mut drawn = Vec::with_capacity(DRAWN + 1);
     for piece in 0..pieces {
         let range = piece * count / pieces..(piece + 1) * count / pieces;
         let size = |i: &usize| values[*i].unwrap_or(f64::NAN);
-        let known = || range.clone().filter(|i| values[*i].is_some());
-        kept.extend(range.clone().next());
-        kept.extend(known().min_by(|a, b| size(a).total_cmp(&size(b))));
-        kept.extend(known().max_by(|a, b| size(a).total_cmp(&size(b))));
+        let defined = || range.clone().filter(|i| values[*i].is_some());
+        drawn.extend(range.clone().next());
+        drawn.extend(defined().min_by(|a, b| size(a).total_cmp(&size(b))));
+        drawn.extend(defined().max_by(|a, b| size(a).total_cmp(&size(b))));
     }
-    kept.push(count - 1);
-    kept.sort_unstable();
-    kept.dedup();
-    kept
+    drawn.push(count - 1);
+    drawn.sort_unstable();
+    drawn.dedup();
+    drawn
 }

@@ -23,11 +23,11 @@ pub fn path_components_figure(points: &[PathShift], what: &str, confidence: Opti
     let band = band_name(confidence);
     let panels = ["x", "y", "z"].iter().enumerate().map(|(axis, name)| {
         let values: Vec<Option<f64>> = points.iter().map(|p| Some(1e3 * p.shift_m[axis])).collect();
-        let kept = thinned(&values);
-        let at = kept.iter().map(|i| if moves { 1e3 * points[*i].along_m } else { (i + 1) as f64 });
+        let drawn = thinned(&values);
+        let at = drawn.iter().map(|i| if moves { 1e3 * points[*i].along_m } else { (i + 1) as f64 });
         let at: Vec<f64> = at.collect();
-        let shift: Vec<f64> = kept.iter().map(|i| 1e3 * points[*i].shift_m[axis]).collect();
-        let widths = kept.iter().map(|i| points[*i].half_width_m.map(|w| 1e3 * w[axis]));
+        let shift: Vec<f64> = drawn.iter().map(|i| 1e3 * points[*i].shift_m[axis]).collect();
+        let widths = drawn.iter().map(|i| points[*i].half_width_m.map(|w| 1e3 * w[axis]));
         let widths: Option<Vec<f64>> = widths.collect();
         let mut series = Vec::new();
         if let Some(widths) = widths.filter(|_| !points.is_empty()) {

@@ -39,8 +39,8 @@ fn only(points: &[PointDeviation]) -> String {
 }
 
 /// Deviations of Eq. (22) with noise and tolerance, and calculated against measured displacement.
-pub fn validation_figure(found: &Validation) -> Figure {
-    let points = &found.points;
+pub fn validation_figure(validation: &Validation) -> Figure {
+    let points = &validation.points;
     let (labels, x, series) = if points.len() <= MOST_BARS {
         let y = points.iter().map(|p| 1e3 * p.deviation_m).collect();
         let bars = Series::new("deviation δb", Style::Bars, places(points.len()), y);
@@ -60,11 +60,11 @@ pub fn validation_figure(found: &Validation) -> Figure {
     let ends = vec![-0.5, labels.len() as f64 - 0.5];
     let line = |label: &str, style, value: f64| Series::new(label, style, ends.clone(), vec![1e3 * value; 2]);
     let mut deviations = vec![series];
-    if found.noise_expectation_m > 0.0 {
+    if validation.noise_expectation_m > 0.0 {
         let label = "mean by noise alone";
-        deviations.push(line(label, Style::Dashed, found.noise_expectation_m));
+        deviations.push(line(label, Style::Dashed, validation.noise_expectation_m));
     }
-    if let Some(tolerance) = found.tolerance_m {
+    if let Some(tolerance) = validation.tolerance_m {
         deviations.push(line("tolerance", Style::Curve, tolerance));
     }
     let norm = |v: &[f64; 3]| 1e3 * v.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -76,7 +76,7 @@ pub fn validation_figure(found: &Validation) -> Figure {
     });
     let all = measured.iter().chain(&calculated).copied();
     let largest = all.fold(0.0, f64::max);
-    let label = match &found.band {
+    let label = match &validation.band {
         Some(band) => format!("calculated, ± {} %", (1000.0 * band.confidence).round() / 10.0),
         None => "calculated".to_string(),
     };

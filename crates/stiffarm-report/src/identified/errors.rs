@@ -9,9 +9,9 @@ use stiffarm::estimate::systematic::SystematicErrors;
 pub fn errors_figure(systematic: &SystematicErrors) -> Figure {
     let count = systematic.joints.len();
     let series = systematic.sources.iter().map(|source| {
-        let known = source.bounded.iter().enumerate().take(count);
-        let known = known.filter_map(|(j, c)| Some((j as f64, 100.0 * (*c)?.abs())));
-        let (x, y) = known.unzip();
+        let bars = source.bounded.iter().enumerate().take(count);
+        let bars = bars.filter_map(|(j, c)| Some((j as f64, 100.0 * (*c)?.abs())));
+        let (x, y) = bars.unzip();
         let star = if source.declared { "" } else { " *" };
         let label = format!("{}{star}", source.name.replace('-', " "));
         Series::new(label, Style::Bars, x, y)
@@ -42,9 +42,9 @@ pub fn errors_figure(systematic: &SystematicErrors) -> Figure {
 }
 
 /// How far the errors of two unknowns are one error.
-pub fn correlation_figure(found: &Estimates) -> Figure {
-    let names = &found.unknowns;
-    let of = |row: usize, column: usize| *found.correlation.get(row)?.get(column)?;
+pub fn correlation_figure(estimates: &Estimates) -> Figure {
+    let names = &estimates.unknowns;
+    let of = |row: usize, column: usize| *estimates.correlation.get(row)?.get(column)?;
     let panel = correlation_panel("", "not determined", names, names.len(), of);
     Figure::one(
         "correlations",

@@ -12,5 +12,5 @@ pub use stiffness::{StiffnessRow, stiffness_figure};
 
 /// The number of a name in such a list.
 pub(crate) fn place(names: &[&str], name: &str) -> usize {
-    names.iter().position(|own| *own == name).unwrap_or(0)
+    names.iter().position(|other| *other == name).unwrap_or(0)
 }

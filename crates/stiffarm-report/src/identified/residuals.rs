@@ -13,13 +13,13 @@ const BAND: f64 = 1.96;
 const MOST_POINTS: usize = 6;
 
 /// Components of every residual by posture, and their RMS by measuring point, against the cell's noise.
-pub fn residual_figure(found: &Identification) -> Figure {
-    let postures = in_order(found.postures.iter().map(|p| p.posture.as_str()));
-    let points: Vec<&str> = found.points.iter().map(|p| p.point.as_str()).collect();
+pub fn residual_figure(identification: &Identification) -> Figure {
+    let postures = in_order(identification.postures.iter().map(|p| p.posture.as_str()));
+    let points: Vec<&str> = identification.points.iter().map(|p| p.point.as_str()).collect();
     let several = points.len() <= MOST_POINTS;
     let labels = if several { points.len().max(1) } else { 1 };
     let mut shown = vec![(Vec::new(), Vec::new()); labels];
-    for one in &found.postures {
+    for one in &identification.postures {
         let at = place(&postures, &one.posture) as f64;
         for residual in &one.residuals {
             let number = place(&points, &residual.point);
@@ -38,7 +38,7 @@ pub fn residual_figure(found: &Identification) -> Figure {
     let mut all: Vec<Series> =
         shown.into_iter().enumerate().map(|(number, (x, y))| Series::new(named(number), Style::Points, x, y)).collect();
     let last = postures.len() as f64 - 0.5;
-    let band = 1e3 * BAND * found.expected_std_m;
+    let band = 1e3 * BAND * identification.expected_std_m;
     if band > 0.0 {
         // Two lines under one name: one entry of the legend.
         let ends = || vec![-0.5, last];
@@ -47,14 +47,14 @@ pub fn residual_figure(found: &Identification) -> Figure {
             all.push(Series::new(label, Style::Dashed, ends(), vec![line; 2]));
         }
     }
-    let rms = found.points.iter().map(|p| 1e3 * p.residual_rms_m);
+    let rms = identification.points.iter().map(|p| 1e3 * p.residual_rms_m);
     let mut by_point = vec![Series::new("residual RMS", Style::Bars, places(points.len()), rms.collect())];
-    if found.expected_std_m > 0.0 {
+    if identification.expected_std_m > 0.0 {
         by_point.push(Series::new(
             "noise",
             Style::Dashed,
             vec![-0.5, points.len() as f64 - 0.5],
-            vec![1e3 * found.expected_std_m; 2],
+            vec![1e3 * identification.expected_std_m; 2],
         ));
     }
     let mut figure = Figure::one(
@@ -79,17 +79,17 @@ pub fn residual_figure(found: &Identification) -> Figure {
 }
 
 /// RMS of the residual angles of each posture and load state with the flange fixed.
-pub fn clamped_residual_figure(found: &ClampedIdentification) -> Figure {
-    let postures = in_order(found.postures.iter().map(|p| p.posture.as_str()));
-    let states = in_order(found.postures.iter().map(|p| p.state.as_str()));
+pub fn clamped_residual_figure(identification: &ClampedIdentification) -> Figure {
+    let postures = in_order(identification.postures.iter().map(|p| p.posture.as_str()));
+    let states = in_order(identification.postures.iter().map(|p| p.state.as_str()));
     let mdeg = |angle: f64| 1e3 * rad_to_deg(angle);
     let mut series: Vec<Series> = Vec::new();
     for state in states {
-        let own = found.postures.iter().filter(|p| p.state == state);
-        let (x, y) = own.map(|p| (place(&postures, &p.posture) as f64, mdeg(p.residual_rms_rad))).unzip();
+        let of_state = identification.postures.iter().filter(|p| p.state == state);
+        let (x, y) = of_state.map(|p| (place(&postures, &p.posture) as f64, mdeg(p.residual_rms_rad))).unzip();
         series.push(Series::new(state, Style::Points, x, y));
     }
-    if let Some(expected) = found.expected_std_rad {
+    if let Some(expected) = identification.expected_std_rad {
         let ends = vec![-0.5, postures.len() as f64 - 0.5];
         let line = vec![mdeg(expected); 2];
         series.push(Series::new("noise as given", Style::Dashed, ends, line));

@@ -17,12 +17,12 @@ pub fn load_states_figure(states: &LoadStates) -> Figure {
     order.truncate(MOST);
     order.sort_unstable();
     let series = order.into_iter().map(|i| {
-        let own = &states.postures[i];
-        let pairs = own.loads.iter().zip(&own.displacements_m);
+        let posture = &states.postures[i];
+        let pairs = posture.loads.iter().zip(&posture.displacements_m);
         let largest = pairs.clone().max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
         let slope = largest.map_or(0.0, |(load, moved)| moved / load);
         let (x, y) = pairs.map(|(load, moved)| (100.0 * load, 1e3 * (moved - slope * load))).unzip();
-        let label = format!("posture {}", own.posture);
+        let label = format!("posture {}", posture.posture);
         Series::new(label, Style::Line, x, y)
     });
     Figure::one(

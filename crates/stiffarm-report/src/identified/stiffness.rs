@@ -32,12 +32,12 @@ pub fn stiffness_figure(
     let joints: Vec<&str> = rows.iter().map(|row| row.joint.as_str()).collect();
     let level = crate::level::level(confidence);
     let drawn = |label: &str, style: Style, of: &dyn Fn(&StiffnessRow) -> Option<f64>| {
-        let known = rows.iter().enumerate().filter_map(|(j, row)| {
+        let rows_with_k = rows.iter().enumerate().filter_map(|(j, row)| {
             let ends = row.interval.map(|end| end.map(|k| 1e-6 * k));
             Some((j as f64, (1e-6 * of(row)?, ends)))
         });
-        let (x, known): (Vec<f64>, Vec<(f64, _)>) = known.unzip();
-        let (k, ends): (Vec<f64>, Vec<_>) = known.into_iter().unzip();
+        let (x, k_with_ends): (Vec<f64>, Vec<(f64, _)>) = rows_with_k.unzip();
+        let (k, ends): (Vec<f64>, Vec<_>) = k_with_ends.into_iter().unzip();
         Series::new(label, style, x, k).with_interval(ends)
     };
     let beside = |by: f64| places(rows.len()).iter().map(|x| x + by).collect();
@@ -59,9 +59,9 @@ pub fn stiffness_figure(
         series.push(Series::new(label.clone(), Style::Hollow, x, values));
     }
     let part = |label: &str, most: f64, of: &dyn Fn(&StiffnessRow) -> Option<f64>| {
-        let known = |row: &StiffnessRow| of(row).filter(|part| *part < most);
+        let drawable = |row: &StiffnessRow| of(row).filter(|part| *part < most);
         let all = rows.iter().enumerate();
-        let shown = all.filter_map(|(j, row)| Some((j as f64, 100.0 * known(row)?)));
+        let shown = all.filter_map(|(j, row)| Some((j as f64, 100.0 * drawable(row)?)));
         let (x, y) = shown.unzip();
         Series::new(label, Style::Bars, x, y)
     };

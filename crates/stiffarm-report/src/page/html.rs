@@ -90,9 +90,9 @@ impl<'a> PartTemplate<'a> {
         let level = if alone { 2 } else { 3 };
         let ids = part.sections.iter();
         let of = |severity: Severity| {
-            let own = part.warnings.iter().filter(|f| f.severity == severity);
-            let own = own.filter(|f| !part.verdict[1].says(f));
-            own.cloned().collect::<Vec<Finding>>()
+            let warnings = part.warnings.iter().filter(|f| f.severity == severity);
+            let warnings = warnings.filter(|f| !part.verdict[1].says(f));
+            warnings.cloned().collect::<Vec<Finding>>()
         };
         PartTemplate {
             part,
@@ -126,27 +126,27 @@ fn comparison(comparison: &Comparison) -> String {
 }
 
 /// A result at a glance, for a notebook: what came out, what is wrong with it, the table to read first.
-pub fn render_told(told: &Told) -> String {
-    let [_, came, next] = told.verdict.each_ref().map(text);
-    let known = told.findings.iter();
-    let known = known.filter(|f| f.severity != Severity::Note && !told.verdict[1].says(f));
-    let findings = findings(&known.cloned().collect::<Vec<_>>());
-    let key = told.key.as_ref().map(table).unwrap_or_default();
-    let sign = match told.outcome {
-        Outcome::Serious => format!("{}. ", told.outcome.status().words),
+pub fn render_told(summary: &Told) -> String {
+    let [_, conclusion, next] = summary.verdict.each_ref().map(text);
+    let warnings = summary.findings.iter();
+    let warnings = warnings.filter(|f| f.severity != Severity::Note && !summary.verdict[1].says(f));
+    let findings = findings(&warnings.cloned().collect::<Vec<_>>());
+    let key = summary.key.as_ref().map(table).unwrap_or_default();
+    let sign = match summary.outcome {
+        Outcome::Serious => format!("{}. ", summary.outcome.status().words),
         _ => String::new(),
     };
-    format!("<p><b>{sign}{came}</b></p>\n{findings}{key}<p>{next}</p>\n")
+    format!("<p><b>{sign}{conclusion}</b></p>\n{findings}{key}<p>{next}</p>\n")
 }
 
 /// The story: how it came out, and its three sentences.
 fn verdict(id: &str, status: Status, sentences: &[Text; 3]) -> String {
     let Status { class, sign, words } = status;
-    let [done, came, next] = sentences.each_ref().map(text);
+    let [done, conclusion, next] = sentences.each_ref().map(text);
     format!(
         "<section class=\"verdict {class}\" id=\"{id}\" aria-label=\"Verdict\">\n\
          <p class=\"status\"><span class=\"sign\" aria-hidden=\"true\">{sign}</span> {words}</p>\n\
-         <p>{done}</p>\n<p class=\"result\">{came}</p>\n<p>{next}</p>\n</section>"
+         <p>{done}</p>\n<p class=\"result\">{conclusion}</p>\n<p>{next}</p>\n</section>"
     )
 }
 

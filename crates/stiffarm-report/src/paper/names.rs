@@ -67,7 +67,7 @@ mod tests {
             "",
             "expected-deviation",
         ];
-        let found = stems(ids.into_iter());
+        let names = stems(ids.into_iter());
         let expected = [
             "expected-deviation",
             "expected-deviation-2",
@@ -81,7 +81,7 @@ mod tests {
             "picture-2",
             "expected-deviation-3",
         ];
-        assert_eq!(found, expected);
+        assert_eq!(names, expected);
         assert!(stems(["x".repeat(500).as_str()].into_iter())[0].len() <= LENGTH);
     }
 }

@@ -19,41 +19,41 @@ use stiffarm_files::result::SavedResult;
 /// # Errors
 /// A result of a command that has no page, one that another version wrote and that looks different, or
 /// postures that the cell cannot take.
-pub fn report(given: &[WithCell<'_>]) -> Result<Page> {
-    let parts = given.iter().map(part);
+pub fn report(saved_results: &[WithCell<'_>]) -> Result<Page> {
+    let parts = saved_results.iter().map(part);
     let parts = parts.collect::<Result<Vec<Part>>>()?;
     let title = match parts.as_slice() {
         [one] => one.heading.clone(),
         parts => format!("{} results of stiffarm", parts.len()),
     };
-    let cells: Vec<String> = given.iter().filter_map(|one| one.cell.map(cell_line)).collect();
+    let cells: Vec<String> = saved_results.iter().filter_map(|one| one.cell.map(cell_line)).collect();
     let subtitle = match cells.split_first() {
         Some((first, rest)) if rest.iter().all(|other| other == first) => first.clone(),
         _ => cells.join("; "),
     };
-    Ok(Page { title, subtitle, comparison: compare::compare(given, &parts), parts })
+    Ok(Page { title, subtitle, comparison: compare::compare(saved_results, &parts), parts })
 }
 
 /// The part of a page for what a result says.
-fn part(given: &WithCell<'_>) -> Result<Part> {
-    let told = tell(given)?;
+fn part(with: &WithCell<'_>) -> Result<Part> {
+    let summary = tell(with)?;
     let is_note = |finding: &Finding| finding.severity == Severity::Note;
-    let (notes, warnings): (Vec<Finding>, Vec<Finding>) = told.findings.into_iter().partition(is_note);
-    let mut sections = told.sections;
+    let (notes, warnings): (Vec<Finding>, Vec<Finding>) = summary.findings.into_iter().partition(is_note);
+    let mut sections = summary.sections;
     if !notes.is_empty() {
         let block = Block::Findings(notes);
         sections.push(Section::new("notes", "Notes", vec![block]));
     }
     Ok(Part {
-        command: given.saved.command.clone(),
-        heading: told.heading,
-        name: visible(&given.saved.name).into_owned(),
-        outcome: told.outcome,
-        verdict: told.verdict,
+        command: with.saved.command.clone(),
+        heading: summary.heading,
+        name: visible(&with.saved.name).into_owned(),
+        outcome: summary.outcome,
+        verdict: summary.verdict,
         warnings,
-        key: told.key,
+        key: summary.key,
         sections,
-        provenance: provenance(given.saved),
+        provenance: provenance(with.saved),
     })
 }
 

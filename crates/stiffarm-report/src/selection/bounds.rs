@@ -18,8 +18,8 @@ pub struct CountPoint {
 pub fn count_figure(index: Index, points: &[CountPoint]) -> Figure {
     let (unit, factor) = index.shown_in();
     let line = |label: &str, style, of: &dyn Fn(&CountPoint) -> Option<f64>| {
-        let found = points.iter().filter_map(|p| Some((p.postures as f64, factor * of(p)?)));
-        let (x, y) = found.unzip();
+        let pairs = points.iter().filter_map(|p| Some((p.postures as f64, factor * of(p)?)));
+        let (x, y) = pairs.unzip();
         Series::new(label, style, x, y)
     };
     let mut series = vec![line("best plan found", Style::Line, &|p| p.value)];

@@ -20,15 +20,15 @@ pub fn convergence_figure(selection: &Selection, bound: Option<f64>) -> Option<F
         (Axis::linear("round", ""), 0.0)
     };
     let rounds = all as f64 - before;
-    let found: Vec<(f64, f64)> = selection
+    let improvements: Vec<(f64, f64)> = selection
         .improvements
         .iter()
         .filter_map(|report| Some((report.rounds as f64 - before, factor * report.value?)))
         .collect();
-    let (first, last) = (found.first()?, found.last()?);
+    let (first, last) = (improvements.first()?, improvements.last()?);
     // A value holds until a better one is found.
     let mut steps = vec![*first];
-    for pair in found.windows(2) {
+    for pair in improvements.windows(2) {
         steps.extend([(pair[1].0, pair[0].1), pair[1]]);
     }
     steps.push((rounds, last.1));
@@ -39,7 +39,7 @@ pub fn convergence_figure(selection: &Selection, bound: Option<f64>) -> Option<F
     let across = |value: f64| [(1.0 - before, factor * value), (rounds, factor * value)];
     let mut series = vec![
         line("best so far", Style::Curve, &steps),
-        line("better plan found", Style::Points, &found),
+        line("better plan found", Style::Points, &improvements),
         line("the plan", Style::Dashed, &across(selection.value)),
     ];
     if let Some(bound) = bound {

@@ -5,12 +5,12 @@ use stiffarm::plan::index::GroupEvaluation;
 
 /// Size of the correlation of the joints' errors, a map per group; `None` where no group has one.
 pub fn correlation_figure(joints: &[String], groups: &[&GroupEvaluation]) -> Option<Figure> {
-    let known = groups.iter().filter(|group| !group.correlation.is_empty());
+    let correlated = groups.iter().filter(|group| !group.correlation.is_empty());
     let panel = |group: &&GroupEvaluation| {
         let (name, all) = (group.name.clone(), &group.correlation);
         correlation_panel(name, "", joints, all.len(), |i, j| all[i].get(j).copied())
     };
-    let panels: Vec<Panel> = known.map(panel).collect();
+    let panels: Vec<Panel> = correlated.map(panel).collect();
     (!panels.is_empty()).then(|| Figure {
         id: "correlation".into(),
         title: "Correlation of the joints' errors".into(),

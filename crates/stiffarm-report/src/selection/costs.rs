@@ -34,16 +34,16 @@ pub fn worth_figure(values: &[PostureValue], names: &[String]) -> Figure {
 }
 
 /// How much better another plan would be if one joint's stiffness were another; `None` where the index has no prior.
-pub fn sensitivity_figure(found: &Sensitivity) -> Option<Figure> {
-    let joints = in_order(found.priors.iter().map(|case| case.joint.clone()));
-    let factors = in_order(found.priors.iter().map(|case| case.factor));
+pub fn sensitivity_figure(sensitivity: &Sensitivity) -> Option<Figure> {
+    let joints = in_order(sensitivity.priors.iter().map(|case| case.joint.clone()));
+    let factors = in_order(sensitivity.priors.iter().map(|case| case.factor));
     if joints.is_empty() {
         return None;
     }
     let labels: Vec<String> = factors.iter().map(|f| format!("prior × {f}")).collect();
     let series = factors.iter().zip(&labels).map(|(factor, label)| {
         let loss = |joint: &String| {
-            let mut cases = found.priors.iter();
+            let mut cases = sensitivity.priors.iter();
             let case = cases.find(|c| c.joint == *joint && c.factor == *factor);
             case.and_then(|case| case.loss).map_or(f64::NAN, |l| 100.0 * l)
         };

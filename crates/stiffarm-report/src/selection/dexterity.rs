@@ -7,15 +7,15 @@ use stiffarm::plan::index::GroupEvaluation;
 /// k(J_N) of each posture, and max k(J_N), cond(Ψ) and their product, for each group; `None` where no group has a
 /// k(J_N).
 pub fn dexterity_figure(groups: &[(&GroupEvaluation, &[String])]) -> Option<Figure> {
-    let known = groups.iter().flat_map(|(g, _)| &g.k_jn).flatten().count();
+    let known_count = groups.iter().flat_map(|(g, _)| &g.k_jn).flatten().count();
     let longest = groups.iter().max_by_key(|(g, _)| g.k_jn.len())?;
-    if known == 0 {
+    if known_count == 0 {
         return None;
     }
     let count = longest.0.k_jn.len();
     // Names say nothing where groups name their postures differently.
-    let own = |names: &[String]| names.iter().zip(longest.1).all(|(a, b)| a == b);
-    let same = longest.1.len() == count && groups.iter().all(|(_, names)| own(names));
+    let agree = |names: &[String]| names.iter().zip(longest.1).all(|(a, b)| a == b);
+    let same = longest.1.len() == count && groups.iter().all(|(_, names)| agree(names));
     let names: Vec<String> = if same { longest.1.to_vec() } else { (1..=count).map(|i| i.to_string()).collect() };
     let each = groups.iter().map(|(group, _)| {
         let y: Vec<f64> = group.k_jn.iter().map(|k| k.unwrap_or(f64::NAN)).collect();

@@ -37,8 +37,8 @@ fn series(group: &GroupSimulation, j: usize) -> Vec<Series> {
     let percent = |v: f64| 100.0 * v;
     let pick = |flagged: bool, value: &dyn Fn(usize) -> f64| -> Vec<f64> {
         let levels = group.levels.iter().enumerate();
-        let own = levels.filter(|(_, l)| l.beyond_first_order[j] == flagged);
-        own.map(|(l, _)| value(l)).collect()
+        let levels = levels.filter(|(_, l)| l.beyond_first_order[j] == flagged);
+        levels.map(|(l, _)| value(l)).collect()
     };
     let factor = |l: usize| group.levels[l].variance_factor;
     let mean = Series::new(

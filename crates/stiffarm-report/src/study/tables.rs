@@ -33,7 +33,7 @@ pub fn tables(study: &Study) -> Vec<Table> {
 }
 
 /// Groups on arms that give way beyond their joint axes.
-fn elastic(found: &ElasticSimulation) -> Table {
+fn elastic(simulation: &ElasticSimulation) -> Table {
     let headings = [
         "group",
         "axes [mm]",
@@ -50,17 +50,17 @@ fn elastic(found: &ElasticSimulation) -> Table {
             "RMS error of a predicted deflection {} with the joint axes alone and with the mixed model, {} runs of each \
              group with springs beyond the axes drawn anew; expected: the index prediction, which knows their sizes. Share of \
              the components of deflections inside their bands, and of intervals of k that hold the true one.",
-            if found.predicted_tasks {
+            if simulation.predicted_tasks {
                 "at the tasks of the cell"
             } else {
                 "at random postures inside the cell's limits"
             },
-            found.runs
+            simulation.runs
         ),
         headings.into_iter().map(String::from).collect(),
     );
     let levels = |group: &ElasticGroup| group.levels.first().cloned();
-    for (group, level) in found.groups.iter().filter_map(|g| Some((g, levels(g)?))) {
+    for (group, level) in simulation.groups.iter().filter_map(|g| Some((g, levels(g)?))) {
         let mm = |value: Option<f64>| Cell::from(value.map(|v| 1e3 * v));
         let (axes, mixed) = (&level.axes, level.mixed.as_ref());
         let cells = vec![

@@ -23,16 +23,16 @@ pub(in crate::tell) struct Residuals<'a> {
 }
 
 /// The measured postures with their residuals.
-pub(super) fn cell_section(context: &Given<'_>, found: &Identified) -> Result<Option<Section>> {
-    let own = &found.identification;
-    let all = own.postures.iter().map(|posture| Residuals {
+pub(super) fn cell_section(context: &Given<'_>, identified: &Identified) -> Result<Option<Section>> {
+    let identification = &identified.identification;
+    let all = identification.postures.iter().map(|posture| Residuals {
         posture: &posture.posture,
         angles: &posture.angles,
         wrench: posture.wrench,
         size: posture.displacement_rms_m,
         at: posture.residuals.iter().map(|r| (r.point.as_str(), r.residual_m)).collect(),
     });
-    let stiffness = own.estimates.stiffness();
+    let stiffness = identification.estimates.stiffness();
     residual_section(
         context,
         "measured",
@@ -57,8 +57,8 @@ pub(in crate::tell) fn residual_section(
     // Of several load states the one that moves most.
     let mut shown: Vec<&Residuals<'_>> = Vec::with_capacity(names.len());
     for name in &names {
-        let own = all.iter().filter(|one| one.posture == *name);
-        shown.extend(own.max_by(|a, b| a.size.total_cmp(&b.size)));
+        let load_states = all.iter().filter(|one| one.posture == *name);
+        shown.extend(load_states.max_by(|a, b| a.size.total_cmp(&b.size)));
     }
     let postures: Vec<Posture> =
         shown.iter().map(|one| Posture { name: one.posture.to_string(), q: one.angles.to_vec() }).collect();
@@ -76,12 +76,12 @@ pub(in crate::tell) fn residual_section(
             }
             let frames = Frames::new(&cell.setup.robot, one.angles);
             for (point, vector) in &one.at {
-                let own = tool.iter().find(|p| p.name == *point);
-                arrows.extend(own.map(|own| Arrow {
+                let measuring_point = tool.iter().find(|p| p.name == *point);
+                arrows.extend(measuring_point.map(|measuring_point| Arrow {
                     group: 0,
                     posture: number,
                     name: (*point).to_string(),
-                    at: frames.point(&own.position).into(),
+                    at: frames.point(&measuring_point.position).into(),
                     vector: *vector,
                 }));
             }

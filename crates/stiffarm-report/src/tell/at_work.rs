@@ -61,7 +61,7 @@ pub(super) struct AtWork<'a> {
     /// Name of the path that the first group is, where it is one.
     pub path: Option<&'a str>,
     /// Points that must be among those shown, numbers within the first group.
-    pub kept: Vec<usize>,
+    pub always_shown: Vec<usize>,
 }
 
 /// The wrench of a force and a moment.
@@ -134,7 +134,7 @@ impl AtWork<'_> {
             }
             let mut numbers: BTreeSet<usize> = BTreeSet::new();
             if g == 0 {
-                numbers.extend(self.kept.iter().copied().filter(|i| *i < count));
+                numbers.extend(self.always_shown.iter().copied().filter(|i| *i < count));
             }
             let evenly = POSTURES - numbers.len();
             numbers.extend((0..evenly).map(|i| i * (count - 1) / (evenly - 1)));
@@ -182,18 +182,18 @@ fn posture(point: &WorkPoint) -> Posture {
 fn path(name: &str, points: &[WorkPoint]) -> ScenePath {
     let sizes: Vec<f64> = points.iter().map(|p| 1e3 * norm(p.shift_m)).collect();
     let some: Vec<Option<f64>> = sizes.iter().copied().map(Some).collect();
-    let kept = thinned(&some);
+    let drawn = thinned(&some);
     let ends = sizes.iter().fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], size| [size.min(low), size.max(high)]);
     ScenePath {
         name: name.to_string(),
-        points: kept.iter().map(|i| points[*i].tip_m).collect(),
-        deflection: kept.iter().map(|i| points[*i].shift_m).collect(),
-        correction: kept.iter().filter_map(|i| points[*i].correction_m).collect(),
-        size: kept.iter().map(|i| sizes[*i]).collect(),
+        points: drawn.iter().map(|i| points[*i].tip_m).collect(),
+        deflection: drawn.iter().map(|i| points[*i].shift_m).collect(),
+        correction: drawn.iter().filter_map(|i| points[*i].correction_m).collect(),
+        size: drawn.iter().map(|i| sizes[*i]).collect(),
         label: "Deflection".into(),
         unit: "mm".into(),
         range: ends,
-        names: kept.iter().map(|i| visible(&points[*i].name).into_owned()).collect(),
+        names: drawn.iter().map(|i| visible(&points[*i].name).into_owned()).collect(),
     }
 }
 

@@ -13,7 +13,7 @@ use stiffarm::plan::check::CellCheck;
 use stiffarm::units::rad_to_shortest_deg;
 
 impl<O> Telling<O> for CellCheck {
-    fn told(&self, _options: &O, given: &Given<'_>) -> Result<Told> {
+    fn told(&self, _options: &O, context: &Given<'_>) -> Result<Told> {
         let check = self;
         let done = Text::new("The cell was looked at in ")
             .number(Number::count(check.postures_sampled))
@@ -24,7 +24,7 @@ impl<O> Telling<O> for CellCheck {
         let cautions = of(Severity::Caution).count();
         let left_out = check.findings.iter().filter(|f| f.code == codes::JOINT_LEFT_OUT);
         let left_out: Vec<_> = left_out.map(|f| visible(&f.subject)).collect();
-        let came = if check.is_serious() {
+        let conclusion = if check.is_serious() {
             Text::default().strong("The cell cannot be used as it is.")
         } else if cautions > 0 {
             let things = counted(cautions, "thing");
@@ -36,9 +36,9 @@ impl<O> Telling<O> for CellCheck {
             Text::new("The cell can be used; see the notes.")
         };
         let one_load = check.findings.iter().find(|f| f.code == codes::ONE_LOAD);
-        let came = match one_load {
-            Some(found) if !check.is_serious() => came.words(format!(" {}", visible(&found.sentence))),
-            _ => came,
+        let conclusion = match one_load {
+            Some(finding) if !check.is_serious() => conclusion.words(format!(" {}", visible(&finding.sentence))),
+            _ => conclusion,
         };
         let next = if check.is_serious() {
             Text::new("Correct the cell file, and check it again.")
@@ -46,13 +46,13 @@ impl<O> Telling<O> for CellCheck {
             Text::new("Choose the postures to measure with ").code("stiffarm select").words(".")
         };
         let mut sections = Vec::new();
-        if let Some(cell) = given.cell {
+        if let Some(cell) = context.cell {
             sections.push(Section::new("set-up", "Set-up", vec![Block::Table(setup(cell))]).in_summary());
-            if given.pictures {
+            if context.pictures {
                 let group =
                     if cell.validation.is_empty() { vec![usual_posture(cell)?] } else { cell.validation.clone() };
                 let group = PostureGroup { name: "the cell".to_string(), postures: group };
-                sections.push(given.cell_section(&[group], "The cell as its file describes it.")?);
+                sections.push(context.cell_section(&[group], "The cell as its file describes it.")?);
             }
         }
         // It stands in the verdict.
@@ -62,18 +62,19 @@ impl<O> Telling<O> for CellCheck {
             let notes = vec![Block::Findings(notes)];
             sections.push(Section::new("notes", "Notes", notes).in_summary());
         }
-        let key = joints(given, check);
+        let key = joints(context, check);
         let heading = "The cell before measuring".to_string();
-        let mut told = given.told(check.findings.clone(), heading, [done, came, next], Some(key), sections);
+        let mut summary =
+            context.summary(check.findings.clone(), heading, [done, conclusion, next], Some(key), sections);
         // They stand in a section of their own.
-        told.findings.retain(|found| found.severity != Severity::Note);
-        Ok(told)
+        summary.findings.retain(|finding| finding.severity != Severity::Note);
+        Ok(summary)
     }
 }
 
 /// The joints with what the load does to them.
-fn joints(given: &Given<'_>, check: &CellCheck) -> DataTable {
-    let robot = given.cell.map(|cell| cell.setup.robot.joints());
+fn joints(context: &Given<'_>, check: &CellCheck) -> DataTable {
+    let robot = context.cell.map(|cell| cell.setup.robot.joints());
     let range = |range: [f64; 2]| {
         let [low, high] = range.map(rad_to_shortest_deg);
         Text::from(format!("{low} to {high}"))
@@ -88,7 +89,7 @@ fn joints(given: &Given<'_>, check: &CellCheck) -> DataTable {
             },
         )
         .words("bounds [°]", |j| {
-            let bounds = given.cell.and_then(|cell| cell.bounds.get(j));
+            let bounds = context.cell.and_then(|cell| cell.bounds.get(j));
             bounds.map_or_else(Text::default, |bounds| range(*bounds))
         })
         .words("machine limits [°]", |j| {
@@ -96,7 +97,7 @@ fn joints(given: &Given<'_>, check: &CellCheck) -> DataTable {
             joint.map_or_else(Text::default, |joint| range(joint.limits))
         })
         .numbers("prior k", Quantity::STIFFNESS, |j| {
-            let prior = given.cell?.prior.as_ref()?;
+            let prior = context.cell?.prior.as_ref()?;
             Some(Number::computed(*prior.get(j)?))
         })
         .numbers("torque", Quantity::TORQUE, |j| Some(Number::new(check.joints[j].largest_torque_nm)))

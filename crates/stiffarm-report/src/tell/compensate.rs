@@ -20,7 +20,7 @@ impl<O> Telling<O> for Compensated {
         let done = Text::new(format!(
             "The path of {count} points was changed so that the loaded tool follows the path that is wanted."
         ));
-        let verdict = [done.then(how_found(&self.postures)), came(result), next(result)];
+        let verdict = [done.then(how_found(&self.postures)), conclusion(result), next(result)];
         let order = largest_first(result.points.iter().map(|p| p.correction_size_m));
         let key = corrections(
             result,
@@ -37,11 +37,11 @@ impl<O> Telling<O> for Compensated {
         sections.extend(stiffness_section(result));
         sections
             .push(all_points(context, "The corrections", count, |caption, rows| corrections(result, caption, rows)));
-        Ok(context.told(self.every_finding(), "Compensated path", verdict, Some(key), sections))
+        Ok(context.summary(self.every_finding(), "Compensated path", verdict, Some(key), sections))
     }
 }
 
-fn came(result: &Compensation) -> Text {
+fn conclusion(result: &Compensation) -> Text {
     let mm = |length: f64| Number::new(length).mm().decimals(3);
     let text = Text::new("Without it the tool bends away by ")
         .number(mm(result.uncompensated_rms_m))
@@ -127,7 +127,7 @@ fn cell_section(context: &Given<'_>, result: &Compensation) -> Result<Section> {
         model: Model::Equilibrium,
         at_tip: true,
         path: Some("path"),
-        kept: extremes.iter().map(|e| e.at).collect(),
+        always_shown: extremes.iter().map(|e| e.at).collect(),
     };
     work.section(
         context,

@@ -25,7 +25,7 @@ pub(crate) fn cell_line(cell: &Cell) -> String {
 
 impl Given<'_> {
     /// What all results say, around what is their own; `findings` in the order in which they were found.
-    pub(super) fn told(
+    pub(super) fn summary(
         &self,
         mut findings: Vec<Finding>,
         heading: impl Into<String>,
@@ -35,7 +35,7 @@ impl Given<'_> {
     ) -> Told {
         let serious = |f: &&Finding| f.severity == Severity::Serious;
         let doubtful = |f: &Finding| f.code == codes::STIFFNESS_DOUBTFUL;
-        let [done, came, next] = verdict;
+        let [done, conclusion, next] = verdict;
         // Whatever else could be done next would rest on it.
         let next = if findings.iter().filter(serious).any(doubtful) {
             Text::default()
@@ -45,21 +45,21 @@ impl Given<'_> {
             next
         };
         let serious = findings.iter().find(serious);
-        let came = match serious.filter(|_| AT_WORK.contains(&self.command)) {
+        let conclusion = match serious.filter(|_| AT_WORK.contains(&self.command)) {
             Some(serious) => {
                 let text = Text::default().strong(serious.sentence.clone());
-                if NOWHERE.contains(&serious.code.as_str()) { text } else { text.words(" As it is: ").then(came) }
+                if NOWHERE.contains(&serious.code.as_str()) { text } else { text.words(" As it is: ").then(conclusion) }
             }
-            None => came,
+            None => conclusion,
         };
         findings.sort_by_key(|finding| Reverse(finding.severity));
         let outcome = Outcome::of(&findings);
         // What rules the ± belongs to what came out.
         let (ruling, findings) = findings.into_iter().partition(|f| f.code == codes::NEVER_LOADED);
-        let said = |came: Text, f: &Finding| came.words(format!(" {}", f.sentence));
+        let said = |conclusion: Text, f: &Finding| conclusion.words(format!(" {}", f.sentence));
         let ruling: Vec<Finding> = ruling;
-        let came = ruling.iter().fold(came, said);
-        Told { heading: heading.into(), outcome, verdict: [done, came, next], findings, key, sections }
+        let conclusion = ruling.iter().fold(conclusion, said);
+        Told { heading: heading.into(), outcome, verdict: [done, conclusion, next], findings, key, sections }
     }
 
     /// The cell in 3D at groups of postures; `None` where the cell is not at hand or cannot take them.
@@ -114,7 +114,7 @@ impl Given<'_> {
 /// Findings of a result whose command may have been stopped, with what says so where nothing else does; `left_out` is
 /// what was asked for and is not there.
 pub(super) fn with_stopped(
-    given: &Given<'_>,
+    context: &Given<'_>,
     mut findings: Vec<Finding>,
     is_stopped: bool,
     left_out: &[&str],
@@ -126,7 +126,7 @@ pub(super) fn with_stopped(
             names => format!(" Not computed: {}.", list(names)),
         };
         let sentence = format!("The command was stopped before it was done; this is what it had by then.{left_out}");
-        findings.push(Finding::caution(STOPPED[0], given.command, sentence));
+        findings.push(Finding::caution(STOPPED[0], context.command, sentence));
     }
     findings
 }

@@ -12,18 +12,18 @@ const SHARE: Quantity = Quantity::PERCENT.digits(3);
 const FAR: f64 = 3.0;
 
 impl Telling<CoverageOptions> for Coverage {
-    fn told(&self, options: &CoverageOptions, given: &Given<'_>) -> Result<Told> {
-        let found = self;
+    fn told(&self, options: &CoverageOptions, context: &Given<'_>) -> Result<Told> {
+        let coverage = self;
         let promised = options.fit.confidence;
-        let off = (found.coverage - promised) / found.standard_error.max(f64::MIN_POSITIVE);
+        let off = (coverage.coverage - promised) / coverage.standard_error.max(f64::MIN_POSITIVE);
         let done = Text::new(format!(
             "{} experiments were simulated with the cell\u{2019}s noise alone and identified, the truth being the cell\u{2019}s prior.",
-            found.experiments
+            coverage.experiments
         ));
-        let came = Text::new("The intervals held the truth in ")
-            .number(Number::new(found.coverage).of(SHARE))
+        let conclusion = Text::new("The intervals held the truth in ")
+            .number(Number::new(coverage.coverage).of(SHARE))
             .words(" (standard error ")
-            .number(Number::new(found.standard_error).of(Quantity::PERCENT))
+            .number(Number::new(coverage.standard_error).of(Quantity::PERCENT))
             .words(") of all these joints and experiments; they promise ")
             .number(Number::computed(promised).of(SHARE))
             .words(".");
@@ -34,18 +34,18 @@ impl Telling<CoverageOptions> for Coverage {
             off if off > FAR => "They are wider than they need to be, which is safe.",
             _ => "They keep what they promise, as far as noise alone is concerned.",
         };
-        let joint = |j: usize| &found.joints[j];
+        let joint = |j: usize| &coverage.joints[j];
         let share = |share: f64| (share > 0.0).then(|| Number::new(share));
-        let names = found.joints.iter().map(|j| visible(&j.name).into_owned());
+        let names = coverage.joints.iter().map(|j| visible(&j.name).into_owned());
         let key = DataTable::of("How often the interval of each joint held its stiffness", "joint", names)
             .numbers("held", SHARE, |j| Some(Number::new(joint(j).coverage)))
             .numbers("mean half width", Quantity::PERCENT, |j| Some(Number::new(joint(j).relative_half_width)))
             .numbers("only a lower end", Quantity::PERCENT, |j| share(joint(j).open_above))
             .numbers("no interval", Quantity::PERCENT, |j| share(joint(j).without_interval));
-        Ok(given.told(
-            found.findings.clone(),
+        Ok(context.summary(
+            coverage.findings.clone(),
             "Coverage of the intervals",
-            [done, came, next.into()],
+            [done, conclusion, next.into()],
             Some(key),
             Vec::new(),
         ))

@@ -27,7 +27,7 @@ pub(super) fn beside_arm(cell: &Cell) -> Vec<(&'static str, String)> {
     if !links.is_empty() {
         let capsules = links.iter().flat_map(|part| &part.solids);
         let radii = capsules.filter_map(|solid| match solid {
-            Solid::Capsule(own) => Some(own.radius),
+            Solid::Capsule(capsule) => Some(capsule.radius),
             _ => None,
         });
         let (least, most) =
@@ -58,8 +58,8 @@ pub(super) fn beside_arm(cell: &Cell) -> Vec<(&'static str, String)> {
 
 /// The solids of a part, of many how many there are and the largest.
 fn solids(part: &Part) -> String {
-    let told: Vec<String> = part.solids.iter().map(solid).collect();
-    match told.as_slice() {
+    let descriptions: Vec<String> = part.solids.iter().map(solid).collect();
+    match descriptions.as_slice() {
         few if few.len() <= FEW => few.join("; "),
         many => format!("{} solids, the first {}", many.len(), many[0]),
     }
@@ -67,8 +67,8 @@ fn solids(part: &Part) -> String {
 
 fn solid(solid: &Solid) -> String {
     match solid {
-        Solid::Capsule(own) => {
-            format!("capsule, radius {}, {} to {}", length(own.radius), place(&own.a), place(&own.b))
+        Solid::Capsule(capsule) => {
+            format!("capsule, radius {}, {} to {}", length(capsule.radius), place(&capsule.a), place(&capsule.b))
         }
         Solid::Block { pose, half } => {
             let size = half.map(|half| 2.0 * half);

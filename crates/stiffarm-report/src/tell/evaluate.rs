@@ -27,7 +27,7 @@ impl Telling<EvaluatedOptions> for Evaluated {
             )),
         };
         let best = best(&groups);
-        let came = came(result, &groups, best);
+        let conclusion = conclusion(result, &groups, best);
         let next = match best {
             None => Text::new("Add postures that differ, or measuring points: ")
                 .code("stiffarm check")
@@ -66,27 +66,27 @@ impl Telling<EvaluatedOptions> for Evaluated {
             _ => "What groups of postures can tell".to_string(),
         };
         let unsure = best.is_some_and(|g| is_beyond_first_order(groups[g].evaluation));
-        let told = context.told(result.findings.clone(), heading, [done, came, next], Some(key), sections);
-        Ok(told.caution("evaluate", unsure.then_some(UNSURE)))
+        let summary = context.summary(result.findings.clone(), heading, [done, conclusion, next], Some(key), sections);
+        Ok(summary.caution("evaluate", unsure.then_some(UNSURE)))
     }
 }
 
 /// Whether some posture lies outside bounds or limits.
 fn is_outside(result: &Evaluated) -> bool {
-    result.findings.iter().any(|found| found.code == codes::POSTURE_OUTSIDE)
+    result.findings.iter().any(|finding| finding.code == codes::POSTURE_OUTSIDE)
 }
 
 /// The group with the smallest expected error, else with the smallest condition number.
 fn best(groups: &[Worth<'_>]) -> Option<usize> {
     let by = |of: &dyn Fn(&Worth<'_>) -> Option<f64>| {
-        let known = groups.iter().enumerate();
-        let known = known.filter_map(|(g, group)| Some((g, of(group)?)));
-        known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(g, _)| g)
+        let by_group = groups.iter().enumerate();
+        let by_group = by_group.filter_map(|(g, group)| Some((g, of(group)?)));
+        by_group.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(g, _)| g)
     };
     by(&|group| group.evaluation.indices.expected_error).or_else(|| by(&|group| group.evaluation.indices.condition))
 }
 
-fn came(result: &Evaluated, groups: &[Worth<'_>], best: Option<usize>) -> Text {
+fn conclusion(result: &Evaluated, groups: &[Worth<'_>], best: Option<usize>) -> Text {
     let Some(g) = best else {
         let joints = groups.iter().flat_map(|group| &group.evaluation.undetermined_joints);
         let mut names = shown(joints);

@@ -28,7 +28,7 @@ pub(super) const RANGE: [(&str, End); 3] =
     [("smallest", |range| range.smallest), ("median", |range| range.median), ("largest", |range| range.largest)];
 
 /// What a result says of `map`, with a workpiece to place or without.
-pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
+pub(super) fn summary(with: &WithCell<'_>) -> Result<Told> {
     if with.saved.json["result"]["candidates"].is_array() {
         return of_saved::<Placement, place::Options>(with);
     }
@@ -38,7 +38,7 @@ pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
 impl Telling<Options> for StiffnessMap {
     fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
         let map = self;
-        let verdict = [done(options, map), came(map), next(map)];
+        let verdict = [done(options, map), conclusion(map), next(map)];
         let mut sections = Vec::new();
         let mut shown = Vec::new();
         if context.pictures {
@@ -64,7 +64,7 @@ impl Telling<Options> for StiffnessMap {
         let counts = Block::Table(counts(map));
         sections.push(Section::new("nodes", "What the arm may reach", vec![counts]));
         let findings = map.findings.clone();
-        Ok(context.told(
+        Ok(context.summary(
             with_stopped(context, findings, map.interrupted, &[]),
             "Stiffness of the tool tip over the workspace",
             verdict,
@@ -119,7 +119,7 @@ fn values(map: &StiffnessMap, node: usize) -> Option<&NodeValues> {
     map.nodes.get(node)?.values.as_ref()
 }
 
-fn came(map: &StiffnessMap) -> Text {
+fn conclusion(map: &StiffnessMap) -> Text {
     let value = |node: usize| Some(values(map, node)?.deflection_m);
     let ends = map.extremes.and_then(|e| Some((e, value(e.best)?, value(e.worst)?)));
     let Some((extremes, least, most)) = ends else {
@@ -188,15 +188,15 @@ fn key(map: &StiffnessMap, extremes: MapExtremes) -> DataTable {
     );
     let nodes = [extremes.best, extremes.worst];
     let place = |row: usize, axis: usize| Some(Number::new(map.nodes[nodes[row]].position_m[axis]));
-    let own = |row: usize, of: fn(&NodeValues) -> Option<f64>| of(values(map, nodes[row])?).map(Number::new);
+    let at_node = |row: usize, of: fn(&NodeValues) -> Option<f64>| of(values(map, nodes[row])?).map(Number::new);
     DataTable::of(caption, "place", ["stiffest", "softest"])
         .numbers("x", POSITION, |row| place(row, 0))
         .numbers("y", POSITION, |row| place(row, 1))
         .numbers("z", POSITION, |row| place(row, 2))
-        .numbers("deflection", SMALL, |row| own(row, |v| Some(v.deflection_m)))
-        .numbers("± total", SMALL.digits(2), |row| own(row, |v| v.half_width_m))
-        .numbers("along the direction", TIP_STIFFNESS, |row| own(row, |v| v.stiffness_n_per_m))
-        .numbers("softest", TIP_STIFFNESS, |row| own(row, |v| v.softest.stiffness_n_per_m))
+        .numbers("deflection", SMALL, |row| at_node(row, |v| Some(v.deflection_m)))
+        .numbers("± total", SMALL.digits(2), |row| at_node(row, |v| v.half_width_m))
+        .numbers("along the direction", TIP_STIFFNESS, |row| at_node(row, |v| v.stiffness_n_per_m))
+        .numbers("softest", TIP_STIFFNESS, |row| at_node(row, |v| v.softest.stiffness_n_per_m))
 }
 
 /// The postures at the two extreme places.
@@ -281,7 +281,7 @@ fn cell_section(context: &Given<'_>, map: &StiffnessMap) -> Result<Section> {
         model: Model::Equilibrium,
         at_tip: true,
         path: None,
-        kept: Vec::new(),
+        always_shown: Vec::new(),
     };
     work.section(
         context,

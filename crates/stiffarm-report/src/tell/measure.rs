@@ -13,24 +13,24 @@ const ANGLE: Quantity = Quantity::new("", 1.0, Form::Decimals(2));
 const DEFLECTION: Quantity = Quantity::new("mm", 1e3, Form::Significant(2));
 
 impl Telling<MeasureOptions> for Judgement {
-    fn told(&self, options: &MeasureOptions, given: &Given<'_>) -> Result<Told> {
-        let found = self;
-        let verdict = [done(found), came(options, found), next(found)];
-        let key = found.standing.as_ref().map(|own| joints(found, own));
+    fn told(&self, options: &MeasureOptions, context: &Given<'_>) -> Result<Told> {
+        let judgement = self;
+        let verdict = [done(judgement), conclusion(options, judgement), next(judgement)];
+        let key = judgement.standing.as_ref().map(|standing| joints(judgement, standing));
         let mut sections = Vec::new();
-        if !found.measured.is_empty() {
-            let block = Block::Text(shown(&found.measured).into());
+        if !judgement.measured.is_empty() {
+            let block = Block::Text(shown(&judgement.measured).into());
             sections.push(Section::new("measured", "Postures measured", vec![block]));
         }
-        if !found.left.is_empty() {
-            let block = Block::Text(shown(&found.left).into());
+        if !judgement.left.is_empty() {
+            let block = Block::Text(shown(&judgement.left).into());
             sections.push(Section::new("left", "Postures left", vec![block]));
         }
-        let mut told = given.told(found.every_finding(), "A day of measuring", verdict, key, sections);
-        if found.is_missed() || found.standing.is_none() {
-            told.outcome = told.outcome.max(Outcome::Caution);
+        let mut summary = context.summary(judgement.every_finding(), "A day of measuring", verdict, key, sections);
+        if judgement.is_missed() || judgement.standing.is_none() {
+            summary.outcome = summary.outcome.max(Outcome::Caution);
         }
-        Ok(told)
+        Ok(summary)
     }
 }
 
@@ -41,31 +41,31 @@ fn shown(names: &[String]) -> String {
 }
 
 /// How far the day is.
-fn done(found: &Judgement) -> Text {
-    let done = found.planned - found.left.len();
-    let beside = found.measured.len().saturating_sub(done);
+fn done(judgement: &Judgement) -> Text {
+    let done = judgement.planned - judgement.left.len();
+    let beside = judgement.measured.len().saturating_sub(done);
     let beside = match beside {
         0 => String::new(),
         count => format!(" and {count} beside the plan"),
     };
-    let begun = match found.begun.as_slice() {
+    let begun = match judgement.begun.as_slice() {
         [] => String::new(),
         names => format!("; begun: {}", shown(names)),
     };
-    Text::new(format!("{done} of {} planned postures measured{beside}{begun}.", found.planned))
+    Text::new(format!("{done} of {} planned postures measured{beside}{begun}.", judgement.planned))
 }
 
 /// How well the joints are known, and whether that is enough.
-fn came(options: &MeasureOptions, found: &Judgement) -> Text {
-    let text = if found.is_serious() {
+fn conclusion(options: &MeasureOptions, judgement: &Judgement) -> Text {
+    let text = if judgement.is_serious() {
         Text::default()
             .strong("Something is wrong with the readings")
             .words(": settle it before the next posture. As they are: ")
     } else {
         Text::default()
     };
-    let Some(standing) = &found.standing else {
-        let why = found.standing_missing.as_deref();
+    let Some(standing) = &judgement.standing else {
+        let why = judgement.standing_missing.as_deref();
         let why = visible(why.unwrap_or("No posture is measured yet.")).into_owned();
         return text.words("Nothing can be said of the stiffness yet. ").words(why);
     };
@@ -91,7 +91,7 @@ fn came(options: &MeasureOptions, found: &Judgement) -> Text {
             .number(Number::new(standing.confidence).of(Quantity::PERCENT))
             .words(" confidence, all errors together"),
     };
-    text.then(goal(options, found, standing)).words(".").then(misfit(standing)).then(at_tasks(options, found))
+    text.then(goal(options, judgement, standing)).words(".").then(misfit(standing)).then(at_tasks(options, judgement))
 }
 
 /// What the fit leaves, beside the noise.
@@ -115,13 +115,13 @@ fn misfit(standing: &Standing) -> Text {
 }
 
 /// How far the goal is, where it is one of the stiffness.
-fn goal(options: &MeasureOptions, found: &Judgement, standing: &Standing) -> Text {
+fn goal(options: &MeasureOptions, judgement: &Judgement, standing: &Standing) -> Text {
     let number = Number::new(options.until.and_then(Goal::stiffness));
     if number.value.is_none() {
         return Text::default();
     }
     let number = number.of(Quantity::PERCENT);
-    let left = found.left.len();
+    let left = judgement.left.len();
     if standing.reached == Some(true) {
         return Text::new("; ").strong("the goal is reached").words(" (± ").number(number).words(")");
     }
@@ -136,8 +136,8 @@ fn goal(options: &MeasureOptions, found: &Judgement, standing: &Standing) -> Tex
 }
 
 /// How well the deflection at the tasks is predicted, where that is the goal.
-fn at_tasks(options: &MeasureOptions, found: &Judgement) -> Text {
-    let Some(deflection) = &found.deflection else {
+fn at_tasks(options: &MeasureOptions, judgement: &Judgement) -> Text {
+    let Some(deflection) = &judgement.deflection else {
         return Text::default();
     };
     let goal = Number::new(options.until.and_then(Goal::deflection)).of(DEFLECTION.digits(3));
@@ -156,40 +156,40 @@ fn at_tasks(options: &MeasureOptions, found: &Judgement) -> Text {
 }
 
 /// What to drive to.
-fn next(found: &Judgement) -> Text {
-    if found.is_serious() {
+fn next(judgement: &Judgement) -> Text {
+    if judgement.is_serious() {
         return Text::default()
             .strong("Settle what is marked serious")
             .words(": measure that posture again or correct the table.");
     }
-    let reached = found.reached() == Some(true);
-    let text = match &found.next {
+    let reached = judgement.reached() == Some(true);
+    let text = match &judgement.next {
         _ if reached => return Text::new("Nothing more: the goal is reached."),
-        None if found.better.is_none() => Text::new("Nothing more: the plan is measured."),
+        None if judgement.better.is_none() => Text::new("Nothing more: the plan is measured."),
         None => Text::new("The plan is measured."),
         Some(planned) => {
-            let again = if found.begun.contains(&planned.name) { ", which is begun," } else { "" };
+            let again = if judgement.begun.contains(&planned.name) { ", which is begun," } else { "" };
             let name = visible(&planned.name);
             Text::new(format!("Posture {name}{again} at q = ")).then(angles(&planned.angles)).words(".")
         }
     };
-    text.then(better(found))
+    text.then(better(judgement))
 }
 
 /// A posture that helps more.
-fn better(found: &Judgement) -> Text {
-    let Some(better) = &found.better else {
+fn better(judgement: &Judgement) -> Text {
+    let Some(better) = &judgement.better else {
         return Text::default();
     };
-    let text = match found.next {
+    let text = match judgement.next {
         None => Text::new(" One more would help most: q = "),
         Some(_) => Text::new(" One beside the plan would help more: q = "),
     };
     let text = text.then(angles(&better.angles));
-    let joints = found.standing.iter().flat_map(|own| &own.joints);
+    let joints = judgement.standing.iter().flat_map(|standing| &standing.joints);
     let after = better.after.iter().zip(joints);
-    let known = after.filter_map(|(error, joint)| Some(((*error)?, joint)));
-    match known.max_by(|a, b| a.0.total_cmp(&b.0)) {
+    let errors = after.filter_map(|(error, joint)| Some(((*error)?, joint)));
+    match errors.max_by(|a, b| a.0.total_cmp(&b.0)) {
         Some((error, joint)) => text
             .words("; it leaves a standard error of at most ")
             .number(Number::new(error).of(Quantity::PERCENT))
@@ -205,7 +205,7 @@ fn angles(angles: &[f64]) -> Text {
 }
 
 /// A row for each joint.
-fn joints(found: &Judgement, standing: &Standing) -> DataTable {
+fn joints(judgement: &Judgement, standing: &Standing) -> DataTable {
     let all = &standing.joints;
     let names = all.iter().map(|joint| visible(&joint.name).into_owned());
     let table = DataTable::of(
@@ -216,7 +216,7 @@ fn joints(found: &Judgement, standing: &Standing) -> DataTable {
     .numbers("k", Quantity::STIFFNESS, |j| all[j].stiffness_nm_per_rad.map(Number::new))
     .numbers("± total", Quantity::PERCENT, |j| all[j].total.map(Number::new))
     .numbers("± systematic", Quantity::PERCENT, |j| all[j].systematic.map(Number::new));
-    if found.left.is_empty() {
+    if judgement.left.is_empty() {
         return table;
     }
     table.numbers("with the next ≈", Quantity::PERCENT, |j| all[j].with_next.map(Number::new)).numbers(

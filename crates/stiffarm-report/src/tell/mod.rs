@@ -73,12 +73,12 @@ pub trait Telling<O> {
     ///
     /// # Errors
     /// A cell that cannot take its postures.
-    fn told(&self, options: &O, given: &Given<'_>) -> Result<Told>;
+    fn told(&self, options: &O, context: &Given<'_>) -> Result<Told>;
 }
 
 impl<O, R: Telling<O>> Telling<O> for &R {
-    fn told(&self, options: &O, given: &Given<'_>) -> Result<Told> {
-        (**self).told(options, given)
+    fn told(&self, options: &O, context: &Given<'_>) -> Result<Told> {
+        (**self).told(options, context)
     }
 }
 
@@ -112,15 +112,15 @@ const TELLERS: &[(&str, Teller)] = &[
     ("compensate", of_saved::<Compensated, IgnoredAny>),
     ("coverage", of_saved::<Coverage, CoverageOptions>),
     ("evaluate", of_saved::<Evaluated, EvaluatedOptions>),
-    ("identify", identify::told),
-    ("map", map::told),
+    ("identify", identify::summary),
+    ("map", map::summary),
     ("measure", of_saved::<Judgement, MeasureOptions>),
     ("predict", of_saved::<Predicted, PredictOptions>),
     ("register", of_saved::<RegistrationRecord, IgnoredAny>),
     ("route", of_saved::<Routed, DriveOptions>),
-    ("select", select::told),
-    ("simulate", simulate::told),
-    ("study", study::told),
+    ("select", select::summary),
+    ("simulate", simulate::summary),
+    ("study", study::summary),
     ("validate", of_saved::<Validated, ValidateOptions>),
     ("zones", of_saved::<Zones, AskedZones>),
 ];
@@ -130,10 +130,10 @@ type Teller = fn(&WithCell<'_>) -> Result<Told>;
 
 /// Tells a saved result of these types.
 fn of_saved<R: Telling<O> + DeserializeOwned, O: DeserializeOwned>(with: &WithCell<'_>) -> Result<Told> {
-    let given =
+    let context =
         Given { command: &with.saved.command, name: &with.saved.name, cell: with.cell, pictures: with.pictures };
     let saved = with.saved;
-    saved.result::<R>()?.told(&saved.options()?, &given)
+    saved.result::<R>()?.told(&saved.options()?, &context)
 }
 
 /// What a result says.
@@ -157,16 +157,16 @@ pub struct Told {
 ///
 /// # Errors
 /// A result of a command that is not told here, or one that another version wrote and that looks different.
-pub fn tell(given: &WithCell<'_>) -> Result<Told> {
-    let command = given.saved.command.as_str();
-    let Some((_, told)) = TELLERS.iter().find(|(name, _)| *name == command) else {
+pub fn tell(with: &WithCell<'_>) -> Result<Told> {
+    let command = with.saved.command.as_str();
+    let Some((_, teller)) = TELLERS.iter().find(|(name, _)| *name == command) else {
         let names: Vec<&str> = TELLERS.iter().map(|(name, _)| *name).collect();
         let message = format!("Results of `{command}` are not told.");
         return Err(Error::new(Code::Unsupported, message)
-            .file(&given.saved.name)
+            .file(&with.saved.name)
             .hint(format!("those of {} are", names.join(", "))));
     };
-    told(given)
+    teller(with)
 }
 
 impl<'a> WithCell<'a> {
@@ -267,8 +267,8 @@ impl Outcome {
 
 impl Told {
     /// Adds what else to know: the gravest first, and the outcome never better than it was.
-    pub(crate) fn add_findings(&mut self, found: impl IntoIterator<Item = Finding>) {
-        self.findings.extend(found);
+    pub(crate) fn add_findings(&mut self, findings: impl IntoIterator<Item = Finding>) {
+        self.findings.extend(findings);
         self.findings.sort_by_key(|finding| Reverse(finding.severity));
         self.outcome = self.outcome.max(Outcome::of(&self.findings));
     }

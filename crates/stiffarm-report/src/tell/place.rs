@@ -16,7 +16,7 @@ const WORTH: f64 = 1.05;
 impl Telling<Options> for Placement {
     fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
         let placement = self;
-        let verdict = [done(options, placement), came(placement), next(placement)];
+        let verdict = [done(options, placement), conclusion(placement), next(placement)];
         let mut sections = Vec::new();
         let mut places = Vec::new();
         if context.pictures {
@@ -28,7 +28,7 @@ impl Telling<Options> for Placement {
         sections.push(Section::new("places", "The places", places));
         let key = key(placement);
         let findings = placement.findings.clone();
-        Ok(context.told(
+        Ok(context.summary(
             with_stopped(context, findings, placement.interrupted, &[]),
             "Place of the workpiece",
             verdict,
@@ -55,7 +55,7 @@ fn done(options: &Options, placement: &Placement) -> Text {
     text.words(format!("; at {works} of them the arm can go along."))
 }
 
-fn came(placement: &Placement) -> Text {
+fn conclusion(placement: &Placement) -> Text {
     let mm = |length: Option<f64>| Number::new(length).mm().decimals(3);
     let Some(best) = &placement.best else {
         return Text::new("At none of them can the arm go along the whole path.");
@@ -181,8 +181,8 @@ fn cell_section(context: &Given<'_>, placement: &Placement) -> Result<Section> {
         points.collect()
     };
     let best = placement.best.as_ref().map(|best| ("best place", points(best)));
-    let given = ("given place", points(&placement.given));
-    let groups = best.into_iter().chain([given]);
+    let given_place = ("given place", points(&placement.given));
+    let groups = best.into_iter().chain([given_place]);
     let groups: Vec<(&str, Vec<WorkPoint>)> = groups.filter(|(_, points)| !points.is_empty()).collect();
     let path = groups.first().map(|(name, _)| *name);
     let work = AtWork {
@@ -191,7 +191,7 @@ fn cell_section(context: &Given<'_>, placement: &Placement) -> Result<Section> {
         model: Model::Equilibrium,
         at_tip: true,
         path,
-        kept: Vec::new(),
+        always_shown: Vec::new(),
     };
     work.section(
         context,

@@ -61,7 +61,7 @@ pub(super) fn features_section(features: &[Feature]) -> Option<Section> {
     }
     let verdict = |verdict: Option<Verdict>| Text::new(verdict.map_or("", Verdict::word));
     let names = features.iter();
-    let names = names.map(|own| visible(&own.name).into_owned());
+    let names = names.map(|feature| visible(&feature.name).into_owned());
     let table = DataTable::of("Deviation of each feature, largest over its points", "feature", names)
         .words("worst point", |row| visible(&features[row].worst).into_owned().into())
         .numbers("across feed", Quantity::LENGTH, |row| Some(Number::new(features[row].across_max_m)))
@@ -85,9 +85,9 @@ pub(super) fn extreme_places(extremes: &PathExtremes, name: impl Fn(usize) -> Op
     let both = [("bends most", worst), ("bends least", best)];
     // Of equals there is one.
     let apart = if best.at == worst.at { 1 } else { 2 };
-    let places = both.into_iter().take(apart).filter_map(|(words, own)| {
-        let name = format!("{words}, point {}", visible(&name(own.at)?));
-        Some((name, own.principal))
+    let places = both.into_iter().take(apart).filter_map(|(words, extreme)| {
+        let name = format!("{words}, point {}", visible(&name(extreme.at)?));
+        Some((name, extreme.principal))
     });
     places.collect()
 }

@@ -76,7 +76,7 @@ fn place(limit: &NearestLimit) -> String {
 }
 
 /// The room that each kind of limit leaves every posture, and what the tracker sees; `None` without limits.
-pub(super) fn limit_table(given: &Given<'_>, names: &[String], limits: &[PostureLimits]) -> Option<DataTable> {
+pub(super) fn limit_table(context: &Given<'_>, names: &[String], limits: &[PostureLimits]) -> Option<DataTable> {
     let rows = (0..limits.len()).map(|p| name_of(names, p));
     let caption = "How near each posture comes to each kind of limit";
     let mut table = DataTable::of(caption, "posture", rows);
@@ -95,17 +95,17 @@ pub(super) fn limit_table(given: &Given<'_>, names: &[String], limits: &[Posture
                 table.words("which shapes", |p| nearest(p, kind).map_or_else(Text::default, |near| place(near).into()));
         }
     }
-    let all = given.cell.map(|cell| cell.setup.tool.point_count());
+    let all = context.cell.map(|cell| cell.setup.tool.point_count());
     let table = table
         .words("station", |p| {
             let station = limits[p].station.as_ref();
             station.map_or_else(Text::default, |name| visible(name).into_owned().into())
         })
         .words("sees", |p| match &limits[p] {
-            own if own.station.is_none() => Text::default(),
-            own if own.visible_points.is_empty() => "nothing".into(),
-            own if Some(own.visible_points.len()) == all => "all points".into(),
-            own => visible(&own.visible_points.join(", ")).into_owned().into(),
+            posture_limits if posture_limits.station.is_none() => Text::default(),
+            posture_limits if posture_limits.visible_points.is_empty() => "nothing".into(),
+            posture_limits if Some(posture_limits.visible_points.len()) == all => "all points".into(),
+            posture_limits => visible(&posture_limits.visible_points.join(", ")).into_owned().into(),
         })
         .numbers("displacement", Quantity::LENGTH, |p| limits[p].displacement_m.map(Number::new));
     (table.headings.len() > 1).then_some(table)
@@ -115,18 +115,18 @@ pub(super) fn limit_table(given: &Given<'_>, names: &[String], limits: &[Posture
 const DEGREES: Quantity = Quantity::new("°", 180.0 / std::f64::consts::PI, Form::Decimals(1));
 
 /// Whether the tracker does not see every point at every posture.
-pub(super) fn hides_points(given: &Given<'_>, limits: &[PostureLimits]) -> bool {
-    let Some(cell) = given.cell else {
+pub(super) fn hides_points(context: &Given<'_>, limits: &[PostureLimits]) -> bool {
+    let Some(cell) = context.cell else {
         return false;
     };
     let all = cell.setup.tool.point_count();
-    let mut seen = limits.iter().filter(|own| own.station.is_some());
-    seen.any(|own| own.visible_points.len() < all)
+    let mut seen = limits.iter().filter(|posture_limits| posture_limits.station.is_some());
+    seen.any(|posture_limits| posture_limits.visible_points.len() < all)
 }
 
 /// The moves of a route, without what `findings` say; `None` where there are none.
 pub(super) fn route_section(
-    given: &Given<'_>,
+    context: &Given<'_>,
     names: &[String],
     route: &Route,
     findings: &[Finding],
@@ -134,7 +134,7 @@ pub(super) fn route_section(
     if route.moves.is_empty() {
         return None;
     }
-    let mut blocks = vec![Block::Text(moves_in_words(given, route, findings))];
+    let mut blocks = vec![Block::Text(moves_in_words(context, route, findings))];
     let table = Block::Table(move_table(names, route));
     // What stops a drive is seen at once.
     if route.is_blocked() {
@@ -147,7 +147,7 @@ pub(super) fn route_section(
 }
 
 /// How far the moves go, how long they take and what they were kept clear of.
-fn moves_in_words(given: &Given<'_>, route: &Route, findings: &[Finding]) -> Text {
+fn moves_in_words(context: &Given<'_>, route: &Route, findings: &[Finding]) -> Text {
     let order = match route.shortest {
         // A way around something is one that was found, not the shortest there is.
         Some(true) if route.moves.iter().any(|one| !one.via.is_empty()) => {
@@ -164,7 +164,7 @@ fn moves_in_words(given: &Given<'_>, route: &Route, findings: &[Finding]) -> Tex
     if let Some(time) = route.travel_s {
         let time = Number::new(time);
         said = said.words(" in ").number(time.unit("s").decimals(1));
-        if let Some(cell) = given.cell {
+        if let Some(cell) = context.cell {
             let share = 100.0 * cell.route.speed_share;
             said = said.words(format!(" at {share} % of the joint speeds"));
         }
@@ -228,10 +228,10 @@ fn between(names: &[String], one: &RouteMove) -> String {
 
 /// To which postures one should move joint by joint; the last ones of the group are those of `names`.
 pub(super) fn near_singular(names: &[String], evaluation: &GroupEvaluation) -> Option<Text> {
-    let known = evaluation.k_jn.iter().any(Option::is_some);
+    let is_computed = evaluation.k_jn.iter().any(Option::is_some);
     let before = evaluation.k_jn.len().saturating_sub(names.len());
-    let own = evaluation.k_jn.iter().skip(before).enumerate();
-    let near = own.filter(|(_, k)| known && k.is_none_or(|k| k > NEAR_SINGULAR));
+    let k_jn = evaluation.k_jn.iter().skip(before).enumerate();
+    let near = k_jn.filter(|(_, k)| is_computed && k.is_none_or(|k| k > NEAR_SINGULAR));
     let near: Vec<String> = near.map(|(p, _)| name_of(names, p)).collect();
     let noun = if near.len() == 1 { "posture" } else { "postures" };
     (!near.is_empty()).then(|| {

@@ -31,7 +31,7 @@ impl Telling<PredictOptions> for Predicted {
         let order = largest_first(prediction.points.iter().map(|p| p.deflection_m));
         let worst = order.first().copied();
         let verdict =
-            [done(self, &work), came(prediction, worst, is_untold), next(prediction, &work, worst, is_untold)];
+            [done(self, &work), conclusion(prediction, worst, is_untold), next(prediction, &work, worst, is_untold)];
         let shown = &order[..order.len().min(KEY_ROWS)];
         let caption = "Deflection of the tool tip where it is largest";
         let key = points_table(prediction, caption, shown);
@@ -48,7 +48,7 @@ impl Telling<PredictOptions> for Predicted {
         sections.push(all_points(context, "The points", count, |caption, rows| {
             with_parts(prediction, rows, points_table(prediction, caption, rows))
         }));
-        Ok(context.told(findings, "Predicted deflection", verdict, Some(key), sections))
+        Ok(context.summary(findings, "Predicted deflection", verdict, Some(key), sections))
     }
 }
 
@@ -86,7 +86,7 @@ fn done(predicted: &Predicted, what: &What) -> Text {
         .then(predicted.postures.as_ref().map_or_else(Text::default, how_found))
 }
 
-fn came(prediction: &Prediction, worst: Option<usize>, is_untold: bool) -> Text {
+fn conclusion(prediction: &Prediction, worst: Option<usize>, is_untold: bool) -> Text {
     let mm = |length: f64| Number::new(length).mm().decimals(3);
     let text = Text::new("The tool bends away by ")
         .number(mm(prediction.deflection_rms_m))
@@ -174,7 +174,7 @@ fn cell_section(context: &Given<'_>, prediction: &Prediction, what: &What) -> Re
     let extremes = prediction.extremes.iter().flat_map(|e| [e.best, e.worst]);
     let extremes: Vec<_> = extremes.collect();
     let points = prediction.points.iter().enumerate().map(|(i, point)| {
-        let own = point.stiffness.as_ref().map(|s| s.principal);
+        let of_point = point.stiffness.as_ref().map(|s| s.principal);
         let of_extreme = extremes.iter().find(|e| e.at == i).map(|e| e.principal);
         WorkPoint {
             name: point.point.to_string(),
@@ -183,7 +183,7 @@ fn cell_section(context: &Given<'_>, prediction: &Prediction, what: &What) -> Re
             wrench: wrench(point.force_n, point.moment_nm),
             shift_m: point.shift_m,
             correction_m: None,
-            principal: own.or(of_extreme),
+            principal: of_point.or(of_extreme),
         }
     });
     let work = AtWork {
@@ -192,7 +192,7 @@ fn cell_section(context: &Given<'_>, prediction: &Prediction, what: &What) -> Re
         model: prediction.model,
         at_tip: !what.is_cell_load,
         path: what.is_path.then_some("path"),
-        kept: extremes.iter().map(|e| e.at).collect(),
+        always_shown: extremes.iter().map(|e| e.at).collect(),
     };
     let explained = if what.is_path {
         "Step through the postures along the path; its colour is the deflection, and the slider exaggerates it. \

@@ -15,23 +15,23 @@ const TURN: Quantity = Quantity::new("mrad", 1e3, Form::Significant(2));
 const PLACE: Quantity = Quantity::new("mm", 1e3, Form::Decimals(0));
 
 impl<O> Telling<O> for RegistrationRecord {
-    fn told(&self, _options: &O, given: &Given<'_>) -> Result<Told> {
-        let found = self;
+    fn told(&self, _options: &O, context: &Given<'_>) -> Result<Told> {
+        let registration = self;
         let mm = |length: f64| Number::new(length).of(Quantity::LENGTH);
         let done = Text::new(format!(
             "The tracker was registered to the robot's base by {} points that both know.",
-            found.pairs.len()
+            registration.pairs.len()
         ));
-        let came = Text::new("The points agree within ")
-            .number(mm(found.rms_m))
+        let conclusion = Text::new("The points agree within ")
+            .number(mm(registration.rms_m))
             .words(" (RMS); a coordinate scatters by ")
-            .number(mm(found.residual_std_m))
-            .words(format!(", from {} degrees of freedom", found.degrees_of_freedom));
-        let came = match found.known_std_m {
-            Some(known) => came.words(", where ").number(mm(known)).words(" are given."),
-            None => came.words("."),
+            .number(mm(registration.residual_std_m))
+            .words(format!(", from {} degrees of freedom", registration.degrees_of_freedom));
+        let conclusion = match registration.known_std_m {
+            Some(known_std) => conclusion.words(", where ").number(mm(known_std)).words(" are given."),
+            None => conclusion.words("."),
         };
-        let is_serious = found.findings.iter().any(|f| f.severity == Severity::Serious);
+        let is_serious = registration.findings.iter().any(|f| f.severity == Severity::Serious);
         let next = if is_serious {
             Text::default()
                 .strong("Settle what is marked serious first")
@@ -44,51 +44,51 @@ impl<O> Telling<O> for RegistrationRecord {
                 .words("; or copy the transform into [tracker] of the cell.")
         };
         let sections = vec![
-            transform(found, is_serious).in_summary(),
-            uncertainty(found).in_summary(),
-            Section::new("residuals", "Point by point", vec![Block::Figure(figure(found))]),
+            transform(registration, is_serious).in_summary(),
+            uncertainty(registration).in_summary(),
+            Section::new("residuals", "Point by point", vec![Block::Figure(figure(registration))]),
         ];
         let heading = "Registration of the tracker";
-        let key = residuals(found);
-        Ok(given.told(found.findings.clone(), heading, [done, came, next], Some(key), sections))
+        let key = residuals(registration);
+        Ok(context.summary(registration.findings.clone(), heading, [done, conclusion, next], Some(key), sections))
     }
 }
 
 /// A pair's name as it is shown.
-fn name(found: &RegistrationRecord, i: usize) -> String {
-    let own = found.pairs.get(i);
-    own.map_or_else(String::new, |name| visible(name).into_owned())
+fn name(registration: &RegistrationRecord, i: usize) -> String {
+    let pair = registration.pairs.get(i);
+    pair.map_or_else(String::new, |name| visible(name).into_owned())
 }
 
 /// How far a point is off \[m\].
-fn distance(found: &RegistrationRecord, i: usize) -> f64 {
-    let squares = found.residuals_m[i].iter().map(|c| c * c);
+fn distance(registration: &RegistrationRecord, i: usize) -> f64 {
+    let squares = registration.residuals_m[i].iter().map(|c| c * c);
     squares.sum::<f64>().sqrt()
 }
 
 /// What is left at each point, the largest first.
-fn residuals(found: &RegistrationRecord) -> DataTable {
-    let mut order: Vec<usize> = (0..found.residuals_m.len()).collect();
-    order.sort_by(|a, b| distance(found, *b).total_cmp(&distance(found, *a)));
-    let names = order.iter().map(|i| name(found, *i));
+fn residuals(registration: &RegistrationRecord) -> DataTable {
+    let mut order: Vec<usize> = (0..registration.residuals_m.len()).collect();
+    order.sort_by(|a, b| distance(registration, *b).total_cmp(&distance(registration, *a)));
+    let names = order.iter().map(|i| name(registration, *i));
     let caption = "Base position minus transformed tracker position, the largest first";
     let mut table = DataTable::of(caption, "point", names);
     for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
-        table = table.numbers(axis, Quantity::LENGTH, |row| Some(Number::new(found.residuals_m[order[row]][k])));
+        table = table.numbers(axis, Quantity::LENGTH, |row| Some(Number::new(registration.residuals_m[order[row]][k])));
     }
-    table.numbers("distance", Quantity::LENGTH, |row| Some(Number::computed(distance(found, order[row]))))
+    table.numbers("distance", Quantity::LENGTH, |row| Some(Number::computed(distance(registration, order[row]))))
 }
 
 /// The lines of the cell file.
-fn transform(found: &RegistrationRecord, is_serious: bool) -> Section {
+fn transform(registration: &RegistrationRecord, is_serious: bool) -> Section {
     let line = |key: &str, values: [f64; 3], quantity: Quantity| {
         let numbers = values.map(|value| Number::new(value).of(quantity.bare()));
         Text::new(format!("{key} = [")).numbers(numbers).words("]")
     };
     let lines = vec![
         Text::new("[tracker]"),
-        line("xyz_mm", found.translation_m, Quantity::LENGTH),
-        line("rpy_deg", found.roll_pitch_yaw.map(rad_to_deg), ANGLE),
+        line("xyz_mm", registration.translation_m, Quantity::LENGTH),
+        line("rpy_deg", registration.roll_pitch_yaw.map(rad_to_deg), ANGLE),
     ];
     let title = if is_serious {
         "Base frame from tracker frame; not to be used before the serious finding is settled"
@@ -99,25 +99,25 @@ fn transform(found: &RegistrationRecord, is_serious: bool) -> Section {
 }
 
 /// Standard errors of the transform, and the point that a turn leaves where it is.
-fn uncertainty(found: &RegistrationRecord) -> Section {
+fn uncertainty(registration: &RegistrationRecord) -> Section {
     let rows = ["shift of the centroid [mm]", "turn [mrad]"];
     let mut table = DataTable::of("Standard errors, base axes", "", rows);
     for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
         table = table.words(axis, |row| {
             let i = 3 * row + k;
-            let error = Number::computed(found.covariance[i][i].max(0.0).sqrt());
+            let error = Number::computed(registration.covariance[i][i].max(0.0).sqrt());
             let quantity = [Quantity::LENGTH.digits(2), TURN][row];
             error.of(quantity.bare()).into()
         });
     }
-    let centroid = found.centroid_m.map(|m| Number::new(m).of(PLACE.bare()));
+    let centroid = registration.centroid_m.map(|m| Number::new(m).of(PLACE.bare()));
     let about = Text::new("The turn acts about the centroid of the points, (").numbers(centroid).words(") mm.");
     let blocks = vec![Block::Table(table), Block::Text(about)];
     Section::new("uncertainty", "Uncertainty", blocks)
 }
 
-fn figure(found: &RegistrationRecord) -> Figure {
-    let all = 0..found.residuals_m.len();
+fn figure(registration: &RegistrationRecord) -> Figure {
+    let all = 0..registration.residuals_m.len();
     Figure::one(
         "registration",
         "What the registration leaves at each point",
@@ -125,13 +125,13 @@ fn figure(found: &RegistrationRecord) -> Figure {
          others is mistaken or moved.",
         Panel::new(
             "",
-            Axis::categorical("point", all.clone().map(|i| name(found, i))),
+            Axis::categorical("point", all.clone().map(|i| name(registration, i))),
             Axis::linear("distance", "mm").from_zero(),
             vec![Series::new(
                 "residual",
                 Style::Bars,
                 all.clone().map(|i| i as f64).collect(),
-                all.map(|i| 1e3 * distance(found, i)).collect(),
+                all.map(|i| 1e3 * distance(registration, i)).collect(),
             )],
         ),
     )

@@ -8,11 +8,11 @@ use stiffarm::findings::codes;
 use stiffarm::model::posture::PostureGroup;
 
 impl Telling<DriveOptions> for Routed {
-    fn told(&self, options: &DriveOptions, given: &Given<'_>) -> Result<Told> {
+    fn told(&self, options: &DriveOptions, context: &Given<'_>) -> Result<Told> {
         let (posture_names, route) = (&self.posture_names, &self.route);
         let count = counted(route.postures.len(), "posture");
-        let kept = options.keep_order;
-        let done = Text::new(if kept {
+        let keep_order = options.keep_order;
+        let done = Text::new(if keep_order {
             format!("The moves between {count} were looked at in the order given.")
         } else {
             format!("The order of {count} was chosen for the least turning or time.")
@@ -20,7 +20,7 @@ impl Telling<DriveOptions> for Routed {
         let blocked = route.moves.iter().filter(|one| !one.free).count();
         let moves = counted(route.moves.len(), "move");
         let is_forbidden = self.findings.iter().any(|f| f.code == codes::POSTURE_FORBIDDEN);
-        let came = match blocked {
+        let conclusion = match blocked {
             _ if route.moves.is_empty() => Text::new("A single posture: there is nothing to order."),
             0 if route.checked.is_empty() => Text::new(format!("{moves}, not checked against anything.")),
             0 if is_forbidden => Text::default()
@@ -42,10 +42,10 @@ impl Telling<DriveOptions> for Routed {
         };
         let key = posture_table("The postures in this order, controller angles", posture_names, &route.postures, &[]);
         let mut sections = Vec::new();
-        sections.extend(route_section(given, posture_names, route, &self.findings));
+        sections.extend(route_section(context, posture_names, route, &self.findings));
         let group = PostureGroup::named("route", posture_names, route.postures.iter().cloned());
-        sections.push(given.cell_section(&[group], "Step through the postures in this order.")?);
+        sections.push(context.cell_section(&[group], "Step through the postures in this order.")?);
         let heading = "Order of the postures and moves between them";
-        Ok(given.told(self.findings.clone(), heading, [done, came, next], Some(key), sections))
+        Ok(context.summary(self.findings.clone(), heading, [done, conclusion, next], Some(key), sections))
     }
 }

@@ -26,7 +26,7 @@ const INDICES: &str = "Group 1 is the initial group. Each other group is selecte
                        RMS relative standard error of the joint stiffness. o1 to o5 are larger-is-better.";
 
 /// What a result says of `study`.
-pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
+pub(super) fn summary(with: &WithCell<'_>) -> Result<Told> {
     if with.saved.json["options"]["measured"] == true {
         return of_saved::<MeasuredStudy, IgnoredAny>(with);
     }
@@ -45,7 +45,7 @@ impl<O> Telling<O> for Study {
             study.simulation.runs,
         ));
         let best = best(study);
-        let came = match best {
+        let conclusion = match best {
             None => Text::new("No group determines every joint."),
             Some(best) => {
                 let deviation = groups[best].evaluation.mean_expected_deviation();
@@ -73,17 +73,17 @@ impl<O> Telling<O> for Study {
         let pictures = figures(study);
         let lists = tables(study);
         let picture = |id: &str| {
-            let found = pictures.iter().find(|figure| figure.id == id);
-            found.map(|figure| Block::Figure(figure.clone()))
+            let figure = pictures.iter().find(|figure| figure.id == id);
+            figure.map(|figure| Block::Figure(figure.clone()))
         };
         let table = |id: &str| {
-            let found = lists.iter().find(|table| table.id == id);
-            found.map(|table| Block::Table(data_table(table)))
+            let table = lists.iter().find(|table| table.id == id);
+            table.map(|table| Block::Table(data_table(table)))
         };
         let said = |codes: &[&str]| {
             let findings = study.findings.iter();
-            let found = findings.filter(|f| f.severity == Severity::Note && codes.contains(&f.code.as_str()));
-            let points: Vec<Text> = found.map(|f| Text::from(f.sentence.as_str())).collect();
+            let notes = findings.filter(|f| f.severity == Severity::Note && codes.contains(&f.code.as_str()));
+            let points: Vec<Text> = notes.map(|f| Text::from(f.sentence.as_str())).collect();
             (!points.is_empty()).then_some(Block::List(points))
         };
         let section = |id: &str, title: &str, blocks: Vec<Option<Block>>| {
@@ -177,19 +177,19 @@ impl<O> Telling<O> for Study {
     ]);
         sections.retain(|section| !section.blocks.is_empty());
         let heading = format!("Posture selection study: {}", visible(&study.cell));
-        let verdict = [done, came, next];
+        let verdict = [done, conclusion, next];
         let is_stopped = study.interrupted
             || study.simulation.interrupted
-            || study.elastic.as_ref().is_some_and(|own| own.interrupted)
+            || study.elastic.as_ref().is_some_and(|elastic| elastic.interrupted)
             || groups.iter().any(|group| {
                 let chosen = group.selection.as_ref();
-                chosen.is_some_and(|own| own.termination == Termination::Interrupted)
+                chosen.is_some_and(|selection| selection.termination == Termination::Interrupted)
             });
         let findings = with_stopped(context, study.every_finding(), is_stopped, &[]);
-        let mut told = context.told(findings, heading, verdict, Some(key(study)), sections);
+        let mut summary = context.summary(findings, heading, verdict, Some(key(study)), sections);
         // The notes are all told above.
-        told.findings.retain(|f| f.severity > Severity::Note);
-        Ok(told)
+        summary.findings.retain(|f| f.severity > Severity::Note);
+        Ok(summary)
     }
 }
 

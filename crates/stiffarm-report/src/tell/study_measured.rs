@@ -22,30 +22,30 @@ impl<O> Telling<O> for MeasuredStudy {
         ));
         let mm = |length: f64| Number::new(length).of(Quantity::LENGTH);
         let fewest = study.options.counts.iter().copied().min().unwrap_or(0);
-        let known = |i: &usize| study.choices[*i].mean_m.is_finite();
+        let has_mean = |i: &usize| study.choices[*i].mean_m.is_finite();
         let mean = |i: &usize| study.choices[*i].mean_m;
         let of_fewest = (0..study.choices.len())
             .filter(|i| study.choices[*i].postures == fewest)
             .filter(|i| study.choices[*i].choice != Choice::Pool)
-            .filter(known);
+            .filter(has_mean);
         let best = of_fewest.min_by(|a, b| mean(a).total_cmp(&mean(b)));
         let whole = (0..study.choices.len()).find(|i| {
-            let own = &study.choices[*i];
-            own.choice == Choice::Pool && own.model == ElasticChoice::Axes
+            let way = &study.choices[*i];
+            way.choice == Choice::Pool && way.model == ElasticChoice::Axes
         });
-        let came = match best {
+        let conclusion = match best {
             None => Text::new("No choice of postures predicts the others."),
             Some(i) => {
-                let own = &study.choices[i];
+                let way = &study.choices[i];
                 let mut text = Text::new(format!(
                     "With {fewest} postures, those chosen by {} with the {} predict best: the others are missed by ",
-                    in_words(own.choice),
-                    own.model.in_words()
+                    in_words(way.choice),
+                    way.model.in_words()
                 ))
-                .number(mm(own.mean_m))
+                .number(mm(way.mean_m))
                 .words(" ")
-                .number(mm(own.standard_error_m).plus_minus());
-                if let Some(whole) = whole.filter(known) {
+                .number(mm(way.standard_error_m).plus_minus());
+                if let Some(whole) = whole.filter(has_mean) {
                     text = text
                         .words(format!(
                             ", all {} of the pool with the joint axes alone miss them by ",
@@ -57,15 +57,15 @@ impl<O> Telling<O> for MeasuredStudy {
             }
         };
         let next = match best.map(|i| &study.choices[i]) {
-            Some(own) => {
+            Some(way) => {
                 let text = Text::new("For the next robot of this kind choose postures with ");
-                let text = match own.choice {
+                let text = match way.choice {
                     Choice::Index(index) => {
                         text.code(format!("stiffarm select --index {}", in_words(Choice::Index(index))))
                     }
                     _ => text.code("stiffarm select"),
                 };
-                match own.model {
+                match way.model {
                     ElasticChoice::Mixed => {
                         text.words(", and identify as ever: more than the joint axes gives way here.")
                     }
@@ -95,11 +95,11 @@ impl<O> Telling<O> for MeasuredStudy {
         let heading = format!("Choosing postures on measured readings: {}", visible(&study.cell));
         let is_stopped = study.split_count < study.options.splits;
         let findings = with_stopped(context, study.findings.clone(), is_stopped, &[]);
-        let verdict = [done, came, next];
-        let mut told = context.told(findings, heading, verdict, Some(key(study)), sections);
+        let verdict = [done, conclusion, next];
+        let mut summary = context.summary(findings, heading, verdict, Some(key(study)), sections);
         // The notes are all told above.
-        told.findings.retain(|f| f.severity > Severity::Note);
-        Ok(told)
+        summary.findings.retain(|f| f.severity > Severity::Note);
+        Ok(summary)
     }
 }
 
@@ -108,21 +108,21 @@ fn key(study: &MeasuredStudy) -> DataTable {
     let all = study.choices.iter();
     let rows: Vec<_> = all.filter(|c| c.model == ElasticChoice::Axes).collect();
     let place = |row: usize, model: ElasticChoice| {
-        let own = rows[row];
+        let way = rows[row];
         let mut all = study.choices.iter();
-        all.find(|c| (c.postures, c.choice, c.model) == (own.postures, own.choice, model))
+        all.find(|c| (c.postures, c.choice, c.model) == (way.postures, way.choice, model))
     };
     let mm = |length: f64| Number::new(length).of(Quantity::LENGTH.bare());
     let mut table = DataTable::of(
         "RMS error of a displacement component at the postures outside the pool, ± its standard error, and share \
          of the splits in which the choice predicts better than chance",
         "postures, chosen by",
-        rows.iter().map(|own| format!("{}, {}", own.postures, in_words(own.choice))),
+        rows.iter().map(|way| format!("{}, {}", way.postures, in_words(way.choice))),
     );
     let models = [ElasticChoice::Axes, ElasticChoice::Mixed];
     for model in models {
         table = table.words(format!("{} [mm]", model.in_words()), |row| match place(row, model) {
-            Some(own) => Text::from(mm(own.mean_m)).words(" ").number(mm(own.standard_error_m).plus_minus()),
+            Some(way) => Text::from(mm(way.mean_m)).words(" ").number(mm(way.standard_error_m).plus_minus()),
             None => Text::default(),
         });
     }

@@ -21,47 +21,47 @@ const MOST_ROWS: usize = 8;
 impl Telling<Options> for Validated {
     fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
         let all = self;
-        let found = &all.validation;
+        let validation = &all.validation;
         let findings = all.every_finding();
-        let verdict = [done(options, context, found), came(found), next(found, &findings)];
+        let verdict = [done(options, context, validation), conclusion(validation), next(validation, &findings)];
         let mut sections = Vec::new();
         if context.pictures {
             sections.push(Section::new(
                 "deviations",
                 "Calculated against measured",
-                vec![Block::Figure(validation_figure(found))],
+                vec![Block::Figure(validation_figure(validation))],
             ));
         }
-        sections.push(points(found));
+        sections.push(points(validation));
         if context.pictures {
-            sections.extend(cell(context, found)?);
+            sections.extend(cell(context, validation)?);
         }
         let readings = all.readings.as_ref();
         let screening = readings.map(|readings| &readings.screening);
         sections.extend(readings::section(screening, readings));
-        let heading = match found.folds {
+        let heading = match validation.folds {
             Some(_) => "Cross-validation of the joint stiffness",
             None => "Validation of the joint stiffness",
         };
-        let mut told = context.told(findings, heading, verdict, Some(key(found)), sections);
+        let mut summary = context.summary(findings, heading, verdict, Some(key(validation)), sections);
         // What the table does not hold yet belongs to what was done.
-        let [done, ..] = &mut told.verdict;
-        for finding in told.findings.iter().filter(|f| is_of_table(f)) {
+        let [done, ..] = &mut summary.verdict;
+        for finding in summary.findings.iter().filter(|f| is_of_table(f)) {
             *done = std::mem::take(done).words(format!(" {}", finding.sentence));
         }
-        told.findings.retain(|f| !is_of_table(f));
-        told.outcome = match (found.passed, found.unpredicted.is_empty()) {
+        summary.findings.retain(|f| !is_of_table(f));
+        summary.outcome = match (validation.passed, validation.unpredicted.is_empty()) {
             (Some(false), _) => Outcome::Serious,
-            (_, false) if told.outcome == Outcome::Good => Outcome::Caution,
-            _ => told.outcome,
+            (_, false) if summary.outcome == Outcome::Good => Outcome::Caution,
+            _ => summary.outcome,
         };
-        Ok(told)
+        Ok(summary)
     }
 }
 
-fn done(options: &Options, context: &Given<'_>, found: &Validation) -> Text {
-    let postures = in_order(found.points.iter().map(|p| p.posture.as_str())).len();
-    let how = match (found.folds, found.model) {
+fn done(options: &Options, context: &Given<'_>, validation: &Validation) -> Text {
+    let postures = in_order(validation.points.iter().map(|p| p.posture.as_str())).len();
+    let how = match (validation.folds, validation.model) {
         (Some(folds), _) => {
             format!(
                 "each predicted by a fit without it, in {folds} folds of postures under the loads that were measured"
@@ -72,7 +72,7 @@ fn done(options: &Options, context: &Given<'_>, found: &Validation) -> Text {
     };
     Text::new(format!(
         "{} displacements at {postures} {} were {how}, and compared with what was measured there, Eq. (22).{}",
-        found.points.len(),
+        validation.points.len(),
         if postures == 1 { "posture" } else { "postures" },
         fits(options, context)
     ))
@@ -95,36 +95,36 @@ fn fits(options: &Options, context: &Given<'_>) -> String {
     format!(" Estimator of the fits: {estimator}{terms}; elastic model: {elastic}.")
 }
 
-fn came(found: &Validation) -> Text {
+fn conclusion(validation: &Validation) -> Text {
     let mm = |length: f64| Number::new(length).mm().decimals(4);
-    let unpredicted = if found.unpredicted.is_empty() {
+    let unpredicted = if validation.unpredicted.is_empty() {
         Text::default()
     } else {
-        let sentence = format!("{} cannot be predicted.", names(&found.unpredicted));
+        let sentence = format!("{} cannot be predicted.", names(&validation.unpredicted));
         Text::default().strong(sentence).words(" At the others: ")
     };
     let mut text = unpredicted
         .words("Calculated and measured differ by ")
-        .number(mm(found.deviation_rms_m))
+        .number(mm(validation.deviation_rms_m))
         .words(" (RMS), at most ")
-        .number(mm(found.deviation_max_m));
-    if found.displacement_rms_m > 0.0 {
-        let share = Number::computed(found.deviation_rms_m / found.displacement_rms_m);
+        .number(mm(validation.deviation_max_m));
+    if validation.displacement_rms_m > 0.0 {
+        let share = Number::computed(validation.deviation_rms_m / validation.displacement_rms_m);
         text = text.words(": ").number(share.percent().significant(2)).words(" of the displacements");
     }
     text = text.words(".");
-    if found.noise_expectation_m > 0.0 {
-        text = text.words(" Noise alone gives ").number(mm(found.noise_expectation_m)).words(" on average.");
+    if validation.noise_expectation_m > 0.0 {
+        text = text.words(" Noise alone gives ").number(mm(validation.noise_expectation_m)).words(" on average.");
     }
-    if let Some(band) = &found.band {
+    if let Some(band) = &validation.band {
         let level = (1000.0 * band.confidence).round() / 10.0;
         text = text.words(format!(
             " {} of {} components lie inside the {level} % band of calculation and noise.",
             band.inside, band.components
         ));
     }
-    if let Some(factor) = found.compensation_factor {
-        let at_least = if found.compensation_factor_is_bound { "at least " } else { "" };
+    if let Some(factor) = validation.compensation_factor {
+        let at_least = if validation.compensation_factor_is_bound { "at least " } else { "" };
         let text_of = text.words(" Compensated as calculated, the errors would have been ");
         text = if factor < 1.0 {
             text_of.number(Number::computed(1.0 / factor).significant(3)).words(" times larger.")
@@ -135,16 +135,16 @@ fn came(found: &Validation) -> Text {
                 .words(" times smaller, the noise of these readings aside.")
         };
     }
-    if found.folds.is_some() {
+    if validation.folds.is_some() {
         text = text
             .words(" The RMS of the components, to be held beside the residual RMS of the identification, is ")
-            .number(mm(found.component_rms_m))
+            .number(mm(validation.component_rms_m))
             .words(".");
     }
-    match found.passed {
+    match validation.passed {
         Some(passed) => text
             .words(" The tolerance of ")
-            .number(Number::new(found.tolerance_m).mm().decimals(4))
+            .number(Number::new(validation.tolerance_m).mm().decimals(4))
             .words(" is ")
             .strong(if passed { "kept" } else { "not kept" })
             .words("."),
@@ -158,26 +158,26 @@ fn names(names: &[String]) -> String {
     list(&shown.collect::<Vec<_>>())
 }
 
-fn next(found: &Validation, findings: &[Finding]) -> Text {
+fn next(validation: &Validation, findings: &[Finding]) -> Text {
     if findings.iter().any(|f| f.severity == Severity::Serious) {
         return Text::default()
             .strong("Correct the readings first")
             .words(", then validate again; until then the numbers here are not to be used.");
     }
-    if !found.unpredicted.is_empty() {
-        let others = match found.folds {
+    if !validation.unpredicted.is_empty() {
+        let others = match validation.folds {
             Some(_) => "without them the others do not",
             None => "the identification did not",
         };
         return Text::new("Measure more postures like ")
-            .strong(names(&found.unpredicted))
+            .strong(names(&validation.unpredicted))
             .words(format!(": {others} determine every joint that moves there."));
     }
     let outside = findings.iter().any(|f| f.code == codes::OUTSIDE_BANDS);
-    if let (Some(tolerance), Some(false), false) = (found.tolerance_m, found.passed, outside) {
+    if let (Some(tolerance), Some(false), false) = (validation.tolerance_m, validation.passed, outside) {
         // The scatter of readings may be all that is beyond the tolerance.
-        let noise = Number::new(found.noise_expectation_m).mm().decimals(4);
-        return if tolerance < found.noise_expectation_m {
+        let noise = Number::new(validation.noise_expectation_m).mm().decimals(4);
+        return if tolerance < validation.noise_expectation_m {
             Text::new("No stiffness can keep this tolerance in such readings: by noise alone they deviate by ")
                 .number(noise)
                 .words(" on average. Ask for a larger one, or read each point more often.")
@@ -188,7 +188,7 @@ fn next(found: &Validation, findings: &[Finding]) -> Text {
             )
         };
     }
-    if outside || found.passed == Some(false) {
+    if outside || validation.passed == Some(false) {
         return Text::new(
             "More is wrong there than estimate and noise explain: look at the postures at the top of the table.",
         );
@@ -200,9 +200,9 @@ fn next(found: &Validation, findings: &[Finding]) -> Text {
             .code("--folds")
             .words(" predicts each by a fit without it.");
     }
-    if found.noise_expectation_m > 0.0 && found.deviation_rms_m > MODEL * found.noise_expectation_m {
+    if validation.noise_expectation_m > 0.0 && validation.deviation_rms_m > MODEL * validation.noise_expectation_m {
         return Text::new("At postures like these count on errors of ")
-            .number(Number::new(found.deviation_max_m).mm().decimals(2))
+            .number(Number::new(validation.deviation_max_m).mm().decimals(2))
             .words(": what is left is the model's, not the tracker's.");
     }
     Text::new("The stiffness can be worked with: ")
@@ -213,12 +213,12 @@ fn next(found: &Validation, findings: &[Finding]) -> Text {
 }
 
 /// The worst point of each posture, the worst posture first.
-fn key(found: &Validation) -> DataTable {
-    let names = in_order(found.points.iter().map(|p| p.posture.as_str()));
-    let size = |i: &usize| found.points[*i].deviation_m;
+fn key(validation: &Validation) -> DataTable {
+    let names = in_order(validation.points.iter().map(|p| p.posture.as_str()));
+    let size = |i: &usize| validation.points[*i].deviation_m;
     let worst = names.iter().filter_map(|name| {
-        let own = (0..found.points.len()).filter(|i| found.points[*i].posture == *name);
-        own.max_by(|a, b| size(a).total_cmp(&size(b)))
+        let rows = (0..validation.points.len()).filter(|i| validation.points[*i].posture == *name);
+        rows.max_by(|a, b| size(a).total_cmp(&size(b)))
     });
     let mut worst: Vec<usize> = worst.collect();
     worst.sort_by(|a, b| size(b).total_cmp(&size(a)));
@@ -229,13 +229,13 @@ fn key(found: &Validation) -> DataTable {
     };
     let caption = format!("Largest deviation at each posture, Eq. (22), {which}");
     worst.truncate(MOST_ROWS);
-    table(found, &caption, &worst)
+    table(validation, &caption, &worst)
 }
 
 /// Rows of Eq. (22).
-fn table(found: &Validation, caption: &str, rows: &[usize]) -> DataTable {
-    let point = |row: usize| &found.points[rows[row]];
-    let states = found.points.iter().map(|p| &p.state);
+fn table(validation: &Validation, caption: &str, rows: &[usize]) -> DataTable {
+    let point = |row: usize| &validation.points[rows[row]];
+    let states = validation.points.iter().map(|p| &p.state);
     let has_states = states.clone().zip(states.skip(1)).any(|(a, b)| a != b);
     let size = |v: &[f64; 3]| Some(Number::computed(norm(*v)));
     let names = (0..rows.len()).map(|row| visible(&point(row).posture).into_owned());
@@ -266,21 +266,21 @@ fn outside(point: &PointDeviation) -> Text {
 }
 
 /// Every point, folded away.
-fn points(found: &Validation) -> Section {
-    let rows: Vec<usize> = (0..found.points.len()).collect();
+fn points(validation: &Validation) -> Section {
+    let rows: Vec<usize> = (0..validation.points.len()).collect();
     let caption = "Every displacement: measured against calculated";
-    let all = table(found, caption, &rows);
+    let all = table(validation, caption, &rows);
     let summary = format!("All {} displacements", rows.len());
     let details = Block::Details(summary, vec![Block::Table(all)]);
     Section::new("points", "Point by point", vec![details])
 }
 
 /// The postures with the deviations as arrows.
-fn cell(context: &Given<'_>, found: &Validation) -> Result<Option<Section>> {
-    let all = found.postures.iter().map(|posture| {
-        let own = found.points.iter();
-        let own = own.filter(|p| p.posture == posture.posture && p.state == posture.state);
-        let at: Vec<(&str, [f64; 3])> = own
+fn cell(context: &Given<'_>, validation: &Validation) -> Result<Option<Section>> {
+    let all = validation.postures.iter().map(|posture| {
+        let points = validation.points.iter();
+        let points = points.filter(|p| p.posture == posture.posture && p.state == posture.state);
+        let at: Vec<(&str, [f64; 3])> = points
             .map(|p| {
                 let left = std::array::from_fn(|i| p.measured_m[i] - p.calculated_m[i]);
                 (p.point.as_str(), left)

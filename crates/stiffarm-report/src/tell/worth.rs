@@ -46,9 +46,9 @@ pub(super) fn least_sure(evaluation: &GroupEvaluation, joints: &[String]) -> Tex
     let errors = &evaluation.relative_standard_error;
     let forecast = evaluation.forecast.as_ref().map(|forecast| &forecast.total);
     let forecast = forecast.filter(|total| total.iter().all(Option::is_some));
-    let known = forecast.unwrap_or(errors).iter().enumerate();
-    let known = known.filter_map(|(j, error)| Some((j, (*error)?)));
-    let Some((worst, error)) = known.max_by(|a, b| a.1.total_cmp(&b.1)) else {
+    let by_joint = forecast.unwrap_or(errors).iter().enumerate();
+    let by_joint = by_joint.filter_map(|(j, error)| Some((j, (*error)?)));
+    let Some((worst, error)) = by_joint.max_by(|a, b| a.1.total_cmp(&b.1)) else {
         return Text::default();
     };
     let name = &joint_names(joints, evaluation)[worst];
@@ -83,7 +83,7 @@ pub(super) fn joint_names(joints: &[String], evaluation: &GroupEvaluation) -> Ve
 /// Expected errors joint by joint, singular values, correlations, the parts of the novel index, and all indices.
 /// `characteristic_length_m` is that of the options; `bounds` are relative standard errors that no plan of as many postures goes below.
 pub(super) fn worth_sections(
-    given: &Given<'_>,
+    context: &Given<'_>,
     characteristic_length_m: Option<f64>,
     joints: &[String],
     groups: &[Worth<'_>],
@@ -92,7 +92,7 @@ pub(super) fn worth_sections(
     let Some(first) = groups.first() else {
         return Vec::new();
     };
-    let noise = given.cell.map(|cell| cell.noise.displacement_std());
+    let noise = context.cell.map(|cell| cell.noise.displacement_std());
     let evaluations: Vec<GroupEvaluation> = groups
         .iter()
         .map(|group| GroupEvaluation { name: visible(&group.evaluation.name).into_owned(), ..group.evaluation.clone() })
@@ -138,7 +138,7 @@ pub(super) fn worth_sections(
     let figure = dexterity_figure(&with_names).map(Block::Figure);
     let mut blocks: Vec<Block> = figure.into_iter().collect();
     blocks.push(Block::Table(indices(groups)));
-    blocks.extend(length_in_words(given, characteristic_length_m).map(Block::Text));
+    blocks.extend(length_in_words(context, characteristic_length_m).map(Block::Text));
     let sizes = all.iter().find_map(|group| group.indices.prediction_sizes);
     blocks.extend(sizes.map(|sizes| {
         let taken = format!("The index prediction takes {}.", sizes.in_words());
@@ -166,10 +166,10 @@ pub(super) fn joint_table(joints: &[String], groups: &[Worth<'_>], bounds: &[Joi
     let count = names.len();
     let forecast = groups.iter().find_map(|g| g.evaluation.forecast.as_ref());
     let caption = match forecast {
-        Some(found) => format!(
+        Some(forecast) => format!(
             "Relative standard error of the joint stiffness by noise alone, and the ± at {} % that identify will print, \
              systematic errors included",
-            level(found.confidence)
+            level(forecast.confidence)
         ),
         None => "Relative standard error of the joint stiffness by noise alone".to_string(),
     };
@@ -191,7 +191,7 @@ pub(super) fn joint_table(joints: &[String], groups: &[Worth<'_>], bounds: &[Joi
             }))
         });
     }
-    let bound = |j: usize| bounds.get(j).filter(|known| known.bound > 0.0);
+    let bound = |j: usize| bounds.get(j).filter(|joint| joint.bound > 0.0);
     let share = Quantity::new("%", 100.0, Form::Decimals(1));
     table = table.numbers("no plan below", errors, |j| Some(Number::new(bound(j)?.bound))).numbers(
         "of what is possible",
@@ -200,7 +200,7 @@ pub(super) fn joint_table(joints: &[String], groups: &[Worth<'_>], bounds: &[Joi
     );
     for group in groups {
         table = table.numbers(&heading("± identified", "± ", group), Quantity::PERCENT, |j| {
-            part(group, |found| &found.total, j)
+            part(group, |forecast| &forecast.total, j)
         });
     }
     Some(match groups {
@@ -214,32 +214,32 @@ type Part = fn(&Forecast) -> &[Option<f64>];
 
 /// A part of the ± that `identify` is expected to print; what is as large as the stiffness says nothing.
 fn part(group: &Worth<'_>, of: Part, j: usize) -> Option<Number> {
-    let found = group.evaluation.forecast.as_ref()?;
-    let part = of(found).get(j).copied().flatten();
+    let forecast = group.evaluation.forecast.as_ref()?;
+    let part = of(forecast).get(j).copied().flatten();
     part.filter(|part| *part < 1.0).map(Number::new)
 }
 
 /// Where most of a joint's ± comes from.
 fn source(group: &Worth<'_>, j: usize) -> Text {
     let forecast = group.evaluation.forecast.as_ref();
-    let source = forecast.and_then(|found| found.largest_source.get(j)?.as_deref());
+    let source = forecast.and_then(|forecast| forecast.largest_source.get(j)?.as_deref());
     let words = source.unwrap_or_default().replace('-', " ");
     visible(&words).into_owned().into()
 }
 
 /// The ± that `identify` is expected to print, part by part; nothing where there is none.
 fn error_parts(joints: &[String], group: &Worth<'_>) -> Option<DataTable> {
-    let found = group.evaluation.forecast.as_ref()?;
+    let forecast = group.evaluation.forecast.as_ref()?;
     let caption = format!(
         "{}: ± of the stiffness at {} % that identify will print, for one reading of each point under the whole load",
         visible(&group.evaluation.name),
-        level(found.confidence)
+        level(forecast.confidence)
     );
     let number = |of: Part| move |j: usize| part(group, of, j);
     let table = DataTable::of(caption, "joint", joints.iter().cloned())
-        .numbers("total", Quantity::PERCENT, number(|found| &found.total))
-        .numbers("readings", Quantity::PERCENT, number(|found| &found.readings))
-        .numbers("systematic", Quantity::PERCENT, number(|found| &found.systematic))
+        .numbers("total", Quantity::PERCENT, number(|forecast| &forecast.total))
+        .numbers("readings", Quantity::PERCENT, number(|forecast| &forecast.readings))
+        .numbers("systematic", Quantity::PERCENT, number(|forecast| &forecast.systematic))
         .words("largest source", |j| source(group, j));
     (table.headings.len() > 1).then_some(table)
 }
@@ -258,11 +258,11 @@ fn loose(bounds: &[JointEfficiency]) -> Option<Text> {
 }
 
 /// The length that makes rotations and translations comparable, or why there is none.
-pub(super) fn length_in_words(given: &Given<'_>, length_m: Option<f64>) -> Option<Text> {
+pub(super) fn length_in_words(context: &Given<'_>, length_m: Option<f64>) -> Option<Text> {
     if let Some(length) = length_m {
         let number = Number::new(length).times(1e3).unit("mm");
         let stands = |cell: &Cell| cell.characteristic_length.is_some();
-        let computed = if given.cell.is_some_and(|cell| !stands(cell)) {
+        let computed = if context.cell.is_some_and(|cell| !stands(cell)) {
             ", computed: robot.characteristic_length_mm is not set."
         } else {
             "."
@@ -270,7 +270,7 @@ pub(super) fn length_in_words(given: &Given<'_>, length_m: Option<f64>) -> Optio
         let said = Text::new("The characteristic length of k(J_N) is ");
         return Some(said.number(number.decimals(1)).words(computed));
     }
-    let (_, missing) = with_length(given.cell?.clone());
+    let (_, missing) = with_length(context.cell?.clone());
     missing.map(|why| format!("No characteristic length: {}", visible(&why)).into())
 }
 
@@ -310,11 +310,11 @@ pub(super) fn indices(groups: &[Worth<'_>]) -> DataTable {
 
 /// k(J_N) posture by posture; `None` without any.
 fn dexterity(group: &Worth<'_>) -> Option<DataTable> {
-    let known = &group.evaluation.k_jn;
-    known.iter().flatten().next()?;
+    let k_jn = &group.evaluation.k_jn;
+    k_jn.iter().flatten().next()?;
     let caption = format!("k(J_N), Eq. (21): {}", visible(&group.evaluation.name));
-    let names = (0..known.len()).map(|p| name_of(group.posture_names, p));
+    let names = (0..k_jn.len()).map(|p| name_of(group.posture_names, p));
     let table = DataTable::of(caption, "posture", names);
-    let number = |p: usize| Some(Number::new(known[p]));
+    let number = |p: usize| Some(Number::new(k_jn[p]));
     Some(table.numbers("k(J_N)", Quantity::RATIO.digits(4), number))
 }

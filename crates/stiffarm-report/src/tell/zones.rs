@@ -32,7 +32,7 @@ impl Telling<Asked> for Zones {
     .number(Number::count(zones.within_limits))
     .words(" of them meet the limits of the cell.");
         let angle = |angle: f64| Number::degrees(angle).decimals(0).unit("°");
-        let came = match &zones.best {
+        let conclusion = match &zones.best {
             Some(best) => Text::new(format!("The best zone is {horizontal} from "))
                 .number(angle(best.q2[0]))
                 .words(" to ")
@@ -110,9 +110,9 @@ impl Telling<Asked> for Zones {
         blocks.extend(length_in_words(context, options.characteristic_length_m).map(Block::Text));
         sections.insert(0, Section::new("zones", "The maps", blocks).in_summary());
         let heading = "Zones for stiffness identification".to_string();
-        let told = context.told(Vec::new(), heading, [done, came, next], Some(key), sections);
+        let summary = context.summary(Vec::new(), heading, [done, conclusion, next], Some(key), sections);
         let none = "No posture of the map is in a good zone.";
-        Ok(told.caution("zones", zones.best.is_none().then_some(none)))
+        Ok(summary.caution("zones", zones.best.is_none().then_some(none)))
     }
 }
 

@@ -38,9 +38,9 @@ struct Joint {
 }
 
 /// The joints of a result whose intervals are known: the lower end of k is 1/(H + half width).
-fn joints(given: &WithCell<'_>) -> Vec<Joint> {
-    let all = given.saved.json["result"]["joints"].as_array();
-    let known = all.into_iter().flatten().filter_map(|joint: &Value| {
+fn joints(with: &WithCell<'_>) -> Vec<Joint> {
+    let all = with.saved.json["result"]["joints"].as_array();
+    let joints = all.into_iter().flatten().filter_map(|joint: &Value| {
         let compliance = joint["compliance"].as_f64()?;
         let low = joint["interval"][0].as_f64().filter(|low| *low > 0.0)?;
         Some(Joint {
@@ -50,7 +50,7 @@ fn joints(given: &WithCell<'_>) -> Vec<Joint> {
             has_stiffness: compliance > 0.0,
         })
     });
-    known.collect()
+    joints.collect()
 }
 
 /// Every joint stiffness of further results against the first: |H_a − H_b| against √(w_a² + w_b²), the half width of
@@ -63,21 +63,21 @@ pub(super) fn changes(results: &[&WithCell<'_>]) -> Vec<StiffnessChange> {
     let first_joints = joints(first);
     let mut out = Vec::new();
     for (i, other) in others.iter().enumerate() {
-        for own in joints(other) {
-            let Some(base) = first_joints.iter().find(|base| base.name == own.name) else {
+        for joint in joints(other) {
+            let Some(base) = first_joints.iter().find(|base| base.name == joint.name) else {
                 continue;
             };
-            if !(base.has_stiffness && own.has_stiffness) {
+            if !(base.has_stiffness && joint.has_stiffness) {
                 continue;
             }
             // |k_b − k_a|/k_a is |H_a − H_b|/H_b.
-            let of_first = |compliance: f64| compliance / own.compliance;
+            let of_first = |compliance: f64| compliance / joint.compliance;
             out.push(StiffnessChange {
-                joint: own.name.clone(),
+                joint: joint.name.clone(),
                 result: i + 1,
-                names: [first, other].map(|given| visible(&given.saved.name).into_owned()),
-                change: of_first((base.compliance - own.compliance).abs()),
-                allowed: of_first(base.half_width.hypot(own.half_width)),
+                names: [first, other].map(|with| visible(&with.saved.name).into_owned()),
+                change: of_first((base.compliance - joint.compliance).abs()),
+                allowed: of_first(base.half_width.hypot(joint.half_width)),
             });
         }
     }

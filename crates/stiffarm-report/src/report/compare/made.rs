@@ -25,8 +25,8 @@ pub(super) fn made_differently(parts: &[(usize, &Part)]) -> DataTable {
         let lists: Vec<_> = parts.iter().map(|(_, part)| list(part)).collect();
         for name in names_of(&lists) {
             let values = lists.iter().map(|list| {
-                let found = list.iter().find(|(own, _)| own == name);
-                let value = found.map_or("–", |(_, value)| value.as_str());
+                let pair = list.iter().find(|(key, _)| key == name);
+                let value = pair.map_or("–", |(_, value)| value.as_str());
                 match word {
                     // Enough of a hash to tell files apart.
                     "input" => value.chars().take(12).collect(),

@@ -18,12 +18,12 @@ const MOST_CHARTS: usize = 4;
 
 /// What a page of several results says before them; nothing for one. Results of one command are compared number
 /// by number, row by row of their key tables.
-pub(super) fn compare(given: &[WithCell<'_>], parts: &[Part]) -> Option<Comparison> {
+pub(super) fn compare(saved_results: &[WithCell<'_>], parts: &[Part]) -> Option<Comparison> {
     if parts.len() < 2 {
         return None;
     }
     let mut sections = vec![Section::new("results", "The results", vec![Block::Table(results(parts))])];
-    let kinds = Kind::all(given, parts);
+    let kinds = Kind::all(saved_results, parts);
     sections.extend(kinds.iter().filter(|kind| kind.parts.len() > 1).map(side_by_side));
     let outcomes = parts.iter().map(|part| part.outcome);
     Some(Comparison {
@@ -46,12 +46,17 @@ struct Kind<'a> {
 
 impl<'a> Kind<'a> {
     /// One for each command, in the order of the results.
-    fn all(given: &[WithCell<'_>], parts: &'a [Part]) -> Vec<Self> {
+    fn all(saved_results: &[WithCell<'_>], parts: &'a [Part]) -> Vec<Self> {
         let commands = in_order(parts.iter().map(|part| part.command.as_str()));
         let kinds = commands.into_iter().map(|command| {
-            let own = parts.iter().enumerate();
-            let own: Vec<_> = own.filter(|(_, part)| part.command == command).collect();
-            Kind { command, made: made_differently(&own), numbers: Numbers::of(given, &own), parts: own }
+            let of_command = parts.iter().enumerate();
+            let of_command: Vec<_> = of_command.filter(|(_, part)| part.command == command).collect();
+            Kind {
+                command,
+                made: made_differently(&of_command),
+                numbers: Numbers::of(saved_results, &of_command),
+                parts: of_command,
+            }
         });
         kinds.collect()
     }
@@ -62,7 +67,7 @@ fn results(parts: &[Part]) -> DataTable {
     // Said once where all are the same.
     let alike = parts.iter().all(|part| part.heading == parts[0].heading);
     let headings = ["result", "status", "what it is", "what came out"];
-    let headings = headings.into_iter().filter(|own| !alike || *own != "what it is");
+    let headings = headings.into_iter().filter(|heading| !alike || *heading != "what it is");
     let mut table = DataTable::new("What came out", headings);
     for (number, part) in parts.iter().enumerate() {
         let status = part.outcome.status();

@@ -17,8 +17,8 @@ pub(super) struct Numbers {
 
 impl Numbers {
     /// Every number of the key tables; nothing where a result has no such table.
-    pub(super) fn of(given: &[WithCell<'_>], parts: &[(usize, &Part)]) -> Option<Self> {
-        let results: Vec<&WithCell<'_>> = parts.iter().filter_map(|(number, _)| given.get(*number)).collect();
+    pub(super) fn of(saved_results: &[WithCell<'_>], parts: &[(usize, &Part)]) -> Option<Self> {
+        let results: Vec<&WithCell<'_>> = parts.iter().filter_map(|(number, _)| saved_results.get(*number)).collect();
         let mut all_changes = changes(&results);
         let tables: Vec<&DataTable> = parts.iter().map(|(_, part)| part.key.as_ref()).collect::<Option<_>>()?;
         let names: Vec<&String> = parts.iter().map(|(_, part)| &part.name).collect();
@@ -56,13 +56,13 @@ impl Numbers {
                 differ += usize::from(differences.iter().any(differs));
                 if column.starts_with("k [") {
                     for (i, text) in differences.iter_mut().enumerate() {
-                        let own = |change: &StiffnessChange| {
+                        let is_of_row = |change: &StiffnessChange| {
                             change.result == i + 1 && change.joint == row.replace('\u{a0}', " ")
                         };
-                        let Some(found) = all_changes.iter().position(own) else {
+                        let Some(position) = all_changes.iter().position(is_of_row) else {
                             continue;
                         };
-                        let change = all_changes.swap_remove(found);
+                        let change = all_changes.swap_remove(position);
                         if change.is_beyond() {
                             text.0.push(Piece::Words(" beyond ±".to_string()));
                         }

@@ -10,7 +10,7 @@ const MOST_NAMES: usize = 4;
 
 /// What is compared, how far it differs, what to do next.
 pub(super) fn verdict(parts: &[Part], kinds: &[Kind<'_>]) -> [Text; 3] {
-    [done(parts, kinds), came(kinds), next(parts, kinds)]
+    [done(parts, kinds), conclusion(kinds), next(parts, kinds)]
 }
 
 /// What is compared, and what was different in making it.
@@ -47,7 +47,7 @@ fn done(parts: &[Part], kinds: &[Kind<'_>]) -> Text {
 }
 
 /// How far results of one command differ.
-fn came(kinds: &[Kind<'_>]) -> Text {
+fn conclusion(kinds: &[Kind<'_>]) -> Text {
     let compared = kinds.iter().filter(|kind| kind.parts.len() > 1);
     let numbers: Vec<_> = compared.filter_map(|kind| kind.numbers.as_ref()).collect();
     if numbers.is_empty() {

@@ -11,30 +11,32 @@ use stiffarm::findings::list;
 use stiffarm::model::cell::Cell;
 
 /// What the numbers rest on: postures, estimator, assumed sizes, and what the intervals do not hold.
-pub(super) fn section(given: &Given<'_>, found: &Identified) -> Section {
-    let own = &found.identification;
-    let screening = found.screening().into_iter().flat_map(|s| &s.findings);
-    let reduction = found.readings.iter().flat_map(|r| &r.reduction.findings);
+pub(super) fn section(context: &Given<'_>, identified: &Identified) -> Section {
+    let identification = &identified.identification;
+    let screening = identified.screening().into_iter().flat_map(|s| &s.findings);
+    let reduction = identified.readings.iter().flat_map(|r| &r.reduction.findings);
     let noted = screening.chain(reduction).filter(|f| is_noted(f));
     let mut texts: Vec<Text> = noted.map(|f| f.sentence.clone().into()).collect();
-    let several = own.postures.iter().any(|p| p.residuals.len() > 1);
-    let estimates = &own.estimates;
-    if let Some(cell) = given.cell {
+    let several = identification.postures.iter().any(|p| p.residuals.len() > 1);
+    let estimates = &identification.estimates;
+    if let Some(cell) = context.cell {
         if several && estimates.degrees_of_freedom > 0 && estimates.independent_rows {
             texts.push(independent(cell, estimates.estimator));
         }
-        let names = in_order(own.postures.iter().map(|p| p.posture.as_str()));
-        let is_kept = |name: &&str| cell.validation.iter().any(|v| v.name == *name);
-        let kept: Vec<String> = names.into_iter().filter(is_kept).map(String::from).collect();
-        let kept = shown(&kept);
-        if !kept.is_empty() {
-            let said =
-                format!("{} of the cell's [validation] took part in this identification; leave out with ", list(&kept));
-            let option = format!("--exclude {}", kept.join(","));
+        let names = in_order(identification.postures.iter().map(|p| p.posture.as_str()));
+        let is_validation = |name: &&str| cell.validation.iter().any(|v| v.name == *name);
+        let validation_names: Vec<String> = names.into_iter().filter(is_validation).map(String::from).collect();
+        let validation_names = shown(&validation_names);
+        if !validation_names.is_empty() {
+            let said = format!(
+                "{} of the cell's [validation] took part in this identification; leave out with ",
+                list(&validation_names)
+            );
+            let option = format!("--exclude {}", validation_names.join(","));
             texts.push(Text::new(said).code(option).words("."));
         }
     }
-    let assumed = found.systematic_errors.iter().flat_map(|systematic| &systematic.sources);
+    let assumed = identified.systematic_errors.iter().flat_map(|systematic| &systematic.sources);
     let assumed = assumed.filter(|source| !source.declared);
     let sizes: Vec<String> =
         assumed.map(|source| format!("{} {}", source.name.replace('-', " "), size(source).plain())).collect();
@@ -46,16 +48,20 @@ pub(super) fn section(given: &Given<'_>, found: &Identified) -> Section {
 }
 
 /// How the stiffness comes from the readings.
-pub(super) fn estimator(found: &Estimates) -> Text {
+pub(super) fn estimator(estimates: &Estimates) -> Text {
     let of = |count: usize| match count {
         1 => "1 degree of freedom".to_string(),
         count => format!("{count} degrees of freedom"),
     };
-    let quantile = match found.interval_degrees_of_freedom {
+    let quantile = match estimates.interval_degrees_of_freedom {
         None => "the stated noise, normal quantiles".to_string(),
         Some(dof) => format!("t with {dof}"),
     };
-    Text::new(format!("Estimator: {}; {} left; {quantile}.", found.estimator.as_str(), of(found.degrees_of_freedom)))
+    Text::new(format!(
+        "Estimator: {}; {} left; {quantile}.",
+        estimates.estimator.as_str(),
+        of(estimates.degrees_of_freedom)
+    ))
 }
 
 /// What a posture's points share and an estimator with independent rows ignores.

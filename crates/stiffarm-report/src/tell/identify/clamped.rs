@@ -2,7 +2,7 @@
 
 use super::basis::{estimator, left_out};
 use super::joints::{Joints, is_within};
-use super::story::known;
+use super::story::certainty;
 use super::{counted, findings, fit, stiffness};
 use crate::identified::clamped_residual_figure;
 use crate::order::in_order;
@@ -14,32 +14,32 @@ use stiffarm::findings::{Severity, visible};
 use stiffarm::model::posture::{Posture, PostureGroup};
 
 impl Telling<IdentifiedOptions> for ClampedIdentification {
-    fn told(&self, options: &IdentifiedOptions, given: &Given<'_>) -> Result<Told> {
-        let found = self;
-        let own = &found.estimates;
+    fn told(&self, options: &IdentifiedOptions, context: &Given<'_>) -> Result<Told> {
+        let identification = self;
+        let estimates = &identification.estimates;
         let joints = Joints {
-            given,
-            estimates: own,
+            context,
+            estimates,
             systematic_errors: None,
-            unusable: found.findings.iter().any(|f| f.severity == Severity::Serious),
+            unusable: identification.findings.iter().any(|f| f.severity == Severity::Serious),
         };
-        let postures = in_order(found.postures.iter().map(|p| p.posture.as_str()));
+        let postures = in_order(identification.postures.iter().map(|p| p.posture.as_str()));
         let done = Text::new(format!(
             "With the flange fixed, the stiffness of {} joints was identified from motor angles and wrenches at {} in {} \
          ({} combinations of angles), without a tracker.{}",
-            own.joints.len(),
+            estimates.joints.len(),
             counted(postures.len(), "posture"),
-            counted(found.postures.len(), "load state"),
-            own.rows,
+            counted(identification.postures.len(), "load state"),
+            estimates.rows,
             left_out(&options.exclude)
         ));
         let mdeg = |angle: f64| Number::new(angle).of(Quantity::AXIS);
-        let came = known(&joints)
+        let conclusion = certainty(&joints)
             .words(" The fit leaves ")
-            .number(mdeg(found.residual_rms_rad))
+            .number(mdeg(identification.residual_rms_rad))
             .words(" of angles of ")
-            .number(mdeg(found.motor_rms_rad))
-            .then(fit::share(found.residual_rms_rad, found.motor_rms_rad))
+            .number(mdeg(identification.motor_rms_rad))
+            .then(fit::share(identification.residual_rms_rad, identification.motor_rms_rad))
             .words(" that the flange holds (RMS).");
         let missing = joints.of(|verdict| !is_within(verdict));
         let next = match (joints.unusable, missing.is_empty()) {
@@ -51,30 +51,30 @@ impl Telling<IdentifiedOptions> for ClampedIdentification {
                 .code("stiffarm validate")
                 .words(" with the flange free shows what the fixture and friction have changed."),
         };
-        let weights = fit::weights(&found.weights, |w| w.weight, |w| [&w.posture, &w.state, ""]);
+        let weights = fit::weights(&identification.weights, |w| w.weight, |w| [&w.posture, &w.state, ""]);
         // What no interval shows stands in the summary.
         let (notes, more): (Vec<_>, Vec<_>) =
-            found.findings.iter().cloned().partition(|finding| finding.severity == Severity::Note);
+            identification.findings.iter().cloned().partition(|finding| finding.severity == Severity::Note);
         let mut basis: Vec<Text> = notes.into_iter().map(|f| f.sentence.into()).collect();
-        basis.push(estimator(own));
+        basis.push(estimator(estimates));
         let basis = Section::new("basis", "What it rests on", vec![Block::List(basis)]);
         let sections = [
-            Some(stiffness::section(&joints, &found.prior_stiffness)),
+            Some(stiffness::section(&joints, &identification.prior_stiffness)),
             stiffness::further(&joints),
-            Some(residuals(found)),
-            cell_section(given, found)?,
-            friction(found),
+            Some(residuals(identification)),
+            cell_section(context, identification)?,
+            friction(identification),
             stiffness::together(&joints),
             weights,
             Some(basis.in_summary()),
         ];
-        let mut all = own.findings();
+        let mut all = estimates.findings();
         all.extend(more);
         findings::sort(&mut all);
         Ok(Told {
             heading: "Joint stiffness with the flange fixed".to_string(),
             outcome: joints.outcome(Outcome::of(&all)),
-            verdict: [done, came, next],
+            verdict: [done, conclusion, next],
             findings: all,
             key: Some(joints.key()),
             sections: sections.into_iter().flatten().collect(),
@@ -83,43 +83,43 @@ impl Telling<IdentifiedOptions> for ClampedIdentification {
 }
 
 /// Residual angles, the largest first.
-fn residuals(found: &ClampedIdentification) -> Section {
-    let (order, table) = fit::largest(&found.postures, |p| p.residual_rms_rad, |p| [&p.posture, &p.state]);
-    let posture = |row: usize| &found.postures[order[row]];
+fn residuals(identification: &ClampedIdentification) -> Section {
+    let (order, table) = fit::largest(&identification.postures, |p| p.residual_rms_rad, |p| [&p.posture, &p.state]);
+    let posture = |row: usize| &identification.postures[order[row]];
     let table = table
         .numbers("residual RMS", Quantity::AXIS, |row| Some(Number::new(posture(row).residual_rms_rad)))
         .numbers("angle RMS", Quantity::AXIS, |row| Some(Number::new(posture(row).motor_rms_rad)))
         .numbers("residual / mean", Quantity::RATIO, |row| {
-            let mean = found.residual_rms_rad;
+            let mean = identification.residual_rms_rad;
             (mean > 0.0).then(|| Number::computed(posture(row).residual_rms_rad / mean))
         });
-    let blocks = vec![Block::Figure(clamped_residual_figure(found)), Block::Table(table)];
+    let blocks = vec![Block::Figure(clamped_residual_figure(identification)), Block::Table(table)];
     Section::new("residuals", "Residuals", blocks)
 }
 
 /// Friction, where loads went up and down.
-fn friction(found: &ClampedIdentification) -> Option<Section> {
-    let joint = |j: usize| &found.friction[j];
+fn friction(identification: &ClampedIdentification) -> Option<Section> {
+    let joint = |j: usize| &identification.friction[j];
     let table = DataTable::of(
         "Half of the loop of each joint, and the torque that would hold it",
         "joint",
-        found.friction.iter().map(|joint| visible(&joint.joint).into_owned()),
+        identification.friction.iter().map(|joint| visible(&joint.joint).into_owned()),
     )
     .numbers("half loop", Quantity::AXIS, |j| Some(Number::new(joint(j).half_loop_rad)))
     .numbers("friction", Quantity::TORQUE, |j| Some(Number::new(joint(j).torque_nm)))
     .numbers("torque RMS", Quantity::TORQUE, |j| Some(Number::new(joint(j).load_rms_nm)))
     .words("pairs", |j| joint(j).pairs.to_string().into());
     let section = Section::new("friction", "Loads going up and down", vec![Block::Table(table)]);
-    (!found.friction.is_empty()).then(|| section.in_summary())
+    (!identification.friction.is_empty()).then(|| section.in_summary())
 }
 
 /// The postures in which the flange was held, where the result has their angles.
-fn cell_section(given: &Given<'_>, found: &ClampedIdentification) -> Result<Option<Section>> {
+fn cell_section(context: &Given<'_>, identification: &ClampedIdentification) -> Result<Option<Section>> {
     let of = |name: &str| {
-        let own = found.postures.iter().find(|p| p.posture == name)?;
-        (!own.angles.is_empty()).then(|| Posture { name: name.to_string(), q: own.angles.clone() })
+        let posture = identification.postures.iter().find(|p| p.posture == name)?;
+        (!posture.angles.is_empty()).then(|| Posture { name: name.to_string(), q: posture.angles.clone() })
     };
-    let names = in_order(found.postures.iter().map(|p| p.posture.as_str()));
+    let names = in_order(identification.postures.iter().map(|p| p.posture.as_str()));
     let postures: Option<Vec<Posture>> = names.into_iter().map(of).collect();
     let Some(postures) = postures else {
         return Ok(None);
@@ -127,5 +127,5 @@ fn cell_section(given: &Given<'_>, found: &ClampedIdentification) -> Result<Opti
     let group = PostureGroup { name: "clamped".to_string(), postures };
     let text = "The postures in which the flange was held, in their order. The load shown is the cell's own, not that of the \
                 fixture.";
-    given.cell_section(&[group], text).map(Some)
+    context.cell_section(&[group], text).map(Some)
 }

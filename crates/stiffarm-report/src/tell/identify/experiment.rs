@@ -14,20 +14,20 @@ use stiffarm::findings::{list, visible};
 const SHOWN_TERMS: usize = 5;
 
 /// Linearity and hysteresis.
-pub(super) fn states(found: &Identified) -> Option<Section> {
-    let states = found.diagnosis.as_ref()?.load_states.as_ref()?;
+pub(super) fn states(identified: &Identified) -> Option<Section> {
+    let states = identified.diagnosis.as_ref()?.load_states.as_ref()?;
     let mut table = DataTable::new(
         "Load states of all postures together",
         ["what", "found", "standard error", "probability by chance [%]"],
     );
-    let mut row = |name: &str, found: Option<&PooledStates>, is_length: bool| {
-        let Some(found) = found else { return };
+    let mut row = |name: &str, pooled: Option<&PooledStates>, is_length: bool| {
+        let Some(pooled) = pooled else { return };
         let shown = |number: Number| {
             if is_length { Text::from(number.mm().decimals(4)) } else { Text::from(number.percent().significant(2)) }
         };
-        let chance = Number::new(found.p_value);
+        let chance = Number::new(pooled.p_value);
         let chance = chance.percent().bare().significant(2);
-        table.row(name, [shown(Number::new(found.value)), shown(Number::new(found.standard_error)), chance.into()]);
+        table.row(name, [shown(Number::new(pooled.value)), shown(Number::new(pooled.standard_error)), chance.into()]);
     };
     row("offset at zero load (lost motion)", states.offset.as_ref(), true);
     row("curvature (softens where positive)", states.curvature.as_ref(), false);
@@ -37,8 +37,8 @@ pub(super) fn states(found: &Identified) -> Option<Section> {
 }
 
 /// Torque and displacement of each joint.
-pub(super) fn signals(found: &Identified) -> Option<Section> {
-    let signals = &found.diagnosis.as_ref()?.signals;
+pub(super) fn signals(identified: &Identified) -> Option<Section> {
+    let signals = &identified.diagnosis.as_ref()?.signals;
     let names = signals.iter().map(|s| visible(&s.name).into_owned());
     let table = DataTable::of("Torque on each joint, and what its compliance moves", "joint", names)
         .numbers("torque RMS", Quantity::TORQUE, |j| Some(Number::new(signals[j].torque_rms_nm)))
@@ -49,8 +49,8 @@ pub(super) fn signals(found: &Identified) -> Option<Section> {
 }
 
 /// What hangs on single postures.
-pub(super) fn influence(found: &Identified) -> Option<Section> {
-    let influence = found.diagnosis.as_ref()?.influence.as_ref()?;
+pub(super) fn influence(identified: &Identified) -> Option<Section> {
+    let influence = identified.diagnosis.as_ref()?.influence.as_ref()?;
     let mut blocks = vec![Block::Figure(influence_figure(influence))];
     let needed = influence.postures.iter().filter(|p| !p.lost.is_empty());
     let needed: Vec<Text> = needed
@@ -66,8 +66,8 @@ pub(super) fn influence(found: &Identified) -> Option<Section> {
 }
 
 /// Extra terms by how well the postures predict each other with them.
-pub(super) fn terms(found: &Identified) -> Option<Section> {
-    let trials = found.diagnosis.as_ref()?.terms.as_ref()?;
+pub(super) fn terms(identified: &Identified) -> Option<Section> {
+    let trials = identified.diagnosis.as_ref()?.terms.as_ref()?;
     // The first row is the model without any of them.
     let names = trials.trials.iter().take(SHOWN_TERMS);
     let names = names.map(|trial| visible(&trial.name).into_owned());
@@ -110,10 +110,10 @@ pub(super) fn terms(found: &Identified) -> Option<Section> {
 }
 
 /// The next posture, and what it would give.
-pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Option<Section> {
+pub(super) fn next(joints: &Joints<'_>, identified: &Identified) -> Option<Section> {
     let title = "The next posture";
-    let Some(advice) = &found.next_posture else {
-        let reason = found.next_posture_missing.as_ref()?;
+    let Some(advice) = &identified.next_posture else {
+        let reason = identified.next_posture_missing.as_ref()?;
         let text = Text::new(format!("None can be given: {}", visible(reason)));
         return Some(Section::new("next", title, vec![Block::Text(text)]));
     };

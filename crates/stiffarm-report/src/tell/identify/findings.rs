@@ -16,13 +16,13 @@ pub(super) struct Findings {
 }
 
 /// The findings of a result.
-pub(super) fn of(options: &IdentifiedOptions, found: &Identified) -> Findings {
-    let mut data: Vec<Finding> = found.of_readings().cloned().collect();
-    data.extend(stopped(&found.not_computed));
-    data.extend(no_systematic(options, found));
-    let mut fit = together(&found.identification.estimates);
-    fit.extend(found.of_fit().cloned());
-    let mut scales = found.screening().into_iter().flat_map(|own| own.scales());
+pub(super) fn of(options: &IdentifiedOptions, identified: &Identified) -> Findings {
+    let mut data: Vec<Finding> = identified.of_readings().cloned().collect();
+    data.extend(stopped(&identified.not_computed));
+    data.extend(no_systematic(options, identified));
+    let mut fit = together(&identified.identification.estimates);
+    fit.extend(identified.of_fit().cloned());
+    let mut scales = identified.screening().into_iter().flat_map(|screening| screening.scales());
     let misread = scales.any(Finding::is_serious);
     let held_back = if misread {
         held_back(fit)
@@ -50,8 +50,8 @@ pub(super) fn sort(findings: &mut [Finding]) {
 }
 
 /// Unknowns that the data tell apart only together.
-fn together(found: &Estimates) -> Vec<Finding> {
-    let said = found.collinear.iter().map(|set| {
+fn together(estimates: &Estimates) -> Vec<Finding> {
+    let said = estimates.collinear.iter().map(|set| {
         let determined = match set.determined {
             1 => "only one combination of them is".to_string(),
             count => format!("only {count} combinations of them are"),
@@ -86,12 +86,13 @@ fn stopped(not_computed: &[String]) -> Option<Finding> {
 }
 
 /// What is missing without systematic errors.
-fn no_systematic(options: &IdentifiedOptions, found: &Identified) -> Option<Finding> {
-    if found.systematic_errors.is_some() {
+fn no_systematic(options: &IdentifiedOptions, identified: &Identified) -> Option<Finding> {
+    if identified.systematic_errors.is_some() {
         return None;
     }
     let why = if options.brief { " (--brief)" } else { "" };
-    let rest = if found.diagnosis.is_some() { "" } else { ", and nothing has looked for readings that do not fit" };
+    let rest =
+        if identified.diagnosis.is_some() { "" } else { ", and nothing has looked for readings that do not fit" };
     let sentence = format!(
         "Systematic errors were not examined{why}: force, geometry, registration and lost motion can make each k wrong by \
          more than its ±{rest}."

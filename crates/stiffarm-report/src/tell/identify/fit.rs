@@ -15,14 +15,14 @@ const SHOWN_RESIDUALS: usize = 5;
 const SHOWN_WEIGHTS: usize = 10;
 
 /// What gives way beyond the joint axes, where that was asked.
-pub(super) fn elastic(found: &Identified) -> Option<Section> {
-    let elastic = found.elastic.as_ref()?;
+pub(super) fn elastic(identified: &Identified) -> Option<Section> {
+    let elastic = identified.elastic.as_ref()?;
     let reasons = elastic.reasons.iter().map(|r| Text::from(r.as_str()));
     let mut blocks = vec![Block::List(reasons.collect())];
     if let Some(mixed) = &elastic.mixed {
         let caption = format!(
             "Joint stiffness if the axes alone gave way, with its {} % interval [{}]",
-            level(found.identification.estimates.confidence),
+            level(identified.identification.estimates.confidence),
             Quantity::STIFFNESS.unit
         );
         let axis = |j: usize| &elastic.axes[j];
@@ -60,26 +60,26 @@ pub(super) fn elastic(found: &Identified) -> Option<Section> {
 }
 
 /// Residuals against noise.
-pub(super) fn residuals(found: &Identified) -> Section {
-    let own = &found.identification;
+pub(super) fn residuals(identified: &Identified) -> Section {
+    let identification = &identified.identification;
     let mm = |length: f64| Number::new(length).of(Quantity::LENGTH);
-    let mut words = Text::new(match found.mixed() {
+    let mut words = Text::new(match identified.mixed() {
         Some(_) => "Of the joint axes alone: residual RMS ",
         None => "Residual RMS ",
     })
-    .number(mm(own.residual_rms_m))
+    .number(mm(identification.residual_rms_m))
     .words(", beside a displacement RMS of ")
-    .number(mm(own.displacement_rms_m))
-    .then(share(own.residual_rms_m, own.displacement_rms_m))
+    .number(mm(identification.displacement_rms_m))
+    .then(share(identification.residual_rms_m, identification.displacement_rms_m))
     .words(".");
-    if own.total_std_m.is_some() && own.expected_std_m > 0.0 && found.mixed().is_none() {
+    if identification.total_std_m.is_some() && identification.expected_std_m > 0.0 && identified.mixed().is_none() {
         words = words.words(
             " The verdict holds the standard deviation of the residuals against noise, not this RMS: it weighs each \
              displacement by its noise and counts the degrees of freedom that the fit has used up.",
         );
     }
     let mut blocks = vec![Block::Text(words)];
-    if let (Some(sigma), Some(common)) = (own.residual_std_m, own.posture_common_std_m) {
+    if let (Some(sigma), Some(common)) = (identification.residual_std_m, identification.posture_common_std_m) {
         let sigma = mm(sigma);
         let text = if common > 0.0 {
             Text::new("Within a posture the displacements scatter by ")
@@ -94,26 +94,26 @@ pub(super) fn residuals(found: &Identified) -> Section {
         };
         blocks.push(Block::Text(text));
     }
-    blocks.push(Block::Figure(residual_figure(own)));
-    let (order, table) = largest(&own.postures, |p| p.residual_rms_m, |p| [&p.posture, &p.state]);
-    let posture = |row: usize| &own.postures[order[row]];
-    let influence = found.diagnosis.as_ref().and_then(|d| d.influence.as_ref());
+    blocks.push(Block::Figure(residual_figure(identification)));
+    let (order, table) = largest(&identification.postures, |p| p.residual_rms_m, |p| [&p.posture, &p.state]);
+    let posture = |row: usize| &identification.postures[order[row]];
+    let influence = identified.diagnosis.as_ref().and_then(|d| d.influence.as_ref());
     let table = table
         .numbers("residual RMS", Quantity::LENGTH, |row| Some(Number::new(posture(row).residual_rms_m)))
         .numbers("displacement RMS", Quantity::LENGTH, |row| Some(Number::new(posture(row).displacement_rms_m)))
         .numbers("residual / displacement", Quantity::PERCENT, |row| {
-            let own = posture(row);
-            let moves = own.displacement_rms_m > 0.0;
-            moves.then(|| Number::computed(own.residual_rms_m / own.displacement_rms_m))
+            let posture_residual = posture(row);
+            let moves = posture_residual.displacement_rms_m > 0.0;
+            moves.then(|| Number::computed(posture_residual.residual_rms_m / posture_residual.displacement_rms_m))
         })
         .numbers("residual / mean", Quantity::RATIO, |row| {
-            let mean = own.residual_rms_m;
+            let mean = identification.residual_rms_m;
             (mean > 0.0).then(|| Number::computed(posture(row).residual_rms_m / mean))
         })
         .numbers("missed by the others", Quantity::LENGTH, |row| {
             let all = &influence?.postures;
-            let own = all.iter().find(|p| p.posture == posture(row).posture)?;
-            own.prediction_rms_m.map(Number::new)
+            let of_posture = all.iter().find(|p| p.posture == posture(row).posture)?;
+            of_posture.prediction_rms_m.map(Number::new)
         });
     blocks.push(Block::Table(table));
     Section::new("residuals", "Residuals against noise", blocks)
@@ -149,8 +149,8 @@ pub(super) fn largest<P>(
 }
 
 /// Systematic errors by source: size, what the readings leave of it, and what it does to each joint.
-pub(super) fn errors(found: &Identified) -> Option<Section> {
-    let systematic = found.systematic_errors.as_ref()?;
+pub(super) fn errors(identified: &Identified) -> Option<Section> {
+    let systematic = identified.systematic_errors.as_ref()?;
     let sources = &systematic.sources;
     // The last row holds all of them together.
     let names = sources.iter().map(|source| source.name.replace('-', " "));
@@ -175,7 +175,7 @@ pub(super) fn errors(found: &Identified) -> Option<Section> {
     });
     for (j, joint) in systematic.joints.iter().enumerate() {
         table = table.numbers(&visible(joint), Quantity::PERCENT, |row| {
-            let change = source(row).map_or(&systematic.combined, |own| &own.change);
+            let change = source(row).map_or(&systematic.combined, |source| &source.change);
             change.get(j).map(|change| Number::new(*change))
         });
     }
@@ -190,7 +190,7 @@ pub(super) fn weights<W>(all: &[W], weight: impl Fn(&W) -> f64, name: impl Fn(&W
         return None;
     }
     // They come sorted, the smallest first.
-    let low = all.iter().take_while(|own| weight(own) < 1.0).count();
+    let low = all.iter().take_while(|displacement| weight(displacement) < 1.0).count();
     let part = |row: usize, i: usize| visible(name(&all[row])[i]).into_owned();
     let shown = low.min(SHOWN_WEIGHTS);
     let table = DataTable::of(

@@ -14,7 +14,7 @@ const NOTHING: f64 = 1.0;
 
 /// The joints of a result, with a free or a fixed flange.
 pub(super) struct Joints<'a> {
-    pub given: &'a Given<'a>,
+    pub context: &'a Given<'a>,
     pub estimates: &'a Estimates,
     pub systematic_errors: Option<&'a SystematicErrors>,
     /// Something about the data is so wrong that no value counts.
@@ -46,7 +46,7 @@ impl<'a> Joints<'a> {
     /// The half width as a number in percent.
     pub fn total(&self, j: usize) -> Number {
         let number = match self.errors(j) {
-            Some(own) => Number::new(own.total),
+            Some(uncertainty) => Number::new(uncertainty.total),
             None => Number::computed(self.all()[j].half_width),
         };
         number.of(Quantity::PERCENT)
@@ -55,7 +55,7 @@ impl<'a> Joints<'a> {
     /// The interval that the table and the figure show \[N·m/rad\].
     fn interval(&self, j: usize) -> [Option<f64>; 2] {
         match self.errors(j) {
-            Some(own) => own.interval_nm_per_rad,
+            Some(uncertainty) => uncertainty.interval_nm_per_rad,
             None => self.all()[j].interval,
         }
     }
@@ -66,10 +66,10 @@ impl<'a> Joints<'a> {
     }
 
     /// The outcome with what the joints say: findings do not name every joint without a ±.
-    pub fn outcome(&self, found: Outcome) -> Outcome {
-        match found {
+    pub fn outcome(&self, outcome: Outcome) -> Outcome {
+        match outcome {
             Outcome::Good if !self.of(|verdict| !is_within(verdict)).is_empty() => Outcome::Caution,
-            found => found,
+            outcome => outcome,
         }
     }
 
@@ -88,12 +88,12 @@ impl<'a> Joints<'a> {
     /// The table to read first.
     pub fn key(&self) -> DataTable {
         let with = self.systematic_errors.is_some();
-        let known = format!("of at most {:.0} %", 100.0 * WELL_KNOWN);
+        let limit = format!("of at most {:.0} %", 100.0 * WELL_KNOWN);
         let meant = match (self.unusable, with) {
             (true, _) => "from the data as they are".to_string(),
-            (false, true) => format!("known means a total ± {known}"),
+            (false, true) => format!("known means a total ± {limit}"),
             (false, false) => {
-                format!("known means a ± {known}, here by the scatter of the readings alone")
+                format!("known means a ± {limit}, here by the scatter of the readings alone")
             }
         };
         let caption =
@@ -103,8 +103,8 @@ impl<'a> Joints<'a> {
             !matches!(verdict, Verdict::Undetermined | Verdict::SignOrModelFault)
         };
         let part = |j: usize, of: fn(&JointUncertainty) -> Option<f64>| {
-            let own = self.errors(j).filter(|_| usable(j));
-            let part = own.and_then(of).filter(|part| *part < NOTHING);
+            let uncertainty = self.errors(j).filter(|_| usable(j));
+            let part = uncertainty.and_then(of).filter(|part| *part < NOTHING);
             part.map(Number::new)
         };
         let total = if with { "± total" } else { "± readings" };
@@ -114,11 +114,11 @@ impl<'a> Joints<'a> {
                 let half = self.all()[j].half_width.filter(|half| *half < NO_LONGER);
                 half.filter(|_| usable(j)).map(|_| self.total(j))
             })
-            .numbers("± readings", Quantity::PERCENT, |j| part(j, |own| own.statistical))
-            .numbers("± systematic", Quantity::PERCENT, |j| part(j, |own| own.systematic))
+            .numbers("± readings", Quantity::PERCENT, |j| part(j, |uncertainty| uncertainty.statistical))
+            .numbers("± systematic", Quantity::PERCENT, |j| part(j, |uncertainty| uncertainty.systematic))
             .words("largest source", |j| {
-                let own = self.errors(j).filter(|_| usable(j));
-                let name = own.and_then(|own| own.largest_source.as_ref());
+                let uncertainty = self.errors(j).filter(|_| usable(j));
+                let name = uncertainty.and_then(|uncertainty| uncertainty.largest_source.as_ref());
                 let source = self.systematic_errors.zip(name).map(|(systematic, name)| source(systematic, name));
                 source.unwrap_or_default().into()
             })
@@ -150,15 +150,15 @@ impl<'a> Joints<'a> {
     /// Rows of the figure.
     pub fn rows(&self) -> Vec<StiffnessRow> {
         let rows = self.all().iter().enumerate().map(|(j, joint)| {
-            let own = self.errors(j);
+            let uncertainty = self.errors(j);
             StiffnessRow {
                 joint: self.name(j),
                 stiffness: joint.stiffness,
-                statistical: match own {
-                    Some(own) => own.statistical,
+                statistical: match uncertainty {
+                    Some(uncertainty) => uncertainty.statistical,
                     None => joint.half_width,
                 },
-                systematic: own.and_then(|own| own.systematic),
+                systematic: uncertainty.and_then(|uncertainty| uncertainty.systematic),
                 total: joint.half_width,
                 interval: self.interval(j),
             }
@@ -179,9 +179,9 @@ pub(super) fn is_wide(verdict: Verdict) -> bool {
 
 /// A source in words, with a star where its size is assumed.
 fn source(systematic: &SystematicErrors, name: &str) -> String {
-    let own = systematic.sources.iter().find(|source| source.name == name);
-    let star = match own {
-        Some(own) if !own.declared => " *",
+    let source = systematic.sources.iter().find(|source| source.name == name);
+    let star = match source {
+        Some(source) if !source.declared => " *",
         _ => "",
     };
     let words = format!("{}{star}", name.replace('-', " "));

@@ -20,7 +20,7 @@ use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::findings::{Severity, codes};
 
 /// What a result of `identify` says.
-pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
+pub(super) fn summary(with: &WithCell<'_>) -> Result<Told> {
     // With the flange fixed motors are read.
     if with.saved.json["result"].get("motor_rms_rad").is_some() {
         return of_saved::<ClampedIdentification, IdentifiedOptions>(with);
@@ -29,49 +29,49 @@ pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
 }
 
 impl Telling<IdentifiedOptions> for Identified {
-    fn told(&self, options: &IdentifiedOptions, given: &Given<'_>) -> Result<Told> {
-        let found = self;
-        let findings = findings::of(options, found);
+    fn told(&self, options: &IdentifiedOptions, context: &Given<'_>) -> Result<Told> {
+        let identified = self;
+        let findings = findings::of(options, identified);
         let is_serious = |f: &&stiffarm::findings::Finding| f.severity == Severity::Serious;
         let of_data: Vec<_> = findings.data.iter().filter(is_serious).collect();
         let joints = Joints {
-            given,
-            estimates: &found.identification.estimates,
-            systematic_errors: found.systematic_errors.as_ref(),
+            context,
+            estimates: &identified.identification.estimates,
+            systematic_errors: identified.systematic_errors.as_ref(),
             unusable: !of_data.is_empty(),
         };
-        let came = match of_data.as_slice() {
-            [] => story::came(options, &joints, found),
+        let conclusion = match of_data.as_slice() {
+            [] => story::conclusion(options, &joints, identified),
             [first, rest @ ..] => story::unusable(first, rest.len()),
         };
-        let verdict = [story::done(options, found), came, story::next(options, &joints, found)];
-        let readings = readings::section(found.screening(), found.readings.as_ref());
+        let verdict = [story::done(options, identified), conclusion, story::next(options, &joints, identified)];
+        let readings = readings::section(identified.screening(), identified.readings.as_ref());
         // What is wrong with the readings comes first where something is.
-        let suspicious = found.screening().is_some_and(|s| !s.suspicions.is_empty());
+        let suspicious = identified.screening().is_some_and(|s| !s.suspicions.is_empty());
         let (first, later) = if suspicious { (readings, None) } else { (None, readings) };
         let sections = [
             first,
-            Some(stiffness::section(&joints, &found.identification.prior_stiffness)),
+            Some(stiffness::section(&joints, &identified.identification.prior_stiffness)),
             stiffness::further(&joints),
-            fit::elastic(found),
-            Some(fit::residuals(found)),
-            arrows::cell_section(given, found)?,
+            fit::elastic(identified),
+            Some(fit::residuals(identified)),
+            arrows::cell_section(context, identified)?,
             later,
-            fit::errors(found),
+            fit::errors(identified),
             stiffness::together(&joints),
-            stiffness::resampled(found),
-            experiment::states(found),
-            experiment::signals(found),
-            experiment::influence(found),
-            experiment::terms(found),
-            fit::weights(&found.identification.weights, |w| w.weight, |w| [&w.posture, &w.state, &w.point]),
-            experiment::next(&joints, found),
+            stiffness::resampled(identified),
+            experiment::states(identified),
+            experiment::signals(identified),
+            experiment::influence(identified),
+            experiment::terms(identified),
+            fit::weights(&identified.identification.weights, |w| w.weight, |w| [&w.posture, &w.state, &w.point]),
+            experiment::next(&joints, identified),
             findings.held_back,
-            Some(basis::section(given, found)),
+            Some(basis::section(context, identified)),
         ];
         let mut all = joints.estimates.findings();
         // It follows from a set-up that is rejected.
-        let is_rejected = found.rejected().is_some();
+        let is_rejected = identified.rejected().is_some();
         all.retain(|f| !(is_rejected && f.code == codes::NEGATIVE_COMPLIANCE));
         all.extend(findings.data);
         findings::sort(&mut all);

@@ -49,13 +49,13 @@ fn suspicions(screening: &Screening) -> DataTable {
 }
 
 /// The stable name of a cause as words.
-fn cause(own: &Suspicion) -> String {
-    let name = serde_json::to_string(&own.cause).unwrap_or_default();
+fn cause(suspicion: &Suspicion) -> String {
+    let name = serde_json::to_string(&suspicion.cause).unwrap_or_default();
     name.trim_matches('"').replace('_', " ")
 }
 
 /// Posture, state and points of a suspicion.
-fn place(own: &Suspicion) -> String {
+fn place(suspicion: &Suspicion) -> String {
     let part = |word: &str, names: &[String]| {
         let names = shown(names);
         (!names.is_empty()).then(|| {
@@ -67,11 +67,11 @@ fn place(own: &Suspicion) -> String {
         })
     };
     let parts = [
-        part("posture", &own.postures),
-        part("state", &own.states),
-        part("point", &own.points),
+        part("posture", &suspicion.postures),
+        part("state", &suspicion.states),
+        part("point", &suspicion.points),
         // Their names say what they are.
-        part("", &own.joints),
+        part("", &suspicion.joints),
     ];
     let parts: Vec<String> = parts.into_iter().flatten().collect();
     if parts.is_empty() { "the whole table".to_string() } else { parts.join(", ") }
@@ -139,13 +139,13 @@ fn checks(readings: &Reduced) -> DataTable {
     }
     let motion = reduction.base_motion.iter();
     let largest = motion.max_by(|a, b| a.largest_correction_m.total_cmp(&b.largest_correction_m));
-    if let Some(own) = largest {
+    if let Some(largest) = largest {
         let how = format!(
             "largest correction, at posture {}, {:.1} times what noise gives; it is taken off the displacements",
-            visible(&own.posture),
-            own.times_noise
+            visible(&largest.posture),
+            largest.times_noise
         );
-        let cells = [mm(own.largest_correction_m), mm(own.noise_m), how.into()];
+        let cells = [mm(largest.largest_correction_m), mm(largest.noise_m), how.into()];
         table.row("motion of the base", cells);
     }
     table
@@ -155,8 +155,8 @@ fn checks(readings: &Reduced) -> DataTable {
 fn registration_figure(registration: &UnloadedRegistration) -> Figure {
     let postures = &registration.postures;
     let bars = |label: &str, used: bool| {
-        let own = postures.iter().enumerate().filter(|(_, p)| p.used == used);
-        let (x, y) = own.map(|(i, p)| (i as f64, 1e3 * p.rms_m)).unzip();
+        let drawn = postures.iter().enumerate().filter(|(_, p)| p.used == used);
+        let (x, y) = drawn.map(|(i, p)| (i as f64, 1e3 * p.rms_m)).unzip();
         Series::new(label, Style::Bars, x, y)
     };
     let mut series = vec![bars("used", true)];

@@ -17,7 +17,7 @@ const MOST_UNKNOWNS: usize = 14;
 /// Stiffness with its parts and intervals beside prior and published values \[N·m/rad\].
 pub(super) fn section(joints: &Joints<'_>, prior: &[f64]) -> Section {
     let count = joints.all().len();
-    let published = published(joints.given, count);
+    let published = published(joints.context, count);
     let series: Vec<(String, Vec<f64>)> =
         published.iter().map(|(label, _, values)| (label.clone(), values.clone())).collect();
     let figure = stiffness_figure(&joints.rows(), prior, &series, joints.estimates.confidence);
@@ -36,12 +36,12 @@ pub(super) fn section(joints: &Joints<'_>, prior: &[f64]) -> Section {
         joints.row_names(),
     )
     .words("identified", |j| {
-        let own = Number::new(joints.all()[j].stiffness);
-        own.of(Quantity::STIFFNESS.bare()).into()
+        let stiffness = Number::new(joints.all()[j].stiffness);
+        stiffness.of(Quantity::STIFFNESS.bare()).into()
     })
     .words("prior", |j| {
-        let own = prior.get(j).filter(|_| has_prior);
-        own.map_or_else(Text::default, |own| Number::new(*own).of(Quantity::STIFFNESS.bare()).into())
+        let k = prior.get(j).filter(|_| has_prior);
+        k.map_or_else(Text::default, |k| Number::new(*k).of(Quantity::STIFFNESS.bare()).into())
     })
     .numbers("identified / prior", Quantity::RATIO, |j| {
         let k = prior.get(j).filter(|_| has_prior)?;
@@ -49,8 +49,8 @@ pub(super) fn section(joints: &Joints<'_>, prior: &[f64]) -> Section {
     });
     for (label, _, values) in &published {
         table = table.words(label.clone(), |j| {
-            let own = Number::computed(values[j]).of(Quantity::STIFFNESS);
-            own.bare().into()
+            let stiffness = Number::computed(values[j]).of(Quantity::STIFFNESS);
+            stiffness.bare().into()
         });
     }
     if table.headings.len() > 2 {
@@ -85,16 +85,16 @@ fn intervals(springs: &[JointEstimate], confidence: f64, heading: &str) -> DataT
 
 /// Extra springs, lost motion, and combinations that are determined; `None` where there are none.
 pub(super) fn further(joints: &Joints<'_>) -> Option<Section> {
-    let own = joints.estimates;
+    let estimates = joints.estimates;
     let mut blocks = Vec::new();
-    if !own.extra_springs.is_empty() {
-        let table = intervals(&own.extra_springs, own.confidence, "extra spring");
+    if !estimates.extra_springs.is_empty() {
+        let table = intervals(&estimates.extra_springs, estimates.confidence, "extra spring");
         blocks.push(Block::Table(table));
     }
-    if !own.lost_motion.is_empty() {
-        let gap = |j: usize| &own.lost_motion[j];
-        let names = own.lost_motion.iter().map(|l| visible(&l.name).into_owned());
-        let caption = format!("Lost motion with its {} % interval", level(own.confidence));
+    if !estimates.lost_motion.is_empty() {
+        let gap = |j: usize| &estimates.lost_motion[j];
+        let names = estimates.lost_motion.iter().map(|l| visible(&l.name).into_owned());
+        let caption = format!("Lost motion with its {} % interval", level(estimates.confidence));
         let quantity = Quantity::GAP.digits(3);
         blocks.push(Block::Table(
             DataTable::of(caption, "lost motion", names)
@@ -103,13 +103,13 @@ pub(super) fn further(joints: &Joints<'_>) -> Option<Section> {
                 .numbers("to", quantity, |j| Some(Number::new(gap(j).interval[1]))),
         ));
     }
-    if !own.combinations.is_empty() {
-        let names = own.combinations.iter().map(|sum| {
+    if !estimates.combinations.is_empty() {
+        let names = estimates.combinations.iter().map(|sum| {
             let terms = sum.unknowns.iter().zip(&sum.coefficients).enumerate();
             let terms = terms.map(|(i, (name, c))| term(i, name, *c));
             visible(&terms.collect::<String>()).into_owned()
         });
-        let sum = |j: usize| &own.combinations[j];
+        let sum = |j: usize| &estimates.combinations[j];
         let compliance = Quantity::new("rad/(N·m)", 1.0, Form::Significant(4));
         blocks.push(Block::Table(
             DataTable::of("What the data determine together", "determined together", names)
@@ -138,10 +138,10 @@ fn term(position: usize, name: &str, coefficient: f64) -> String {
 
 /// Intervals from resampled postures, where they were asked for, and how often intervals that are not exact hold the
 /// truth.
-pub(super) fn resampled(found: &Identified) -> Option<Section> {
+pub(super) fn resampled(identified: &Identified) -> Option<Section> {
     let mut blocks = Vec::new();
-    let own = &found.identification.estimates;
-    if let Some(bootstrap) = &found.bootstrap {
+    let estimates = &identified.identification.estimates;
+    if let Some(bootstrap) = &identified.bootstrap {
         let names = bootstrap.joints.iter().map(|j| visible(&j.name).into_owned());
         let end = |j: usize, i: usize| Some(Number::new(bootstrap.joints[j].interval[i]));
         let caption = format!("Bootstrap: {} % intervals", level(bootstrap.confidence));
@@ -165,14 +165,14 @@ pub(super) fn resampled(found: &Identified) -> Option<Section> {
             held("the bootstrap", dof, covered.as_ref())
         ))));
     }
-    let dof = own.interval_degrees_of_freedom;
-    if let (Some(_), Some(dof)) = (Intervals::of(own.estimator), dof) {
-        let name = format!("the {} estimator", own.estimator.as_str());
-        let said = held(&name, dof, found.measured_coverage.as_ref());
+    let dof = estimates.interval_degrees_of_freedom;
+    if let (Some(_), Some(dof)) = (Intervals::of(estimates.estimator), dof) {
+        let name = format!("the {} estimator", estimates.estimator.as_str());
+        let said = held(&name, dof, identified.measured_coverage.as_ref());
         blocks.push(Block::Text(Text::new(said)));
     }
     let section = Section::new("coverage", "How often such intervals hold the truth", blocks);
-    let section = match found.bootstrap {
+    let section = match identified.bootstrap {
         Some(_) => section.in_summary(),
         None => section,
     };
@@ -202,29 +202,29 @@ fn held(name: &str, dof: usize, measured: Option<&MeasuredCoverage>) -> String {
 
 /// Which unknowns the data tell apart.
 pub(super) fn together(joints: &Joints<'_>) -> Option<Section> {
-    let own = joints.estimates;
-    if own.unknowns.len() < 2 || own.unknowns.len() > MOST_UNKNOWNS {
+    let estimates = joints.estimates;
+    if estimates.unknowns.len() < 2 || estimates.unknowns.len() > MOST_UNKNOWNS {
         return None;
     }
-    let condition = Number::new(own.scaled_condition).significant(3);
+    let condition = Number::new(estimates.scaled_condition).significant(3);
     let text = Text::new("Condition number of the observation matrix with columns of one length: ")
         .number(condition)
         .words(". 1 is best: every joint shows by itself.");
-    let blocks = vec![Block::Figure(correlation_figure(own)), Block::Text(text)];
+    let blocks = vec![Block::Figure(correlation_figure(estimates)), Block::Text(text)];
     Some(Section::new("together", "What the data tell apart", blocks))
 }
 
 /// Published stiffness of the cell's robot: label, source, values.
-fn published(given: &Given<'_>, count: usize) -> Vec<(String, String, Vec<f64>)> {
-    let Some(name) = given.cell.map(|cell| cell.setup.robot.name()) else {
+fn published(context: &Given<'_>, count: usize) -> Vec<(String, String, Vec<f64>)> {
+    let Some(name) = context.cell.map(|cell| cell.setup.robot.name()) else {
         return Vec::new();
     };
     let mut out = Vec::new();
     let entry = catalogue().iter().find(|entry| entry.name == name);
-    for (i, own) in entry.iter().flat_map(|e| e.stiffness).enumerate() {
-        if own.values.len() == count {
+    for (i, stiffness) in entry.iter().flat_map(|e| e.stiffness).enumerate() {
+        if stiffness.values.len() == count {
             let label = format!("published {}", i + 1);
-            out.push((label, own.source.to_string(), own.values.to_vec()));
+            out.push((label, stiffness.source.to_string(), stiffness.values.to_vec()));
         }
     }
     if let (Some(paper), true) = (published_for(name), out.is_empty() && count == 6) {

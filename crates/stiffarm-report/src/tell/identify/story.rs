@@ -18,11 +18,11 @@ const MOST_NAMED: usize = 2;
 pub(in crate::tell) const MORE_THAN_NOISE: f64 = 1.5;
 
 /// What was done.
-pub(super) fn done(options: &IdentifiedOptions, found: &Identified) -> Text {
-    let estimates = &found.identification.estimates;
-    let names = found.identification.postures.iter().map(|p| p.posture.as_str());
+pub(super) fn done(options: &IdentifiedOptions, identified: &Identified) -> Text {
+    let estimates = &identified.identification.estimates;
+    let names = identified.identification.postures.iter().map(|p| p.posture.as_str());
     let postures = in_order(names).len();
-    let from = match found.readings {
+    let from = match identified.readings {
         Some(_) => "raw readings of the tracker",
         None => "measured displacements",
     };
@@ -52,19 +52,19 @@ pub(super) fn unusable(first: &Finding, more: usize) -> Text {
 }
 
 /// What came out.
-pub(super) fn came(options: &IdentifiedOptions, joints: &Joints<'_>, found: &Identified) -> Text {
-    let known = match found.systematic_errors {
-        Some(_) => known(joints),
-        None => known(joints).words(" ").strong("Systematic errors were not examined."),
+pub(super) fn conclusion(options: &IdentifiedOptions, joints: &Joints<'_>, identified: &Identified) -> Text {
+    let certainty = match identified.systematic_errors {
+        Some(_) => certainty(joints),
+        None => certainty(joints).words(" ").strong("Systematic errors were not examined."),
     };
-    let freed: Vec<&str> = found.freed.iter().map(|own| own.words.as_str()).collect();
+    let freed: Vec<&str> = identified.freed.iter().map(|quantity| quantity.words.as_str()).collect();
     let freed = match freed.as_slice() {
         [] => String::new(),
         freed => format!(" With it these readings gave {}.", visible(&list(freed))),
     };
-    let text = residual(known.words(freed), options, found);
+    let text = residual(certainty.words(freed), options, identified);
     let mm = |length: Option<f64>| Number::new(length).mm().decimals(3);
-    match found.elastic.as_ref().filter(|own| own.is_better()) {
+    match identified.elastic.as_ref().filter(|elastic| elastic.is_better()) {
         Some(elastic) => text
             .words(" A posture that took no part is missed by ")
             .number(mm(elastic.mixed_rms_m))
@@ -76,7 +76,7 @@ pub(super) fn came(options: &IdentifiedOptions, joints: &Joints<'_>, found: &Ide
 }
 
 /// How well the joints are known.
-pub(super) fn known(joints: &Joints<'_>) -> Text {
+pub(super) fn certainty(joints: &Joints<'_>) -> Text {
     let mut within = joints.of(is_within);
     let half = |j: &usize| joints.all()[*j].half_width.unwrap_or(f64::INFINITY);
     within.sort_by(|a, b| half(a).total_cmp(&half(b)));
@@ -128,25 +128,25 @@ pub(super) fn known(joints: &Joints<'_>) -> Text {
 }
 
 /// Whether the residual is noise.
-fn residual(text: Text, options: &IdentifiedOptions, found: &Identified) -> Text {
-    let own = &found.identification;
-    let mixed = found.mixed().and_then(|elastic| elastic.mixed.as_ref());
+fn residual(text: Text, options: &IdentifiedOptions, identified: &Identified) -> Text {
+    let identification = &identified.identification;
+    let mixed = identified.mixed().and_then(|elastic| elastic.mixed.as_ref());
     // The test is of what the axes alone leave.
-    let test = found.diagnosis.as_ref().and_then(|d| d.noise.as_ref());
+    let test = identified.diagnosis.as_ref().and_then(|d| d.noise.as_ref());
     let test = test.filter(|_| mixed.is_none());
     let total_std_m = match mixed {
         Some(mixed) => Some(mixed.total_std_m),
-        None => own.total_std_m,
+        None => identification.total_std_m,
     };
     let (std, expected) = match test {
         Some(test) => (Some(test.residual_std_m), test.expected_std_m),
-        None => (total_std_m, own.expected_std_m),
+        None => (total_std_m, identification.expected_std_m),
     };
     let mm = |length: Option<f64>| Number::new(length).of(Quantity::LENGTH);
-    if own.estimates.degrees_of_freedom == 0 {
+    if identification.estimates.degrees_of_freedom == 0 {
         return text.words(" No degree of freedom is left: nothing checks the model, and there are no intervals.");
     }
-    if own.expected_std_m <= 0.0 {
+    if identification.expected_std_m <= 0.0 {
         return text
             .words(" What the fit leaves has a standard deviation of ")
             .number(mm(std))
@@ -154,7 +154,7 @@ fn residual(text: Text, options: &IdentifiedOptions, found: &Identified) -> Text
     }
     let ratio = match test {
         Some(test) => Number::new(test.ratio),
-        None => Number::computed(total_std_m.map(|s| s / own.expected_std_m)),
+        None => Number::computed(total_std_m.map(|s| s / identification.expected_std_m)),
     };
     if options.fit.weights == Weights::Tracker {
         // Sizes are in units of what the tracker states, which differ from reading to reading.
@@ -165,7 +165,7 @@ fn residual(text: Text, options: &IdentifiedOptions, found: &Identified) -> Text
     }
     let agreement = match (test, total_std_m) {
         (Some(test), _) => test.agreement,
-        (None, Some(std)) if std > MORE_THAN_NOISE * own.expected_std_m => Agreement::Larger,
+        (None, Some(std)) if std > MORE_THAN_NOISE * identification.expected_std_m => Agreement::Larger,
         _ => Agreement::Agrees,
     };
     let numbers = |text: Text| {
@@ -181,7 +181,7 @@ fn residual(text: Text, options: &IdentifiedOptions, found: &Identified) -> Text
         Agreement::Larger => {
             let text = text.words(" What the fit leaves is ").strong("not noise alone").words(": ");
             let text = numbers(text).words(", ").number(ratio.significant(2)).words(" times as much.");
-            match own.estimates.noise {
+            match identification.estimates.noise {
                 NoiseSource::Known => text.words(" The intervals rest on the cell's noise and are too narrow."),
                 _ => text,
             }
@@ -190,8 +190,8 @@ fn residual(text: Text, options: &IdentifiedOptions, found: &Identified) -> Text
 }
 
 /// What to do next.
-pub(super) fn next(options: &IdentifiedOptions, joints: &Joints<'_>, found: &Identified) -> Text {
-    let fault = found.screening().and_then(|screening| {
+pub(super) fn next(options: &IdentifiedOptions, joints: &Joints<'_>, identified: &Identified) -> Text {
+    let fault = identified.screening().and_then(|screening| {
         let mut both = screening.suspicions.iter().zip(&screening.findings);
         both.find(|(_, finding)| finding.severity == Severity::Serious)
     });
@@ -217,7 +217,7 @@ pub(super) fn next(options: &IdentifiedOptions, joints: &Joints<'_>, found: &Ide
             .strong("Check the sign of the force")
             .words(" (on the robot), the frames and the model, then identify again.");
     }
-    if found.systematic_errors.is_none() {
+    if identified.systematic_errors.is_none() {
         let text = if options.brief {
             Text::new("Identify again without ").code("--brief")
         } else {
@@ -229,25 +229,25 @@ pub(super) fn next(options: &IdentifiedOptions, joints: &Joints<'_>, found: &Ide
     }
     let missing = joints.of(|verdict| !is_within(verdict));
     // What is left without the outliers is the model's.
-    let left = found.diagnosis.as_ref().and_then(|d| {
+    let left = identified.diagnosis.as_ref().and_then(|d| {
         let without = d.outliers.noise_without.as_ref();
         without.or(d.noise.as_ref())
     });
     let larger = left.is_some_and(|test| test.agreement == Agreement::Larger);
     // No posture under this load tells them.
-    let next = found.next_posture.as_ref();
+    let next = identified.next_posture.as_ref();
     let never = |j: usize| next.is_some_and(|next| next.after.get(j).copied().flatten().is_none());
     // A joint without a value comes before how well the others fit.
     let mut blind = joints.of(|verdict| matches!(verdict, Verdict::Undetermined | Verdict::NotByItself));
     blind.retain(|j| !never(*j));
-    if larger && found.elastic.is_none() && blind.is_empty() {
+    if larger && identified.elastic.is_none() && blind.is_empty() {
         return Text::new("Identify again with ")
             .code("--elastic mixed")
             .words(": more than the joint axes may give way. Then ")
             .code("stiffarm validate")
             .words(" on postures that were held out.");
     }
-    let outlier = found.diagnosis.as_ref().and_then(|d| d.outliers.found.first());
+    let outlier = identified.diagnosis.as_ref().and_then(|d| d.outliers.found.first());
     if let Some(outlier) = outlier.filter(|_| blind.is_empty()) {
         let what = match (outlier.kind, &outlier.posture, &outlier.point) {
             (OutlierKind::Point, _, Some(point)) => {
@@ -266,7 +266,7 @@ pub(super) fn next(options: &IdentifiedOptions, joints: &Joints<'_>, found: &Ide
             .code(format!("--exclude {}", visible(what)))
             .words(" and see what changes: it contradicts the others.");
     }
-    let doubted = found.diagnosis.as_ref().and_then(Diagnosis::doubted);
+    let doubted = identified.diagnosis.as_ref().and_then(Diagnosis::doubted);
     if let Some(doubted) = doubted.filter(|_| blind.is_empty()) {
         return Text::new("Settle the doubt about ")
             .code(visible(&doubted.subject))
@@ -275,7 +275,7 @@ pub(super) fn next(options: &IdentifiedOptions, joints: &Joints<'_>, found: &Ide
     let weak = joints.of(|verdict| verdict == Verdict::Weak);
     // Of those that another posture helps; what the load never turns stays open.
     let error = |all: &[Option<f64>], j: usize| all.get(j).copied().flatten();
-    let helped = found.next_posture.as_ref().and_then(|advice| {
+    let helped = identified.next_posture.as_ref().and_then(|advice| {
         let fallen = |j: &usize| {
             let before = error(&advice.before, *j);
             Some((*j, error(&advice.after, *j)? / before.unwrap_or(f64::INFINITY)))

@@ -12,29 +12,29 @@ impl Telling<Asked> for Chosen {
     fn told(&self, options: &Asked, context: &Given<'_>) -> Result<Told> {
         let mut chosen = self.clone();
         chosen.selection.evaluation.name = "chosen postures".to_string();
-        let found = &chosen.selection;
-        let index = found.index;
+        let selection = &chosen.selection;
+        let index = selection.index;
         let count = chosen.posture_names.len();
         let wrenches = if chosen.measured_wrenches { ", each under its measured wrench" } else { "" };
         let done = Text::new(format!(
             "Of {} the best {count} were chosen{wrenches}.",
             counted(chosen.candidate_names.len(), "candidate")
         ));
-        let mut came = Text::new(index.says()).number(index_number(index, found.value)).words(".");
-        if found.exact {
-            came = came.words(" No other choice of as many candidates is better.");
-        } else if found.bound.is_some() {
+        let mut conclusion = Text::new(index.says()).number(index_number(index, selection.value)).words(".");
+        if selection.exact {
+            conclusion = conclusion.words(" No other choice of as many candidates is better.");
+        } else if selection.bound.is_some() {
             let side = if index.larger_is_better() { "above" } else { "below" };
-            came = came
+            conclusion = conclusion
                 .words(format!(" No choice of as many candidates can be {side} "))
-                .number(index_number(index, found.bound))
+                .number(index_number(index, selection.bound))
                 .words(": this one reaches ")
-                .number(Number::new(found.efficiency).percent().decimals(1))
+                .number(Number::new(selection.efficiency).percent().decimals(1))
                 .words(" of what is possible.");
         }
-        if !found.forbidden.is_empty() {
-            let count = counted(found.forbidden.len(), "candidate");
-            came = came.words(format!(" {count} lie outside bounds or limits."));
+        if !selection.forbidden.is_empty() {
+            let count = counted(selection.forbidden.len(), "candidate");
+            conclusion = conclusion.words(format!(" {count} lie outside bounds or limits."));
         }
         let next = if chosen.measured_wrenches {
             Text::new("These are measured already: identify with them alone and compare, or plan more with ")
@@ -52,22 +52,22 @@ impl Telling<Asked> for Chosen {
         let group = PostureGroup::named("chosen postures", &chosen.posture_names, angles);
         let mut sections =
             vec![context.cell_section(&[group], "Step through the chosen postures in the order of the list.")?];
-        let worth = Worth { evaluation: &found.evaluation, posture_names: &chosen.posture_names };
+        let worth = Worth { evaluation: &selection.evaluation, posture_names: &chosen.posture_names };
         sections.extend(worth_sections(context, options.characteristic_length_m, &chosen.joints, &[worth], &[]));
-        if !found.forbidden.is_empty() {
-            let names = found.forbidden.iter();
-            let names = names.map(|own| name_of(&chosen.candidate_names, own.candidate));
+        if !selection.forbidden.is_empty() {
+            let names = selection.forbidden.iter();
+            let names = names.map(|forbidden| name_of(&chosen.candidate_names, forbidden.candidate));
             let caption = "Candidates that bounds or limits of the cell forbid";
             let table = DataTable::of(caption, "candidate", names).words("why", |row| {
-                let why = visible(&found.forbidden[row].because);
+                let why = visible(&selection.forbidden[row].because);
                 why.into_owned().into()
             });
             let section = Section::new("forbidden", "Left out", vec![Block::Table(table)]);
-            sections.push(if found.forbidden.len() > FEW { section } else { section.in_summary() });
+            sections.push(if selection.forbidden.len() > FEW { section } else { section.in_summary() });
         }
-        let verdict = [done, came, next];
-        let is_stopped = found.termination == Termination::Interrupted;
+        let verdict = [done, conclusion, next];
+        let is_stopped = selection.termination == Termination::Interrupted;
         let findings = with_stopped(context, chosen.findings.clone(), is_stopped, &[]);
-        Ok(context.told(findings, "The best of a list".to_string(), verdict, Some(key), sections))
+        Ok(context.summary(findings, "The best of a list".to_string(), verdict, Some(key), sections))
     }
 }

@@ -21,7 +21,7 @@ impl<O> Telling<O> for Curve {
         let done = Text::new(format!("The best plan was searched for every number of postures from 1 to {largest}."));
         let value = |s: usize| index_number(index, sizes[s].point.value);
         let ends = sizes.iter().position(|size| size.point.value.is_some());
-        let came = match ends {
+        let conclusion = match ends {
             None => Text::new("So few postures cannot determine every joint."),
             Some(first) => Text::new(format!("The index {} goes from ", index.in_words()))
                 .number(value(first))
@@ -85,9 +85,9 @@ impl<O> Telling<O> for Curve {
             done
         };
         let sections = vec![Section::new("count", "How many postures", blocks)];
-        let verdict = [done, came, next];
+        let verdict = [done, conclusion, next];
         let is_stopped = sizes.len() < curve.largest;
         let findings = with_stopped(context, curve.findings.clone(), is_stopped, &[]);
-        Ok(context.told(findings, "How many postures".to_string(), verdict, Some(key), sections))
+        Ok(context.summary(findings, "How many postures".to_string(), verdict, Some(key), sections))
     }
 }

@@ -11,19 +11,19 @@ use stiffarm::plan::select::{LimitPrice, Sensitivity, Spread, WORTH_CHANGING};
 
 /// What the bound rests on; `None` where there is none.
 pub(super) fn certificate(plan: &Plan) -> Option<Text> {
-    let found = plan.certificate.as_ref()?;
-    let (searches, agreeing) = (found.verification.searches, found.verification.agreeing);
+    let certificate = plan.certificate.as_ref()?;
+    let (searches, agreeing) = (certificate.verification.searches, certificate.verification.agreeing);
     let mut text = Text::new(format!(
         "The bound holds for every plan of as many postures inside the cell's limits, whatever the search. It rests on \
          {searches} searches for a posture that would help more, {agreeing} of which ended at the same best one."
     ));
-    if let Some(doubt) = found.verification.doubt() {
+    if let Some(doubt) = certificate.verification.doubt() {
         text = text.words(format!(" But {doubt}."));
     }
-    if found.termination != Termination::Converged {
+    if certificate.termination != Termination::Converged {
         text = text.words(" It is not tight: the true limit may be somewhat higher.");
     }
-    if !found.outside.is_empty() {
+    if !certificate.outside.is_empty() {
         text = text.words(" It says nothing of postures outside bounds or limits.");
     }
     Some(text)
@@ -74,21 +74,21 @@ pub(super) fn price_table(plan: &Plan, prices: &[LimitPrice]) -> DataTable {
 /// The load that was chosen together with the postures, as lines of the cell file.
 pub(super) fn load_section(options: &Asked, plan: &Plan) -> Option<Section> {
     let load = plan.selection.load.as_ref()?;
-    let asked = &options.asked;
+    let select_options = &options.asked;
     // A tenth of a millimetre is finer than anybody rigs a rope.
     let point = |m: [f64; 3]| {
         let digits = m.map(|m| coarse(m).digits());
         digits.join(", ").replace('−', "-")
     };
     let mut lines = Vec::new();
-    if asked.loading_point_box_mm.is_some() {
+    if select_options.loading_point_box_mm.is_some() {
         lines.push("[tool]".to_string());
         lines.push(format!("loading_point_mm = [{}]", point(load.loading_point_m)));
     }
     let newtons = load.magnitude_n;
-    let newtons = newtons.filter(|_| asked.largest_load_n.is_some());
+    let newtons = newtons.filter(|_| select_options.largest_load_n.is_some());
     let anchor = load.anchor_m;
-    let anchor = anchor.filter(|_| asked.anchor_box_mm.is_some());
+    let anchor = anchor.filter(|_| select_options.anchor_box_mm.is_some());
     if newtons.is_some() || anchor.is_some() {
         lines.push("[load]".to_string());
     }
@@ -105,18 +105,18 @@ pub(super) fn load_section(options: &Asked, plan: &Plan) -> Option<Section> {
 
 /// Whether wrong assumptions would change the plan.
 pub(super) fn sensitivity_section(plan: &Plan) -> Option<Section> {
-    let found = plan.sensitivity.as_ref()?;
-    let mut blocks = vec![Block::Text(stands(found))];
-    blocks.extend(sensitivity_figure(found).map(Block::Figure));
-    if !found.priors.is_empty() {
-        blocks.push(Block::Table(prior_table(found)));
+    let sensitivity = plan.sensitivity.as_ref()?;
+    let mut blocks = vec![Block::Text(stands(sensitivity))];
+    blocks.extend(sensitivity_figure(sensitivity).map(Block::Figure));
+    if !sensitivity.priors.is_empty() {
+        blocks.push(Block::Table(prior_table(sensitivity)));
     }
-    let options = &found.options;
+    let options = &sensitivity.options;
     let angle = options.joint_angle_std.to_degrees();
     let point = 1e3 * options.tool_point_std;
     let spreads = [
-        (format!("joint angles by {angle:.3}° (1σ)"), found.postures),
-        (format!("loading and measuring points by {point:.2} mm (1σ)"), found.tool_points),
+        (format!("joint angles by {angle:.3}° (1σ)"), sensitivity.postures),
+        (format!("loading and measuring points by {point:.2} mm (1σ)"), sensitivity.tool_points),
     ];
     let caption = format!(
         "How much worse the index is under random errors ({} draws); – where it does not exist in some of them",
@@ -136,10 +136,10 @@ pub(super) fn sensitivity_section(plan: &Plan) -> Option<Section> {
 }
 
 /// Whether another plan would be better with another prior stiffness.
-fn stands(found: &Sensitivity) -> Text {
+fn stands(sensitivity: &Sensitivity) -> Text {
     let share = 100.0 * WORTH_CHANGING;
-    let unknown = found.priors.iter().find(|case| case.value.is_none());
-    if found.priors.is_empty() {
+    let unknown = sensitivity.priors.iter().find(|case| case.value.is_none());
+    if sensitivity.priors.is_empty() {
         return "The index does not use the prior stiffness.".into();
     }
     if let Some(case) = unknown {
@@ -151,7 +151,7 @@ fn stands(found: &Sensitivity) -> Text {
         .strong("another plan would be better")
         .words(".");
     }
-    if found.would_change {
+    if sensitivity.would_change {
         return Text::new("With another prior stiffness of one joint ").strong("another plan would be better").words(
             format!(" by more than {share} %: identify with this plan, put the result into the cell, and plan again."),
         );
@@ -162,10 +162,10 @@ fn stands(found: &Sensitivity) -> Text {
 }
 
 /// The plan and the best one found with other prior stiffness, joint by joint.
-fn prior_table(found: &Sensitivity) -> DataTable {
-    let case = |row: usize| &found.priors[row];
-    let quantity = index_quantity(found.index);
-    let names = found.priors.iter();
+fn prior_table(sensitivity: &Sensitivity) -> DataTable {
+    let case = |row: usize| &sensitivity.priors[row];
+    let quantity = index_quantity(sensitivity.index);
+    let names = sensitivity.priors.iter();
     let names = names.map(|case| visible(&case.joint).into_owned());
     DataTable::of("The plan with other prior stiffness", "joint", names)
         .words("its prior k", |row| format!("× {}", case(row).factor).into())

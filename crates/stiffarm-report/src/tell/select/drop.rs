@@ -30,7 +30,7 @@ impl<O> Telling<O> for DropResult {
                 dropped.dropped.len()
             ))
         };
-        let came = Text::new(index.says())
+        let conclusion = Text::new(index.says())
             .number(index_number(index, dropped.value))
             .words(format!(" without {}, against ", list(&names(&dropped.dropped))))
             .number(index_number(index, dropped.before))
@@ -66,7 +66,7 @@ impl<O> Telling<O> for DropResult {
         }
         let figure = worth_figure(&dropped.values, &shown(&result.posture_names));
         sections.push(Section::new("worth", "What each posture is worth", vec![Block::Figure(figure)]));
-        let verdict = [done, came, next];
-        Ok(context.told(result.findings.clone(), "Postures to leave out".to_string(), verdict, Some(key), sections))
+        let verdict = [done, conclusion, next];
+        Ok(context.summary(result.findings.clone(), "Postures to leave out".to_string(), verdict, Some(key), sections))
     }
 }

@@ -15,7 +15,7 @@ use stiffarm::ask::select::{Asked, Chosen, Curve, DropResult, Mode, Plan, SpaceF
 use stiffarm::{Code, Error, Result};
 
 /// What a result says of `select`.
-pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
+pub(super) fn summary(with: &WithCell<'_>) -> Result<Told> {
     match Mode::deserialize(&with.saved.json["options"]["mode"]) {
         Ok(Mode::Global | Mode::From | Mode::Add) => of_saved::<Plan, Asked>(with),
         Ok(Mode::Drop) => of_saved::<DropResult, IgnoredAny>(with),

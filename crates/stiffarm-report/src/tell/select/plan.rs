@@ -63,21 +63,21 @@ impl Telling<Asked> for Plan {
             (true, 1) => "Plan of one posture".to_string(),
             (true, _) => format!("Plan of {}", story::counted(&plan)),
         };
-        let asked = [
+        let optional_parts = [
             ("sensitivity", options.asked.sensitivity, plan.sensitivity.is_some()),
             ("prices", options.asked.prices, plan.prices.is_some()),
         ];
         // What was asked for and is not there, with nothing that says why.
-        let left_out = asked.into_iter().filter(|(_, asked, there)| *asked && !there);
+        let left_out = optional_parts.into_iter().filter(|(_, wanted, there)| *wanted && !there);
         let left_out: Vec<&str> = left_out.map(|(name, ..)| name).collect();
         let findings = plan.findings.clone();
         let findings = with_stopped(context, findings, is_interrupted(&plan), &left_out);
         let verdict = story::verdict(options, context, &plan);
-        let mut told = context.told(findings, heading, verdict, Some(key), sections);
+        let mut summary = context.summary(findings, heading, verdict, Some(key), sections);
         if let Some(cell) = context.cell {
             let group = PostureGroup::named("", &plan.posture_names, plan.selection.group.clone());
-            told.add_findings(cell.posture_findings(&group.postures));
-            told.add_findings(cell.setup.robot.limits_are_unknown().then(|| {
+            summary.add_findings(cell.posture_findings(&group.postures));
+            summary.add_findings(cell.setup.robot.limits_are_unknown().then(|| {
             let sentence = "The machine's limits are not known (±360° stand in): compare the postures with the machine \
                             before driving them.";
             Finding::caution("unknown-limits", "robot.limits_deg", sentence)
@@ -87,16 +87,16 @@ impl Telling<Asked> for Plan {
         // What is expected of every arm needs no word.
         if let (Index::Prediction, Some(sizes @ ElasticSource::Declared)) = (plan.selection.index, sizes) {
             let sentence = format!("The index prediction takes {}.", sizes.in_words());
-            told.verdict[1] = std::mem::take(&mut told.verdict[1]).words(format!(" {sentence}"));
+            summary.verdict[1] = std::mem::take(&mut summary.verdict[1]).words(format!(" {sentence}"));
         }
         let unsure = is_beyond_first_order(&plan.evaluation);
-        Ok(told.caution("select", unsure.then_some(UNSURE)))
+        Ok(summary.caution("select", unsure.then_some(UNSURE)))
     }
 }
 
 /// Whether some part of it ended early because the user wanted so.
 fn is_interrupted(plan: &Plan) -> bool {
-    let bound = plan.certificate.iter().map(|found| found.termination);
+    let bound = plan.certificate.iter().map(|certificate| certificate.termination);
     let joints = plan.joint_efficiencies.iter().flatten();
     let mut ends = bound.chain(joints.map(|joint| joint.termination));
     plan.selection.termination == Termination::Interrupted || ends.any(|end| end == Termination::Interrupted)
@@ -121,8 +121,8 @@ fn cell_section(context: &Given<'_>, plan: &Plan) -> Result<Section> {
     };
     let angles = plan.selection.group.iter().cloned();
     let mut groups = vec![PostureGroup::named(name, &plan.posture_names, angles)];
-    if let Some(known) = plan.before.as_ref().filter(|b| !b.postures.is_empty()) {
-        let mut group = known.group();
+    if let Some(earlier) = plan.before.as_ref().filter(|b| !b.postures.is_empty()) {
+        let mut group = earlier.group();
         group.name = before.to_string();
         groups.push(group);
     }
@@ -144,9 +144,9 @@ fn search_section(plan: &Plan) -> Option<Section> {
         return None;
     }
     let section = Section::new("search", "How far the search came", blocks);
-    let doubtful = plan.certificate.as_ref().is_some_and(|found| {
-        let tight = found.termination == Termination::Converged && found.outside.is_empty();
-        !tight || found.verification.doubt().is_some()
+    let doubtful = plan.certificate.as_ref().is_some_and(|certificate| {
+        let tight = certificate.termination == Termination::Converged && certificate.outside.is_empty();
+        !tight || certificate.verification.doubt().is_some()
     });
     Some(if doubtful { section.in_summary() } else { section })
 }

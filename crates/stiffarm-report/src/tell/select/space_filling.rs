@@ -31,7 +31,7 @@ impl Telling<Asked> for SpaceFillingPlan {
             done = done.words(" It was stopped: more exchanges may spread them further.");
         }
         let undetermined = &evaluation.undetermined_joints;
-        let came = if !undetermined.is_empty() {
+        let conclusion = if !undetermined.is_empty() {
             Text::new("They cannot determine ").strong(list(&shown(undetermined))).words(".")
         } else if let Some(error) = evaluation.indices.expected_error {
             let text = Text::new(
@@ -68,15 +68,15 @@ impl Telling<Asked> for SpaceFillingPlan {
             section.blocks.extend(near.map(Block::Text));
             section
         }));
-        let verdict = [done, came, next];
+        let verdict = [done, conclusion, next];
         let is_stopped = result.termination == Termination::Interrupted;
         let findings = with_stopped(context, result.findings.clone(), is_stopped, &[]);
-        let told = context.told(findings, "Evenly spread postures".to_string(), verdict, Some(key), sections);
+        let summary = context.summary(findings, "Evenly spread postures".to_string(), verdict, Some(key), sections);
         let unsure = if undetermined.is_empty() {
             is_beyond_first_order(evaluation).then_some(UNSURE)
         } else {
             Some("These postures leave a joint undetermined.")
         };
-        Ok(told.caution("select", unsure))
+        Ok(summary.caution("select", unsure))
     }
 }

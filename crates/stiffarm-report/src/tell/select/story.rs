@@ -14,7 +14,7 @@ const WORTH_SEARCHING: f64 = 0.9;
 
 /// What was done, what came out, what to do next.
 pub(super) fn verdict(options: &Asked, context: &Given<'_>, plan: &Plan) -> [Text; 3] {
-    [done(options, plan), came(context, plan), next(plan)]
+    [done(options, plan), conclusion(context, plan), next(plan)]
 }
 
 /// `12 postures (11 different)`.
@@ -30,9 +30,9 @@ pub(super) fn counted(plan: &Plan) -> String {
 /// What of the plan sits on a limit.
 fn on_limits(plan: &Plan) -> String {
     let codes = [codes::ON_MACHINE_LIMIT, codes::NO_ROOM_TO_SPARE, codes::HIDDEN_POINTS];
-    let own = plan.findings.iter();
-    let own = own.filter(|f| codes.contains(&f.code.as_str()));
-    own.map(|f| format!(" {}", visible(&f.sentence))).collect()
+    let findings = plan.findings.iter();
+    let findings = findings.filter(|f| codes.contains(&f.code.as_str()));
+    findings.map(|f| format!(" {}", visible(&f.sentence))).collect()
 }
 
 fn done(options: &Asked, plan: &Plan) -> Text {
@@ -47,7 +47,7 @@ fn done(options: &Asked, plan: &Plan) -> Text {
     let beside = match plan.given_names.len() {
         0 => String::new(),
         1 => " beside one given posture".to_string(),
-        given => format!(" beside {given} given ones"),
+        number => format!(" beside {number} given ones"),
     };
     let searches = match plan.selection.rounds {
         Some(rounds) if rounds != 1 => {
@@ -83,7 +83,7 @@ fn takes(context: &Given<'_>, plan: &Plan) -> String {
     if plan.time_s <= 0.0 || count == 0 {
         return String::new();
     }
-    let loads = chosen_in_time(plan).map_or_else(String::new, |(_, own)| under(&own.loads));
+    let loads = chosen_in_time(plan).map_or_else(String::new, |(_, way)| under(&way.loads));
     let assumed = context.cell.filter(|cell| cell.time == MeasuringTime::default());
     let how = assumed.map_or_else(String::new, |cell| {
         let each = minutes(cell.time.of_posture(&cell.setup.load));
@@ -112,7 +112,7 @@ fn under(loads: &[String]) -> String {
     format!(" under {}", names.join(" and then "))
 }
 
-fn came(context: &Given<'_>, plan: &Plan) -> Text {
+fn conclusion(context: &Given<'_>, plan: &Plan) -> Text {
     let index = plan.selection.index;
     let mut text = Text::new(index.says()).number(index_number(index, plan.selection.value));
     let range = plan.evaluation.indices.prediction_range;
@@ -124,8 +124,8 @@ fn came(context: &Given<'_>, plan: &Plan) -> Text {
             .number(index_number(index, high))
             .words(" where what gives way beyond the axes is a third or three times as large as expected)");
     }
-    let known = plan.before.as_ref();
-    if let Some(before) = known {
+    let before = plan.before.as_ref();
+    if let Some(before) = before {
         let name = if plan.given_names.is_empty() { "the initial group" } else { "the given postures alone" };
         text = match before.evaluation.indices.get(index) {
             Some(value) => text.words(", against ").number(index_number(index, value)).words(format!(" with {name}")),
@@ -133,13 +133,13 @@ fn came(context: &Given<'_>, plan: &Plan) -> Text {
         };
     }
     text = text.words(".");
-    if let Some(found) = &plan.certificate
-        && let Some(efficiency) = found.efficiency
+    if let Some(certificate) = &plan.certificate
+        && let Some(efficiency) = certificate.efficiency
     {
-        let further = if found.measured_count > 0 { " further" } else { "" };
+        let further = if certificate.measured_count > 0 { " further" } else { "" };
         text = text
             .words(format!(" No plan of as many{further} postures can be below "))
-            .number(index_number(index, found.bound));
+            .number(index_number(index, certificate.bound));
         // That bound is of plans that may measure fractions of a posture, which few postures are far from.
         text = if index == Index::Prediction {
             text.words(".")
@@ -187,16 +187,16 @@ fn in_time(plan: &Plan) -> Text {
 fn further_load(plan: &Plan) -> Text {
     // For a given time that is said already, with fewer postures.
     let said = plan.in_time.iter().any(|way| way.further_mass_kg.is_some());
-    let Some(found) = plan.further_load.as_ref().filter(|_| !said) else {
+    let Some(further) = plan.further_load.as_ref().filter(|_| !said) else {
         return Text::default();
     };
     let of = |error: f64| index_number(Index::Prediction, error);
-    Text::new(format!(" A weight of {:.0} kg hung in the same postures as well (a second ", found.mass_kg))
+    Text::new(format!(" A weight of {:.0} kg hung in the same postures as well (a second ", further.mass_kg))
         .code("[[load.case]]")
-        .words(format!(", {} more) would bring the error of the deflection at work from ", minutes(found.time_s)))
-        .number(of(found.without))
+        .words(format!(", {} more) would bring the error of the deflection at work from ", minutes(further.time_s)))
+        .number(of(further.without))
         .words(" to ")
-        .number(of(found.with))
+        .number(of(further.with))
         .words(".")
 }
 
@@ -226,7 +226,7 @@ fn next(plan: &Plan) -> Text {
             .code("--prices")
             .words(").");
     }
-    let efficiency = plan.certificate.as_ref().and_then(|found| found.efficiency);
+    let efficiency = plan.certificate.as_ref().and_then(|certificate| certificate.efficiency);
     let is_loose = efficiency.is_some_and(|share| share < WORTH_SEARCHING) && plan.selection.index != Index::Prediction;
     let is_short = !matches!(plan.selection.termination, Termination::Converged);
     if is_loose && is_short && plan.selection.rounds.is_some() {

@@ -50,7 +50,7 @@ impl<O> Telling<O> for ElasticSimulation {
             result.sizes_from.in_words(),
             sizes.join(", ")
         ));
-        let verdict = [done, came(&result, best), next(best.map(|b| b.1))];
+        let verdict = [done, conclusion(&result, best), next(best.map(|b| b.1))];
         let groups = result.groups.iter().map(|group| {
             let angles = group.postures.iter().cloned();
             PostureGroup::named(&group.name, &group.posture_names, angles)
@@ -70,11 +70,11 @@ impl<O> Telling<O> for ElasticSimulation {
         sections.push(Section::new("joints", title, blocks));
         let key = errors(&result);
         let findings = with_stopped(context, self.findings.clone(), self.interrupted, &[]);
-        Ok(context.told(findings, "Simulated identifications of an elastic arm", verdict, Some(key), sections))
+        Ok(context.summary(findings, "Simulated identifications of an elastic arm", verdict, Some(key), sections))
     }
 }
 
-fn came(result: &ElasticSimulation, best: Option<(&ElasticGroup, &ElasticLevel)>) -> Text {
+fn conclusion(result: &ElasticSimulation, best: Option<(&ElasticGroup, &ElasticLevel)>) -> Text {
     let Some((group, level)) = best else {
         return Text::new("There are no runs.");
     };
@@ -201,12 +201,12 @@ fn joints(names: &[String], level: &ElasticLevel) -> DataTable {
     let caption = "Deviation |k̂ − k|/k of each joint, and share of the intervals of k that hold";
     let mut table = DataTable::of(caption, "joint", names);
     let models = [("axes", Some(&level.axes)), ("mixed", level.mixed.as_ref())];
-    for (model, found) in models {
-        let Some(found) = found else { continue };
+    for (model, outcome) in models {
+        let Some(outcome) = outcome else { continue };
         table = table
-            .numbers(&format!("{model}: median"), DEVIATION, |j| Some(Number::new(found.median_deviation[j])))
-            .numbers(&format!("{model}: mean"), DEVIATION, |j| Some(Number::new(found.mean_deviation[j])))
-            .numbers(&format!("{model}: k holds"), SHARE, |j| found.interval_share[j].map(Number::new));
+            .numbers(&format!("{model}: median"), DEVIATION, |j| Some(Number::new(outcome.median_deviation[j])))
+            .numbers(&format!("{model}: mean"), DEVIATION, |j| Some(Number::new(outcome.mean_deviation[j])))
+            .numbers(&format!("{model}: k holds"), SHARE, |j| outcome.interval_share[j].map(Number::new));
     }
     table
 }

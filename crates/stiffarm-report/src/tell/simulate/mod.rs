@@ -21,7 +21,7 @@ const SIDE_BY_SIDE: usize = 3;
 const DEVIATION: Quantity = Quantity::new("%", 100.0, Form::Decimals(2));
 
 /// What a result says of `simulate`.
-pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
+pub(super) fn summary(with: &WithCell<'_>) -> Result<Told> {
     match with.saved.json["result"].get("asked") {
         Some(_) => of_saved::<ElasticSimulation, IgnoredAny>(with),
         None => of_saved::<Simulation, Options>(with),
@@ -53,7 +53,7 @@ impl Telling<Options> for Simulation {
             .filter_map(|group| Some(Shown { name: group.name.clone(), level: own_level(group)? }))
             .collect();
         let best = shown.iter().min_by(|a, b| worst(a).1.total_cmp(&worst(b).1));
-        let verdict = [done(has_errors, &result), came(has_errors, &joints, &shown, best), next(best)];
+        let verdict = [done(has_errors, &result), conclusion(has_errors, &joints, &shown, best), next(best)];
         let mut sections = Vec::new();
         sections.extend(cell_section(context, groups(&result.groups))?);
         let figure = deviation_by_noise_figure(&joints, &result.groups, result.runs);
@@ -79,8 +79,8 @@ impl Telling<Options> for Simulation {
         let key = (!shown.is_empty()).then(|| key(has_errors, &joints, &shown));
         let unsure = is_unsure(best).then_some(UNSURE);
         let findings = with_stopped(context, self.findings.clone(), self.interrupted, &[]);
-        let told = context.told(findings, "Simulated identifications".to_string(), verdict, key, sections);
-        Ok(told.caution("simulate", unsure))
+        let summary = context.summary(findings, "Simulated identifications".to_string(), verdict, key, sections);
+        Ok(summary.caution("simulate", unsure))
     }
 }
 
@@ -135,7 +135,7 @@ fn stopped(is_stopped: bool, runs: impl Iterator<Item = usize>) -> String {
     format!(" (stopped after {fewest} of them at the level with the fewest)")
 }
 
-fn came(has_errors: bool, joints: &[String], shown: &[Shown<'_>], best: Option<&Shown<'_>>) -> Text {
+fn conclusion(has_errors: bool, joints: &[String], shown: &[Shown<'_>], best: Option<&Shown<'_>>) -> Text {
     let Some(best) = best else {
         return Text::new("There are no runs.");
     };
