@@ -286,15 +286,15 @@ const LONGEST_NAME: usize = 100;
 /// Letters of the beginning of a name that tell which is meant.
 const BEGINNING: usize = 3;
 
-/// `did you mean "…"?` for those of `known` that begin with `name`, else for the nearest to it.
-pub fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+/// `did you mean "…"?` for those of `names` that begin with `name`, else for the nearest to it.
+pub fn did_you_mean<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> Option<String> {
     if name.len() > LONGEST_NAME {
         return None;
     }
     let lower = name.to_lowercase();
-    let known: Vec<&str> = known.into_iter().collect();
+    let names: Vec<&str> = names.into_iter().collect();
     let begins = |k: &&&str| k.to_lowercase().starts_with(&lower);
-    let longer = known.iter().filter(begins);
+    let longer = names.iter().filter(begins);
     let longer: Vec<String> = longer.map(|k| format!("\"{k}\"")).collect();
     if let (Some((last, others)), true) = (longer.split_last(), lower.chars().count() >= BEGINNING) {
         return Some(match others {
@@ -302,7 +302,7 @@ pub fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) ->
             others => format!("did you mean {} or {last}?", others.join(", ")),
         });
     }
-    known
+    names
         .into_iter()
         .map(|k| (strsim::damerau_levenshtein(&lower, &k.to_lowercase()), k))
         .filter(|(distance, k)| {

@@ -70,11 +70,11 @@ impl CommonErrors {
     #[must_use]
     pub fn only(&self, source: &str) -> Self {
         let parts = self.parts.iter().enumerate();
-        let kept: Vec<usize> = parts.filter(|(_, part)| part.source == source).map(|(i, _)| i).collect();
+        let indices: Vec<usize> = parts.filter(|(_, part)| part.source == source).map(|(i, _)| i).collect();
         CommonErrors {
-            parts: kept.iter().map(|i| self.parts[*i].clone()).collect(),
-            mean: self.mean.select_rows(&kept),
-            covariance: self.covariance.select_rows(&kept).select_columns(&kept),
+            parts: indices.iter().map(|i| self.parts[*i].clone()).collect(),
+            mean: self.mean.select_rows(&indices),
+            covariance: self.covariance.select_rows(&indices).select_columns(&indices),
         }
     }
 }

@@ -24,8 +24,8 @@ pub(crate) fn diagnosed(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Diagnosis
     if out.rejected().is_some() {
         out.findings.retain(|finding| !setup::follows(finding));
     }
-    let found = out.set_up.iter().filter_map(|set_up| set_up.finding.clone());
-    out.findings.splice(0..0, found.collect::<Vec<_>>());
+    let of_set_up = out.set_up.iter().filter_map(|set_up| set_up.finding.clone());
+    out.findings.splice(0..0, of_set_up.collect::<Vec<_>>());
     Ok(out)
 }
 
@@ -39,7 +39,7 @@ pub(crate) fn doubts(fit: &Fit, diagnosis: Option<&Diagnosis>) -> Result<Vec<Fin
         return Ok(Vec::new());
     }
     let implausible = implausible_scale(fit.cell(), fit.identification()?);
-    let diagnosed = diagnosis.iter().flat_map(|own| &own.findings).cloned();
+    let diagnosed = diagnosis.iter().flat_map(|diagnosis| &diagnosis.findings).cloned();
     Ok(implausible.into_iter().chain(diagnosed).collect())
 }
 

@@ -42,12 +42,12 @@ impl ElasticChoice {
     }
 
     /// What is asked for where nothing is said: the mixed model, unless these options exclude it.
-    pub fn or_default(asked: Option<Self>, options: &IdentifyOptions) -> Self {
+    pub fn or_default(choice: Option<Self>, options: &IdentifyOptions) -> Self {
         let fits = match MixedFit::excluded_by(options) {
             Some(_) => ElasticChoice::Axes,
             None => ElasticChoice::Mixed,
         };
-        asked.unwrap_or(fits)
+        choice.unwrap_or(fits)
     }
 
     /// The model in sentences, tables and figures.
@@ -116,8 +116,8 @@ pub fn elastic(fit: &Fit, compare: bool) -> Result<(Elastic, Option<MixedFit>)> 
     out.likelihood_ratio = Some(mixed.likelihood_ratio());
     out.mixed = Some(mixed.result());
     if compare {
-        let rms = |found: Result<Validation>| match found {
-            Ok(found) => Ok(found.unpredicted.is_empty().then_some(found.component_rms_m)),
+        let rms = |validation: Result<Validation>| match validation {
+            Ok(validation) => Ok(validation.unpredicted.is_empty().then_some(validation.component_rms_m)),
             Err(error) if error.code() == Code::NotIdentifiable => Ok(None),
             Err(error) => Err(error),
         };
@@ -155,12 +155,12 @@ pub(crate) fn carried_near(fit: &Fit, other: Option<&MixedFit>) -> Result<std::r
     }
 }
 
-fn reasons(found: &Elastic) -> Vec<String> {
-    let ratio = found.likelihood_ratio.unwrap_or(0.0);
+fn reasons(elastic: &Elastic) -> Vec<String> {
+    let ratio = elastic.likelihood_ratio.unwrap_or(0.0);
     let mut out = Vec::new();
     if ratio == 0.0 {
         out.push("The data show nothing that gives way beyond the joint axes: the mixed model is theirs.".to_string());
-    } else if let (Some(axes), Some(mixed)) = (found.axes_rms_m, found.mixed_rms_m) {
+    } else if let (Some(axes), Some(mixed)) = (elastic.axes_rms_m, elastic.mixed_rms_m) {
         let by = match 1.0 - mixed / axes {
             less if less >= WORTH_SAYING => format!("{} less than", percent(less)),
             _ => "no less than".to_string(),

@@ -38,14 +38,14 @@ pub fn forecast(cell: &Cell, postures: &[Posture]) -> Result<Forecast> {
     let fit = Fit::new(cell, measured, &known_noise(&IdentifyOptions::default()))?;
     let values = DVector::from_iterator(prior.len(), prior.iter().map(|k| 1.0 / k));
     let left = DVector::zeros(fit.system().delta.len());
-    let own = expected_errors(&fit, &values, &left)?.uncertainty;
-    let each = |of: &dyn Fn(&JointUncertainty) -> Option<f64>| own.iter().map(of).collect();
+    let uncertainty = expected_errors(&fit, &values, &left)?.uncertainty;
+    let each = |of: &dyn Fn(&JointUncertainty) -> Option<f64>| uncertainty.iter().map(of).collect();
     Ok(Forecast {
         confidence: fit.options().confidence,
         total: each(&|joint| joint.total),
         readings: each(&|joint| joint.statistical),
         systematic: each(&|joint| joint.systematic),
-        largest_source: own.iter().map(|j| j.largest_source.clone()).collect(),
+        largest_source: uncertainty.iter().map(|j| j.largest_source.clone()).collect(),
     })
 }
 
@@ -104,11 +104,11 @@ fn stiffness(fit: &Fit, systematic: &SystematicErrors) -> Result<Vec<f64>> {
     let joints = &fit.identification()?.estimates.joints;
     let prior = fit.cell().prior.as_deref();
     let of = |j: usize| {
-        let own = joints[j].stiffness.filter(|k| *k > 0.0);
-        let half = systematic.uncertainty.get(j).and_then(|own| own.total);
-        let known = own.filter(|_| half.is_some_and(|half| half < NO_LONGER));
-        let found = known.or(prior.map(|prior| prior[j])).or(own);
-        found.ok_or_else(|| {
+        let identified = joints[j].stiffness.filter(|k| *k > 0.0);
+        let half = systematic.uncertainty.get(j).and_then(|joint| joint.total);
+        let bounded = identified.filter(|_| half.is_some_and(|half| half < NO_LONGER));
+        let stiffness = bounded.or(prior.map(|prior| prior[j])).or(identified);
+        stiffness.ok_or_else(|| {
             let message = format!("Nothing tells the stiffness of {} yet.", joints[j].name);
             Error::new(Code::NotIdentifiable, message)
         })

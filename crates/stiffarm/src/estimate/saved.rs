@@ -83,9 +83,9 @@ impl Sealed {
             return Err(Error::new(Code::ResultFile, message).key("springs"));
         }
         if let Some(flange) = self.flange_m {
-            let own = flange_of(cell);
-            let apart = (own - Vector3::from(flange)).norm();
-            if apart > OTHER_ROBOT * own.norm() {
+            let cell_flange = flange_of(cell);
+            let apart = (cell_flange - Vector3::from(flange)).norm();
+            if apart > OTHER_ROBOT * cell_flange.norm() {
                 let message = format!(
                     "The stiffness belongs to another robot than {}: with every joint at half a radian its flange is {} from \
                      this one's.",
@@ -107,7 +107,7 @@ impl Sealed {
             && common.mean.len() == common.parts.len()
             && square(&common.covariance, common.parts.len())
             && self.loads.iter().all(|load| load.q.len() == robot.joint_count());
-        let known = spread.as_ref().is_none_or(|spread| {
+        let spread_fits = spread.as_ref().is_none_or(|spread| {
             let doubt = spread.doubt.as_ref();
             square(&spread.covariance, count)
                 && quantile(spread.degrees_of_freedom, spread.confidence).is_ok()
@@ -118,7 +118,7 @@ impl Sealed {
                         && square(&doubt.covariance, 1 + doubt.classes.len())
                 })
         });
-        if fits && known {
+        if fits && spread_fits {
             Ok(())
         } else {
             let message = "The numbers of the sealed stiffness do not fit each other.";

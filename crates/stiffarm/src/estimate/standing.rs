@@ -122,11 +122,11 @@ impl<'f> SoFar<'f> {
     /// # Errors
     /// A joint that is not determined.
     pub fn compliance(&self) -> Result<IdentifiedCompliance> {
-        let found = match &self.mixed {
+        let compliance = match &self.mixed {
             Some((mixed, _)) => mixed.compliance().clone(),
             None => IdentifiedCompliance::from_identification(self.fit.cell(), self.fit.identification()?)?,
         };
-        Ok(found.with_systematic_errors(self.systematic()))
+        Ok(compliance.with_systematic_errors(self.systematic()))
     }
 
     /// The joints with the scatter of the readings.
@@ -192,7 +192,7 @@ impl<'f> SoFar<'f> {
 /// A decomposition that fails; stopped.
 pub fn standing<Q: AsRef<[f64]>>(so_far: &SoFar<'_>, planned: &[Q], goal: Option<f64>) -> Result<Standing> {
     let (fit, systematic) = (so_far.fit, so_far.systematic());
-    let found = fit.identification()?;
+    let identification = fit.identification()?;
     let expected = |count: usize| so_far.expected(&planned[..count]);
     let (with_next, with_all) = match planned.len() {
         0 => (None, None),
@@ -208,14 +208,14 @@ pub fn standing<Q: AsRef<[f64]>>(so_far: &SoFar<'_>, planned: &[Q], goal: Option
         .iter()
         .enumerate()
         .map(|(j, joint)| {
-            let own = systematic.uncertainty.get(j);
+            let uncertainty = systematic.uncertainty.get(j);
             let usable = joint.interval[1].is_some();
             let foreseen = |all| of(all, j).filter(|_| usable || !so_far.is_mixed());
             JointStanding {
                 name: joint.name.clone(),
                 stiffness_nm_per_rad: joint.stiffness,
-                total: own.and_then(|own| own.total).filter(|_| usable),
-                systematic: own.and_then(|own| own.systematic),
+                total: uncertainty.and_then(|uncertainty| uncertainty.total).filter(|_| usable),
+                systematic: uncertainty.and_then(|uncertainty| uncertainty.systematic),
                 with_next: foreseen(&with_next),
                 with_all: foreseen(&with_all),
             }
@@ -223,7 +223,7 @@ pub fn standing<Q: AsRef<[f64]>>(so_far: &SoFar<'_>, planned: &[Q], goal: Option
         .collect();
     // The load of the cell says nothing of these, and no measured force did either.
     let (_, mut findings) = determinable(fit.cell().clone());
-    findings.retain(|f| found.estimates.undetermined_joints.contains(&f.subject));
+    findings.retain(|f| identification.estimates.undetermined_joints.contains(&f.subject));
     let left_out = |j: &usize| findings.iter().any(|f| f.subject == joints[*j].name);
     let turned: Vec<usize> = (0..joints.len()).filter(|j| !left_out(j)).collect();
     let worst = |part: &dyn Fn(usize) -> Option<f64>| {
@@ -248,20 +248,20 @@ pub fn standing<Q: AsRef<[f64]>>(so_far: &SoFar<'_>, planned: &[Q], goal: Option
         postures_to_goal = Some(count.max(missing));
     }
     if let (Some(goal), Some(false)) = (goal, reached) {
-        findings.extend(out_of_reach(systematic, found.estimates.confidence, goal)?);
+        findings.extend(out_of_reach(systematic, identification.estimates.confidence, goal)?);
     }
     findings.extend(goal.and_then(|_| so_far.too_few(planned.len())));
     Ok(Standing {
         joints,
-        confidence: found.estimates.confidence,
+        confidence: identification.estimates.confidence,
         largest,
         reached,
         postures_to_goal,
         residual_std_m: match &so_far.mixed {
             Some((mixed, _)) => Some(mixed.result().total_std_m),
-            None => found.total_std_m,
+            None => identification.total_std_m,
         },
-        expected_std_m: found.expected_std_m,
+        expected_std_m: identification.expected_std_m,
         findings,
     })
 }
@@ -287,16 +287,17 @@ fn out_of_reach(systematic: &SystematicErrors, confidence: f64, goal: f64) -> Re
 
 /// Whether a posture that was searched for is worth measuring instead of the next planned one: by the
 /// relative standard error, RMS over the joints that the load turns.
-pub fn is_better(found: &NextPosture, planned: &PlannedErrors) -> bool {
+pub fn is_better(candidate: &NextPosture, planned: &PlannedErrors) -> bool {
     let Some(next) = planned.after.first() else {
         return true;
     };
     // What no load turns is open either way.
-    let pairs = next.iter().zip(&found.after);
-    let all: Option<Vec<f64>> = pairs.filter(|(_, after)| after.is_some()).map(|(own, _)| *own).collect();
+    let pairs = next.iter().zip(&candidate.after);
+    let all: Option<Vec<f64>> =
+        pairs.filter(|(_, after)| after.is_some()).map(|(planned_error, _)| *planned_error).collect();
     match all {
-        Some(all) => found.expected_error < WORTH_NAMING * super::identify::rms(&all),
+        Some(all) => candidate.expected_error < WORTH_NAMING * super::identify::rms(&all),
         // The planned one leaves a joint undetermined, and this one does not.
-        None => found.expected_error.is_finite(),
+        None => candidate.expected_error.is_finite(),
     }
 }

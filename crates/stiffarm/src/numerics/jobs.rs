@@ -55,18 +55,18 @@ pub fn as_far_as<J: Sync, T: Send>(
     run: impl Fn((usize, &J)) -> Result<T> + Sync + Send,
 ) -> Result<Vec<Option<T>>> {
     let order = spread(jobs.len());
-    let found = watched(&order, what, control, |(_, &i)| {
+    let outcomes = watched(&order, what, control, |(_, &i)| {
         if control.stopped() {
             return Ok(None);
         }
         match run((i, &jobs[i])) {
             // Stopped in the middle of the job.
             Err(error) if error.code() == Code::Interrupted => Ok(None),
-            found => found.map(Some),
+            outcome => outcome.map(Some),
         }
     })?;
     let mut out: Vec<Option<T>> = jobs.iter().map(|_| None).collect();
-    for (i, result) in order.into_iter().zip(found) {
+    for (i, result) in order.into_iter().zip(outcomes) {
         out[i] = result;
     }
     Ok(out)

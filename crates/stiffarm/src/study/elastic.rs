@@ -30,8 +30,8 @@ pub(super) fn beyond_axes(
     let wanted = [of(Index::Novel), of(Index::ExpectedError)];
     let names: Vec<&str> =
         std::iter::once(INITIAL_GROUP).chain(wanted.into_iter().flatten().map(|(_, name)| *name)).collect();
-    let known = groups.iter().filter(|g| names.contains(&g.name.as_str()));
-    let mut all: Vec<PostureGroup> = known.cloned().collect();
+    let named = groups.iter().filter(|g| names.contains(&g.name.as_str()));
+    let mut all: Vec<PostureGroup> = named.cloned().collect();
     if let Some(initial) = groups.iter().find(|g| g.name == INITIAL_GROUP) {
         let search = Options { max_iterations: options.max_iterations, ..Options::default() };
         let start = &initial.postures;
@@ -44,16 +44,16 @@ pub(super) fn beyond_axes(
         let seed = options.simulation.seed;
         let angles = random_group(cell, StartKind::Uniform, start.len(), seed, RANDOM_STREAM)?;
         let random = PostureGroup::from_angles("random", angles);
-        let found = evaluate_for(cell, &random.name, &random.postures, None)?;
-        if found.undetermined_joints.is_empty() {
+        let evaluation = evaluate_for(cell, &random.name, &random.postures, None)?;
+        if evaluation.undetermined_joints.is_empty() {
             all.push(random);
         }
     }
-    let own = ElasticSimulationOptions {
+    let elastic_options = ElasticSimulationOptions {
         runs: options.simulation.runs.min(MOST_RUNS),
         seed: options.simulation.seed,
         elastic: options.elastic,
         ..ElasticSimulationOptions::default()
     };
-    simulate_elastic(cell, &all, &own, control)
+    simulate_elastic(cell, &all, &elastic_options, control)
 }

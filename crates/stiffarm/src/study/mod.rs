@@ -159,9 +159,9 @@ pub struct Study {
 impl Study {
     /// Every finding of the result, each once.
     pub fn every_finding(&self) -> Vec<Finding> {
-        let elastic = self.elastic.iter().flat_map(|own| &own.findings);
+        let elastic = self.elastic.iter().flat_map(|simulation| &simulation.findings);
         let validated = self.groups.iter().filter_map(|group| group.validation.as_ref());
-        let validated = validated.flat_map(|own| &own.findings);
+        let validated = validated.flat_map(|validation| &validation.findings);
         let all = elastic.chain(&self.findings).chain(validated);
         each_once(all.chain(&self.simulation.findings))
     }

@@ -135,10 +135,10 @@ fn summarise(kind: &str, studied: &[(Index, &str)], outcomes: &[Vec<Option<f64>>
         .enumerate()
         .map(|(r, index)| {
             let values: Vec<Option<f64>> = outcomes.iter().map(|o| o[r]).collect();
-            let known: Vec<f64> = values.iter().flatten().copied().collect();
+            let determined: Vec<f64> = values.iter().flatten().copied().collect();
             IndexOverStarts {
                 index,
-                median: (!known.is_empty()).then(|| quantile_of(&known, 0.5)),
+                median: (!determined.is_empty()).then(|| quantile_of(&determined, 0.5)),
                 improved: outcomes.iter().filter(|o| badness(o[r]) < badness(o[0])).count(),
                 mean_expected_deviation: values,
             }

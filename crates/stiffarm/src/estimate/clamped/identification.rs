@@ -139,12 +139,12 @@ pub fn identify_clamped(
     result.findings = findings(clamped, &closures, &result);
     // Angles say nothing of the noise of displacements.
     let noise = FittedNoise::default();
-    let found = IdentifiedCompliance::from_estimates(cell, &result.estimates, noise).ok();
+    let compliance = IdentifiedCompliance::from_estimates(cell, &result.estimates, noise).ok();
     let forces = clamped.iter().map(|c| c.wrench.force.norm());
-    result.sealed = found.map(|found| Sealed {
+    result.sealed = compliance.map(|compliance| Sealed {
         springs: cell.setup.robot.spring_names(),
         flange_m: Some(flange_of(cell).into()),
-        predictor: found.with_doubts(&result.findings),
+        predictor: compliance.with_doubts(&result.findings),
         postures: once(result.postures.iter().map(|p| &p.posture)),
         largest_displacement_m: None,
         largest_force_n: forces.reduce(f64::max),
@@ -226,9 +226,9 @@ fn findings(clamped: &[ClampedPosture], closures: &[LoopClosure], result: &Clamp
 /// Compliances that come out negative as a whole: the sign of the wrench.
 fn sign(estimates: &Estimates) -> Option<Finding> {
     let faulty = |verdict: Verdict| verdict == Verdict::SignOrModelFault;
-    let known: Vec<_> = estimates.joints.iter().filter(|j| j.determined).collect();
-    let negative = known.iter().filter(|j| j.compliance < Some(0.0)).count();
-    if !known.iter().any(|j| faulty(j.verdict)) || 2 * negative <= known.len() {
+    let determined: Vec<_> = estimates.joints.iter().filter(|j| j.determined).collect();
+    let negative = determined.iter().filter(|j| j.compliance < Some(0.0)).count();
+    if !determined.iter().any(|j| faulty(j.verdict)) || 2 * negative <= determined.len() {
         return None;
     }
     Some(Finding::serious(
@@ -238,7 +238,7 @@ fn sign(estimates: &Estimates) -> Option<Finding> {
             "The compliance of {negative} of {} joints comes out negative: a sign or model fault. The wrench seems to \
              be that of the robot on the fixture, and the one of the fixture on the robot is needed. Check which way \
              the sensor counts (sensor.reports of the cell), and that the angles are loaded minus reference.",
-            known.len()
+            determined.len()
         ),
     ))
 }

@@ -220,9 +220,9 @@ fn rows_of(
         psi.column_mut(springs + i).copy_from(&twist);
     }
     let moved = clamped.fixture_motion.unwrap_or_default();
-    let known = moved - terms.known_twist(&setup.tool, &clamp);
+    let net_twist = moved - terms.known_twist(&setup.tool, &clamp);
     let motor = DVector::from_column_slice(&clamped.motor);
-    let delta = &closure.follow * known - closure.directions.tr_mul(&motor);
+    let delta = &closure.follow * net_twist - closure.directions.tr_mul(&motor);
     Ok((psi, delta))
 }
 

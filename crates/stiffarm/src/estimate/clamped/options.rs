@@ -9,8 +9,8 @@ use crate::measure::{all_excluded, check_names};
 /// # Errors
 /// A name that no posture has; nothing is left (key `exclude`).
 pub fn without(mut clamped: Vec<ClampedPosture>, exclude: &[String]) -> Result<Vec<ClampedPosture>> {
-    let known = clamped.iter().map(|c| c.posture.name.as_str());
-    check_names(exclude, known).map_err(|e| e.key("exclude"))?;
+    let names = clamped.iter().map(|c| c.posture.name.as_str());
+    check_names(exclude, names).map_err(|e| e.key("exclude"))?;
     clamped.retain(|c| !exclude.contains(&c.posture.name));
     if clamped.is_empty() { Err(all_excluded().key("exclude")) } else { Ok(clamped) }
 }

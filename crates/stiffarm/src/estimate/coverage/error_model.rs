@@ -170,8 +170,8 @@ impl<'a> Scene<'a> {
         };
         let pose = tracker.base_from_tracker.unwrap_or_default();
         let turn = pose.rotation.to_rotation_matrix();
-        let own = accuracy.covariance(&pose.inverse_transform_point(&(*at).into()).coords)?;
-        let covariance = turn.matrix() * own * turn.matrix().transpose();
+        let tracker_covariance = accuracy.covariance(&pose.inverse_transform_point(&(*at).into()).coords)?;
+        let covariance = turn.matrix() * tracker_covariance * turn.matrix().transpose();
         let root = if self.case.world.tracker_errors {
             covariance
                 .cholesky()

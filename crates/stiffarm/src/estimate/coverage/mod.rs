@@ -220,16 +220,16 @@ pub fn coverage(cell: &Cell, postures: &[Posture], case: &CoverageCase, control:
                 };
                 let all = prepared.solve(&delta, &assumed)?;
                 let (seed, level) = (rng.random(), options.confidence);
-                let found = resampled(&rows, &delta, &all, resamples, seed, level)?;
-                counts.skipped += found.skipped as u64;
-                counts.count(&found.joints, &truth);
+                let bootstrap = resampled(&rows, &delta, &all, resamples, seed, level)?;
+                counts.skipped += bootstrap.skipped as u64;
+                counts.count(&bootstrap.joints, &truth);
                 continue;
             }
-            let mut own = assumed.clone();
-            if let Scale::Repeats { sigma, degrees_of_freedom } = &mut own.scale {
+            let mut with_scatter = assumed.clone();
+            if let Scale::Repeats { sigma, degrees_of_freedom } = &mut with_scatter.scale {
                 *sigma = scene.scatter(*degrees_of_freedom, &mut rng);
             }
-            let solution = prepared.solve(&delta, &own)?;
+            let solution = prepared.solve(&delta, &with_scatter)?;
             let quantile = if solution.t_degrees_of_freedom == degrees_of_freedom {
                 quantile
             } else {

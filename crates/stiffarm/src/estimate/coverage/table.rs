@@ -122,13 +122,14 @@ pub fn records() -> &'static [Record] {
 /// tabulated degrees of freedom not above the given ones; `None` below the
 /// table, where no coverage is claimed.
 pub fn measured(intervals: Intervals, degrees_of_freedom: usize) -> Option<MeasuredCoverage> {
-    let own = || {
+    let tabulated = || {
         records()
             .iter()
             .filter(move |r| r.intervals == Some(intervals))
             .filter_map(|r| Some((r.degrees_of_freedom?, r)))
     };
-    let nearest = own().filter(|(dof, r)| *dof <= degrees_of_freedom && !r.adverse).max_by_key(|(dof, _)| *dof)?;
+    let nearest =
+        tabulated().filter(|(dof, r)| *dof <= degrees_of_freedom && !r.adverse).max_by_key(|(dof, _)| *dof)?;
     let (dof, record) = nearest;
     Some(MeasuredCoverage {
         degrees_of_freedom: dof,
@@ -136,7 +137,7 @@ pub fn measured(intervals: Intervals, degrees_of_freedom: usize) -> Option<Measu
         standard_error: record.standard_error,
         experiments: record.experiments,
         situation: record.situation.clone(),
-        adverse: own()
+        adverse: tabulated()
             .filter(|(other, r)| *other == dof && r.adverse)
             .map(|(_, r)| AdverseCoverage {
                 situation: r.situation.clone(),

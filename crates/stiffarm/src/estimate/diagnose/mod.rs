@@ -75,8 +75,8 @@ impl Diagnosis {
     }
 
     fn of_set_up(&self, code: &str) -> Option<&Finding> {
-        let found = self.set_up.as_ref()?.finding.as_ref();
-        found.filter(|finding| finding.code == code)
+        let finding = self.set_up.as_ref()?.finding.as_ref();
+        finding.filter(|finding| finding.code == code)
     }
 
     /// The quantity of the set-up that the readings want elsewhere, and how far off it may be.
@@ -124,7 +124,7 @@ pub(crate) fn diagnose_in(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Diagnos
                     findings.push(second_order::unstable());
                     Vec::new()
                 }
-                found => found?,
+                shares => shares?,
             }
         }
         None => Vec::new(),

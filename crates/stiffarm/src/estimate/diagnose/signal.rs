@@ -48,15 +48,15 @@ pub fn joint_signals(fit: &Fit) -> Vec<JointSignal> {
     (0..system.springs)
         .map(|j| {
             let h = solution.values[j];
-            let known = !solution.undetermined.contains(&j);
+            let is_determined = !solution.undetermined.contains(&j);
             let moved = rms((system.psi.column(j) * h).as_slice());
             let error = solution.covariance.as_ref().map(|c| c[(j, j)].max(0.0).sqrt());
             JointSignal {
                 name: system.unknowns[j].clone(),
                 torque_rms_nm: rms(&torques[j]),
-                displacement_rms_m: known.then_some(moved),
-                to_residual: (known && residual > 0.0).then(|| moved / residual),
-                relative_error: error.filter(|_| known && h != 0.0).map(|e| e / h.abs()),
+                displacement_rms_m: is_determined.then_some(moved),
+                to_residual: (is_determined && residual > 0.0).then(|| moved / residual),
+                relative_error: error.filter(|_| is_determined && h != 0.0).map(|e| e / h.abs()),
             }
         })
         .collect()
@@ -181,13 +181,13 @@ impl CorrelatedPair {
     /// What the correlation means.
     pub fn finding(&self) -> Finding {
         let [a, b] = &self.unknowns;
-        let known = if self.correlation < 0.0 {
+        let meaning = if self.correlation < 0.0 {
             "the sum of what they give is known better than either"
         } else {
             "the difference of what they give is known better than either"
         };
         let message = format!(
-            "The data hardly tell {a} and {b} apart (correlation {:.2}): {known}, and an error of one is an error of the \
+            "The data hardly tell {a} and {b} apart (correlation {:.2}): {meaning}, and an error of one is an error of the \
              other.",
             self.correlation
         );

@@ -79,11 +79,11 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
         let product = column(i).norm() * column(j).norm();
         column(i).dot(&column(j)).abs() >= (1.0 - SAME) * product
     };
-    let asked = |i: usize| options.extra.contains(&terms[i]);
+    let is_fitted = |i: usize| options.extra.contains(&terms[i]);
     let tried: Vec<usize> = (0..terms.len())
         .filter(|&i| {
-            let earlier = (0..i).any(|j| same(i, j)) || (0..terms.len()).any(|j| asked(j) && same(i, j));
-            !(asked(i) || earlier && column(i).norm() > 0.0)
+            let earlier = (0..i).any(|j| same(i, j)) || (0..terms.len()).any(|j| is_fitted(j) && same(i, j));
+            !(is_fitted(i) || earlier && column(i).norm() > 0.0)
         })
         .collect();
     let mut trials = in_order(&tried, |(_, &i)| {

@@ -109,16 +109,16 @@ pub(crate) fn resampled(
         let lost = solution.undetermined.iter().any(|j| !all.undetermined.contains(j));
         Ok((!lost).then_some(solution.values))
     })?;
-    let kept: Vec<_> = drawn.iter().flatten().collect();
-    if kept.len() < least {
+    let solutions: Vec<_> = drawn.iter().flatten().collect();
+    if solutions.len() < least {
         let message =
-            format!("Only {} of {resamples} resamples of {postures} postures determine the joints.", kept.len());
+            format!("Only {} of {resamples} resamples of {postures} postures determine the joints.", solutions.len());
         return Err(Error::new(Code::TooFewData, message)
             .hint("measure more postures, or use the intervals of the estimator itself"));
     }
     let joint = |j: usize| -> JointEstimate {
         let value = (!all.undetermined.contains(&j)).then(|| all.values[j]);
-        let values: Vec<f64> = kept.iter().map(|v| v[j]).collect();
+        let values: Vec<f64> = solutions.iter().map(|v| v[j]).collect();
         let mut out = estimate(&system.unknowns[j], value, Some(standard_deviation(&values)), None);
         if value.is_some() {
             out.close(quantile_of(&values, tail), quantile_of(&values, 1.0 - tail));
@@ -131,7 +131,7 @@ pub(crate) fn resampled(
         estimator: assumed.estimator,
         postures,
         resamples,
-        skipped: resamples - kept.len(),
+        skipped: resamples - solutions.len(),
         degrees_of_freedom: system.shifts().min(system.psi.nrows()).saturating_sub(rank),
         seed,
         confidence,

@@ -57,10 +57,10 @@ impl Roots {
 /// Solves with the factor of each part for its rows; false for a factor that is
 /// singular.
 fn whiten_parts(parts: &[(Vec<usize>, DMatrix<f64>)], rows: &mut DMatrix<f64>) -> bool {
-    parts.iter().all(|(own, root)| {
-        let mut part = rows.select_rows(own);
+    parts.iter().all(|(indices, root)| {
+        let mut part = rows.select_rows(indices);
         let solved = root.solve_lower_triangular_mut(&mut part);
-        for (a, i) in own.iter().enumerate() {
+        for (a, i) in indices.iter().enumerate() {
             rows.row_mut(*i).copy_from(&part.row(a));
         }
         solved
@@ -81,10 +81,10 @@ impl Covariance {
         let links = entries.iter().map(|(i, j, _)| (*i, *j));
         let members = classes(rows, links);
         let mut place = vec![(0, 0); rows];
-        for (class, own) in members.iter().enumerate() {
-            own.iter().enumerate().for_each(|(at, i)| place[*i] = (class, at));
+        for (class, indices) in members.iter().enumerate() {
+            indices.iter().enumerate().for_each(|(at, i)| place[*i] = (class, at));
         }
-        let empty = |own: &Vec<usize>| DMatrix::zeros(own.len(), own.len());
+        let empty = |indices: &Vec<usize>| DMatrix::zeros(indices.len(), indices.len());
         let mut matrices: Vec<DMatrix<f64>> = members.iter().map(empty).collect();
         for &(i, j, value) in entries {
             let ((class, a), (_, b)) = (place[i], place[j]);
@@ -137,9 +137,9 @@ impl Covariance {
         });
         let mut entries = Vec::new();
         for (rows, matrix) in &self.parts {
-            let own: Vec<Option<(usize, f64)>> = rows.iter().map(|i| place.remove(i)).collect();
-            for (a, i) in own.iter().enumerate() {
-                for (b, j) in own.iter().enumerate() {
+            let places: Vec<Option<(usize, f64)>> = rows.iter().map(|i| place.remove(i)).collect();
+            for (a, i) in places.iter().enumerate() {
+                for (b, j) in places.iter().enumerate() {
                     let (Some((i, v)), Some((j, w))) = (i, j) else {
                         continue;
                     };
@@ -168,9 +168,9 @@ impl Covariance {
     /// The whole matrix of `rows` rows.
     pub fn to_matrix(&self, rows: usize) -> DMatrix<f64> {
         let mut out = DMatrix::identity(rows, rows);
-        for (own, matrix) in &self.parts {
-            for (a, i) in own.iter().enumerate() {
-                for (b, j) in own.iter().enumerate() {
+        for (indices, matrix) in &self.parts {
+            for (a, i) in indices.iter().enumerate() {
+                for (b, j) in indices.iter().enumerate() {
                     out[(*i, *j)] = matrix[(a, b)];
                 }
             }
@@ -184,9 +184,9 @@ impl Covariance {
     /// The three rows from `at`.
     pub(crate) fn of_point(&self, at: usize) -> Matrix3<f64> {
         let mut out = Matrix3::identity();
-        for (own, matrix) in &self.parts {
-            for (a, i) in own.iter().enumerate() {
-                for (b, j) in own.iter().enumerate() {
+        for (indices, matrix) in &self.parts {
+            for (a, i) in indices.iter().enumerate() {
+                for (b, j) in indices.iter().enumerate() {
                     if (at..at + 3).contains(i) && (at..at + 3).contains(j) {
                         out[(i - at, j - at)] = matrix[(a, b)];
                     }
@@ -194,8 +194,8 @@ impl Covariance {
             }
         }
         if let Some(common) = &self.common {
-            let own = common.rows(at, 3);
-            out += (own * own.transpose()).fixed_view::<3, 3>(0, 0);
+            let block = common.rows(at, 3);
+            out += (block * block.transpose()).fixed_view::<3, 3>(0, 0);
         }
         out
     }
@@ -203,9 +203,9 @@ impl Covariance {
     /// The covariance times a matrix with as many rows.
     pub(crate) fn times(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
         let mut out = columns.clone();
-        for (own, matrix) in &self.parts {
-            let product = matrix * columns.select_rows(own);
-            for (a, i) in own.iter().enumerate() {
+        for (indices, matrix) in &self.parts {
+            let product = matrix * columns.select_rows(indices);
+            for (a, i) in indices.iter().enumerate() {
                 out.row_mut(*i).copy_from(&product.row(a));
             }
         }
@@ -229,11 +229,11 @@ impl Covariance {
                     // Zero rows let the decomposition see all columns.
                     white = white.resize_vertically(columns, 0.0);
                 }
-                let found = tall_svd(white)?;
-                let rank = found.values.iter().filter(|v| **v > 0.0).count();
+                let decomposition = tall_svd(white)?;
+                let rank = decomposition.values.iter().filter(|v| **v > 0.0).count();
                 let share = |s: &f64| 1.0 - 1.0 / (1.0 + s * s).sqrt();
-                let shares = found.values.iter().take(rank).map(share).collect();
-                Some((found.u.view((0, 0), (rows, rank)).into_owned(), shares))
+                let shares = decomposition.values.iter().take(rank).map(share).collect();
+                Some((decomposition.u.view((0, 0), (rows, rank)).into_owned(), shares))
             }
         };
         Some(Roots { parts, common })
@@ -318,8 +318,8 @@ pub(super) fn covariance(
         }
         group.push(i);
         let of_loaded = loaded / f64::from(a.readings.max(1));
-        let own = readings[i] * (of_loaded + reference * a.shared_reference(a));
-        add(i, i, &own);
+        let variance = readings[i] * (of_loaded + reference * a.shared_reference(a));
+        add(i, i, &variance);
     }
     let parts = Covariance::from_entries(3 * labels.len(), &entries).parts;
     let common = common(measured, labels, &readings, loaded);
@@ -362,11 +362,11 @@ pub(super) fn shared(measured: &[MeasuredPosture], states: &[usize], torques: &[
     let mut leaders: Vec<usize> = Vec::new();
     let mut place = vec![(0, 1.0); states.len()];
     for &s in &order {
-        let found = leaders.iter().position(|&l| {
+        let class = leaders.iter().position(|&l| {
             let product = torques[l].norm() * torques[s].norm();
             product <= 0.0 || (torques[l].dot(&torques[s])).abs() > ALIKE * product
         });
-        place[s] = match found {
+        place[s] = match class {
             Some(class) => {
                 let leader = &torques[leaders[class]];
                 let size = leader.norm_squared();

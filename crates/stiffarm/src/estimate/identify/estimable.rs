@@ -51,10 +51,11 @@ fn directions(solution: &Solution, reference: &[f64]) -> Option<(Svd, usize)> {
     let sigma = solution.sigma.unwrap_or(0.0);
     let mut relative = seen.resize_vertically(reference.len(), 0.0);
     scale_columns(&mut relative, reference.iter().copied());
-    let found = svd(relative)?;
-    let good =
-        (0..solution.factor.rank()).filter(|&i| found.values[i] > 0.0 && sigma <= WEAK * found.values[i]).count();
-    Some((found, good))
+    let decomposition = svd(relative)?;
+    let good = (0..solution.factor.rank())
+        .filter(|&i| decomposition.values[i] > 0.0 && sigma <= WEAK * decomposition.values[i])
+        .count();
+    Some((decomposition, good))
 }
 
 /// Sets of unknowns that `solution` determines only together, although each has

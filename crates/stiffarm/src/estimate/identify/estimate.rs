@@ -178,8 +178,8 @@ pub fn estimates(
 ) -> Vec<JointEstimate> {
     which
         .map(|j| {
-            let known = !solution.undetermined.contains(&j);
-            let value = known.then(|| solution.values[j]);
+            let is_determined = !solution.undetermined.contains(&j);
+            let value = is_determined.then(|| solution.values[j]);
             let mut joint = estimate(&names[j], value, standard_error(solution, j), quantile);
             if solution.at_bound.contains(&j) {
                 joint.hold_at_bound();

@@ -73,13 +73,13 @@ impl Estimates {
         options: &IdentifyOptions,
     ) -> Result<Self> {
         let count = system.unknowns.len();
-        let known = |j: usize| !solution.undetermined.contains(&j);
+        let is_determined = |j: usize| !solution.undetermined.contains(&j);
         let quantile = interval_quantile(solution, options.confidence)?;
         let springs = |which| estimates(&system.unknowns, which, solution, quantile);
         let is_spring = |j: usize| system.extra[j - system.springs].is_spring();
         let further = system.springs..count;
         let lost_motion = further.clone().filter(|j| !is_spring(*j)).map(|j| {
-            let value = known(j).then(|| solution.values[j]);
+            let value = is_determined(j).then(|| solution.values[j]);
             let error = standard_error(solution, j);
             let half = error.zip(quantile).map(|(e, t)| e * t);
             let ends = value.zip(half);
@@ -96,11 +96,11 @@ impl Estimates {
         };
         let covariance = matrix(&|i, j| {
             let covariance = solution.covariance.as_ref()?;
-            (known(i) && known(j)).then(|| covariance[(i, j)])
+            (is_determined(i) && is_determined(j)).then(|| covariance[(i, j)])
         });
         let inverse = solution.factor.inverse_information();
         let correlation = matrix(&|i, j| {
-            (known(i) && known(j))
+            (is_determined(i) && is_determined(j))
                 .then(|| if i == j { 1.0 } else { inverse[(i, j)] / (inverse[(i, i)] * inverse[(j, j)]).sqrt() })
         });
         let condition = if solution.undetermined.is_empty() && options.extra.is_empty() {
@@ -188,8 +188,8 @@ impl Estimates {
         }
         let of = |verdict: Verdict| {
             let all = self.joints.iter().chain(&self.extra_springs);
-            let own = all.filter(|joint| joint.verdict == verdict);
-            shown(own.map(|joint| &joint.name))
+            let joints = all.filter(|joint| joint.verdict == verdict);
+            shown(joints.map(|joint| &joint.name))
         };
         let mut add = |code: &str, severity: Severity, names: Vec<String>, said: &str| {
             if !names.is_empty() {

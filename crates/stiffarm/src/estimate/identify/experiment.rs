@@ -58,8 +58,9 @@ impl Experiment {
         let mut of_posture: Option<(usize, Vec<DVector<f64>>)> = None;
         for label in &system.labels {
             if of_posture.as_ref().is_none_or(|(m, _)| *m != label.measured) {
-                let own = self.terms(label.measured).into_iter();
-                let columns = own.flat_map(|own| terms.iter().map(|term| term.column(own)));
+                let posture_terms = self.terms(label.measured).into_iter();
+                let columns =
+                    posture_terms.flat_map(|posture_terms| terms.iter().map(|term| term.column(posture_terms)));
                 of_posture = Some((label.measured, columns.collect()));
             }
             let (_, point) = self.behind(label);

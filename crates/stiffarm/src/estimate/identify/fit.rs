@@ -158,11 +158,11 @@ impl Fit {
         if *options == inner.options {
             return Ok(self.clone());
         }
-        self.kept(options, &inner.left_out, || self.refitted(options))
+        self.reused(options, &inner.left_out, || self.refitted(options))
     }
 
     /// The fit that was made before with `options` and `left_out`, else a new one.
-    fn kept(
+    fn reused(
         &self,
         options: &IdentifyOptions,
         left_out: &BTreeSet<(usize, usize)>,
@@ -173,9 +173,9 @@ impl Fit {
             others.unwrap_or_else(PoisonError::into_inner)
         };
         let same = |fit: &&Fit| fit.options() == options && fit.inner.left_out == *left_out;
-        let known = others().iter().find(same).cloned();
-        if let Some(known) = known {
-            return Ok(known);
+        let fit = others().iter().find(same).cloned();
+        if let Some(fit) = fit {
+            return Ok(fit);
         }
         let made = make()?;
         others().push(made.clone());
@@ -241,7 +241,7 @@ impl Fit {
             let (experiment, left_out) = (inner.experiment.clone(), left_out.clone());
             Fit::of(experiment, &inner.options, left_out, Arc::new(system), prepared)
         };
-        self.kept(&inner.options, &left_out, make).map(Some)
+        self.reused(&inner.options, &left_out, make).map(Some)
     }
 
     /// How the caller watches and stops what is asked of this fit.
@@ -269,8 +269,8 @@ impl Fit {
     /// # Errors
     /// A decomposition that fails.
     pub fn identification(&self) -> Result<&Identification> {
-        if let Some(known) = self.inner.identification.get() {
-            return Ok(known);
+        if let Some(identification) = self.inner.identification.get() {
+            return Ok(identification);
         }
         let made = describe(self)?;
         Ok(self.inner.identification.get_or_init(|| made))
@@ -289,8 +289,8 @@ impl Fit {
     /// # Errors
     /// As [`Fit::leave_one_out`].
     pub(crate) fn folds(&self) -> Result<&[Fold]> {
-        if let Some(known) = self.inner.folds.get() {
-            return Ok(known);
+        if let Some(folds) = self.inner.folds.get() {
+            return Ok(folds);
         }
         let made = self.new_folds(self.system().blocks.len())?;
         Ok(self.inner.folds.get_or_init(|| made))

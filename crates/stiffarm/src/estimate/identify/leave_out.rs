@@ -160,8 +160,8 @@ pub(super) fn influence(system: &MeasuredSystem, all: &Solution, folds: &[Fold])
         let lost: Vec<usize> =
             fold.solution.undetermined.iter().copied().filter(|j| !all.undetermined.contains(j)).collect();
         let shift = |j: usize| {
-            let known = !all.undetermined.contains(&j) && !lost.contains(&j);
-            let variance = all.covariance.as_ref().filter(|_| known)?[(j, j)];
+            let is_determined = !all.undetermined.contains(&j) && !lost.contains(&j);
+            let variance = all.covariance.as_ref().filter(|_| is_determined)?[(j, j)];
             (variance > 0.0).then(|| (fold.solution.values[j] - all.values[j]) / variance.sqrt())
         };
         postures.push(Influence {

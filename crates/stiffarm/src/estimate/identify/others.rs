@@ -28,7 +28,7 @@ pub(super) struct Others<'a> {
     separable: Vec<bool>,
     separable_count: usize,
     /// Sums over all postures at the γ that is given.
-    given: Option<Sums>,
+    fixed_sums: Option<Sums>,
 }
 
 impl<'a> Others<'a> {
@@ -40,7 +40,7 @@ impl<'a> Others<'a> {
             return None;
         }
         let criterion = Restricted::new(system, white);
-        let given = match (assumed.estimator, assumed.scale) {
+        let ratio = match (assumed.estimator, assumed.scale) {
             (Estimator::Weighted, _) => Some(assumed.declared_ratio),
             (Estimator::Ordinary, _) => None,
             (_, Scale::Known { gamma, .. }) => Some(gamma),
@@ -53,7 +53,7 @@ impl<'a> Others<'a> {
             seen: system.factor().seen(),
             separable_count: separable.iter().filter(|s| **s).count(),
             separable,
-            given: given.map(|gamma| criterion.at(gamma)),
+            fixed_sums: ratio.map(|gamma| criterion.at(gamma)),
             prepared,
             assumed,
             criterion,
@@ -75,20 +75,24 @@ impl<'a> Others<'a> {
             shifts: system.shifts() - sum(&|b| system.directions(b).0.ncols()),
             separable: self.separable_count > sum(&|b| usize::from(self.separable[b])),
         };
-        let own = self.criterion.own(left_out);
-        let without = |all: Sums, gamma: f64| self.criterion.without(left_out, &own, all, gamma);
+        let block_sums = self.criterion.block_sums(left_out);
+        let without = |all: Sums, gamma: f64| self.criterion.without(left_out, &block_sums, all, gamma);
         let plain = without(self.criterion.plain().clone(), 0.0);
         if shape.rows <= rank || self.enough(&plain).is_none() {
             return Ok(None);
         }
         let ratio = || {
-            if self.criterion.is_rounding() { 0.0 } else { self.criterion.best_without(left_out, &own, shape.rows) }
+            if self.criterion.is_rounding() {
+                0.0
+            } else {
+                self.criterion.best_without(left_out, &block_sums, shape.rows)
+            }
         };
         let mut enough = true;
         let rows = |gamma: f64| {
-            let sums = match (gamma > 0.0, &self.given) {
+            let sums = match (gamma > 0.0, &self.fixed_sums) {
                 (false, _) => plain.clone(),
-                (true, Some(given)) => without(given.clone(), gamma),
+                (true, Some(sums)) => without(sums.clone(), gamma),
                 (true, None) => without(self.criterion.between(gamma.ln()), gamma),
             };
             let root = self.enough(&sums);

@@ -126,7 +126,7 @@ fn ends(fit: &Fit, criterion: &Restricted<'_>, j: usize, error: f64, t: f64) -> 
     // Estimate and row of the matrix from coordinates to unknowns, without shifts.
     let plain = whitened.factor().solve(fit.white())[j];
     let along = whitened.factor().right_inverse().row(j).transpose();
-    let given = match (fit.assumed().estimator, solution.independent_rows) {
+    let fixed_sums = match (fit.assumed().estimator, solution.independent_rows) {
         (Estimator::TwoVariance, false) => None,
         _ => Some(criterion.at(solution.gamma)),
     };
@@ -136,7 +136,7 @@ fn ends(fit: &Fit, criterion: &Restricted<'_>, j: usize, error: f64, t: f64) -> 
             return None;
         }
         let held = |sums: &Sums| sums.held(along.as_slice(), h - plain, rows);
-        Some(match &given {
+        Some(match &fixed_sums {
             Some(sums) => held(sums),
             None => criterion.best_by(held).1,
         })

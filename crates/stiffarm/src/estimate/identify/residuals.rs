@@ -87,13 +87,13 @@ pub(super) fn by_posture(
         for label in system.labels_of(block) {
             let (displacements, residuals, vectors) = &mut parts[label.measured];
             displacements.extend_from_slice(&system.delta.as_slice()[label.rows.clone()]);
-            let own = &residual.as_slice()[label.rows.clone()];
-            residuals.extend_from_slice(own);
+            let components = &residual.as_slice()[label.rows.clone()];
+            residuals.extend_from_slice(components);
             let point = point_of(measured, label);
             let covariance = block.covariance.of_point(label.rows.start - block.rows.start);
             let vector = DisplacementResidual {
                 point: cell.setup.tool.measuring_points[point].name.clone(),
-                residual_m: std::array::from_fn(|i| own[i]),
+                residual_m: std::array::from_fn(|i| components[i]),
                 expected_std_m: std * (covariance.trace() / 3.0).sqrt(),
             };
             vectors.push((label.displacement, vector));
@@ -131,21 +131,21 @@ pub(super) fn by_point(
     let points = &cell.setup.tool.measuring_points;
     let mut out = Vec::with_capacity(points.len());
     for (p, point) in points.iter().enumerate() {
-        let mut own = DMatrix::<f64>::zeros(3, 0);
+        let mut residuals = DMatrix::<f64>::zeros(3, 0);
         for label in &system.labels {
             if point_of(measured, label) == p {
-                let at = own.ncols();
-                own = own.insert_column(at, 0.0);
-                own.column_mut(at).copy_from(&residual.rows(label.rows.start, 3));
+                let at = residuals.ncols();
+                residuals = residuals.insert_column(at, 0.0);
+                residuals.column_mut(at).copy_from(&residual.rows(label.rows.start, 3));
             }
         }
-        if own.ncols() == 0 {
+        if residuals.ncols() == 0 {
             continue;
         }
-        let mean = own.column_mean();
+        let mean = residuals.column_mean();
         out.push(PointResidual {
             point: point.name.clone(),
-            residual_rms_m: rms(own.as_slice()),
+            residual_rms_m: rms(residuals.as_slice()),
             mean_m: [mean[0], mean[1], mean[2]],
         });
     }

@@ -43,8 +43,9 @@ impl Response {
             _ => &[],
         };
         let free: Vec<usize> = (0..psi.ncols()).filter(|j| !held.contains(j)).collect();
-        let own = solution.weights.is_some() || free.len() < psi.ncols();
-        let factor = if own && !free.is_empty() { Some(Factor::new(&psi.select_columns(&free))?) } else { None };
+        let needs_factor = solution.weights.is_some() || free.len() < psi.ncols();
+        let factor =
+            if needs_factor && !free.is_empty() { Some(Factor::new(&psi.select_columns(&free))?) } else { None };
         Ok(Response { fit: fit.clone(), gamma: solution.gamma, psi, delta, factor, free })
     }
 

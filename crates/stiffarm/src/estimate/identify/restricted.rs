@@ -145,8 +145,8 @@ impl Root {
 fn forward(factor: &[f64], values: &mut [f64]) {
     for i in 0..values.len() {
         let row = &factor[packed(i, 0)..];
-        let known: f64 = (0..i).map(|k| row[k] * values[k]).sum();
-        values[i] = (values[i] - known) / row[i];
+        let solved: f64 = (0..i).map(|k| row[k] * values[k]).sum();
+        values[i] = (values[i] - solved) / row[i];
     }
 }
 
@@ -181,8 +181,8 @@ impl<'a> Restricted<'a> {
         let moved = (0..system.block_count())
             .map(|b| {
                 let rows = system.block_rows(b);
-                let own = residual.rows(rows.start, rows.len());
-                system.directions(b).0.tr_mul(&own)
+                let block_residual = residual.rows(rows.start, rows.len());
+                system.directions(b).0.tr_mul(&block_residual)
             })
             .collect();
         let rank = system.factor().rank();
@@ -294,7 +294,7 @@ impl<'a> Restricted<'a> {
     }
 
     /// The sums over the postures `blocks` alone without shifts.
-    pub(super) fn own(&self, blocks: &[usize]) -> Sums {
+    pub(super) fn block_sums(&self, blocks: &[usize]) -> Sums {
         let rank = self.rank();
         let mut information = DMatrix::zeros(rank, rank);
         let mut moment = DVector::zeros(rank);
@@ -316,10 +316,10 @@ impl<'a> Restricted<'a> {
     }
 
     /// The sums over all postures but `blocks` at γ; `all` are those over all,
-    /// `own` those over `blocks` without shifts.
-    pub(super) fn without(&self, blocks: &[usize], own: &Sums, all: Sums, gamma: f64) -> Sums {
+    /// `block_sums` those over `blocks` without shifts.
+    pub(super) fn without(&self, blocks: &[usize], block_sums: &Sums, all: Sums, gamma: f64) -> Sums {
         let share = |by: &Whitening, k: usize| share(gamma, by.size(k));
-        all.minus(&self.shifted(own, blocks.iter().copied(), share))
+        all.minus(&self.shifted(block_sums, blocks.iter().copied(), share))
     }
 
     /// The sums over all postures at ln γ = `place`, from the Chebyshev points of
@@ -366,14 +366,14 @@ impl<'a> Restricted<'a> {
     }
 
     /// The γ ≥ 0 with the smallest value for all postures but `blocks`, that
-    /// have `rows` rows; `own` are the sums over `blocks` without shifts.
-    pub(super) fn best_without(&self, blocks: &[usize], own: &Sums, rows: usize) -> f64 {
+    /// have `rows` rows; `block_sums` are the sums over `blocks` without shifts.
+    pub(super) fn best_without(&self, blocks: &[usize], block_sums: &Sums, rows: usize) -> f64 {
         let points = self.grid().iter().enumerate().map(|(i, all)| {
             let share = |by: &Whitening, k: usize| by.on_grid(i, k);
-            let theirs = self.shifted(own, blocks.iter().copied(), share);
+            let theirs = self.shifted(block_sums, blocks.iter().copied(), share);
             all.clone().minus(&theirs).value(rows)
         });
-        let without = |all: Sums, gamma: f64| self.without(blocks, own, all, gamma).value(rows);
+        let without = |all: Sums, gamma: f64| self.without(blocks, block_sums, all, gamma).value(rows);
         let none = without(self.plain.clone(), 0.0);
         let at = |x: f64| without(self.between(x), x.exp());
         best(points, none, at).0

@@ -86,11 +86,11 @@ impl Prepared {
         let (whitened, white) = self.whitened.select(chosen, white)?;
         let mut at = 0;
         let mut groups = Vec::with_capacity(chosen.len());
-        for own in chosen.iter().map(|b| &self.groups[*b]) {
-            let from = own.first().map_or(0, |g| g.start);
-            let moved = own.iter().map(|g| at + g.start - from..at + g.end - from);
+        for ranges in chosen.iter().map(|b| &self.groups[*b]) {
+            let from = ranges.first().map_or(0, |g| g.start);
+            let moved = ranges.iter().map(|g| at + g.start - from..at + g.end - from);
             groups.push(moved.collect());
-            at += own.iter().map(Range::len).sum::<usize>();
+            at += ranges.iter().map(Range::len).sum::<usize>();
         }
         let prepared = Prepared { whitened, springs: self.springs, groups };
         Ok((prepared, white))
@@ -169,7 +169,9 @@ impl Prepared {
         let rank = self.whitened.factor().rank();
         let free = psi.nrows() - rank.min(psi.nrows());
         let (covariance, t_degrees_of_freedom) = match assumed.scale {
-            Scale::Known { sigma: known, .. } if sigma > 0.0 => (covariance.map(|c| c * (known / sigma).powi(2)), None),
+            Scale::Known { sigma: known_sigma, .. } if sigma > 0.0 => {
+                (covariance.map(|c| c * (known_sigma / sigma).powi(2)), None)
+            }
             _ => (covariance, Some(free)),
         };
         Ok(Solution {

@@ -82,13 +82,13 @@ impl MeasuredSystem {
             if rows.len() == from {
                 continue;
             }
-            let own: Vec<usize> = rows[from..].iter().map(|r| r - block.rows.start).collect();
-            let covariance = block.covariance.select(&own);
+            let block_rows: Vec<usize> = rows[from..].iter().map(|r| r - block.rows.start).collect();
+            let covariance = block.covariance.select(&block_rows);
             blocks.push(Block {
                 posture: block.posture.clone(),
                 rows: from..rows.len(),
                 covariance,
-                shared: block.shared.select_rows(&own),
+                shared: block.shared.select_rows(&block_rows),
             });
         }
         (!rows.is_empty()).then(|| MeasuredSystem {
@@ -153,14 +153,14 @@ pub(super) fn assemble<'a>(
         for &(m, terms) in &states {
             let posture = &measured[m];
             let columns = terms.block_with(&cell.setup.robot, extra);
-            let known = known_displacement(&cell.setup, terms, posture)?;
+            let offset = known_displacement(&cell.setup, terms, posture)?;
             for (d, displacement) in posture.displacements.iter().enumerate() {
                 let row = 3 * displacement.point;
                 if row + 3 > columns.nrows() {
                     return Err(Error::new(Code::UnknownName, "A displacement names a point the tool does not have."));
                 }
                 system.psi.rows_mut(at, 3).copy_from(&columns.rows(row, 3));
-                system.delta.rows_mut(at, 3).copy_from(&(displacement.value - known.fixed_rows::<3>(row)));
+                system.delta.rows_mut(at, 3).copy_from(&(displacement.value - offset.fixed_rows::<3>(row)));
                 system.labels.push(RowLabel { measured: m, displacement: d, rows: at..at + 3 });
                 at += 3;
             }
@@ -220,19 +220,19 @@ pub(crate) fn known_displacement(
     measured: &MeasuredPosture,
 ) -> Result<DVector<f64>> {
     let robot = &setup.robot;
-    let mut known = terms.known_displacement(&setup.tool);
+    let mut offset = terms.known_displacement(&setup.tool);
     let Some(give) = &measured.servo_deflection else {
-        return Ok(known);
+        return Ok(offset);
     };
     crate::model::observation::check_angles(robot, give)?;
     let theta = robot.coupling() * DVector::from_column_slice(give);
     for (a, point) in terms.measuring_points().iter().enumerate() {
         for (j, angle) in theta.iter().enumerate() {
-            let mut rows = known.fixed_rows_mut::<3>(3 * a);
+            let mut rows = offset.fixed_rows_mut::<3>(3 * a);
             rows += terms.frames().column(j, point) * *angle;
         }
     }
-    Ok(known)
+    Ok(offset)
 }
 
 /// Indices of the measured postures by posture, in order of first appearance;

@@ -211,9 +211,9 @@ impl Whitened {
         for (b, block) in self.blocks.iter().enumerate() {
             if !block.by.roots.is_identity() {
                 let mut rows = out.rows_mut(block.rows.start, block.rows.len());
-                let mut own = DMatrix::from_column_slice(rows.len(), 1, rows.as_slice());
-                self.whiten_block(b, &mut own);
-                rows.copy_from(&own.column(0));
+                let mut white = DMatrix::from_column_slice(rows.len(), 1, rows.as_slice());
+                self.whiten_block(b, &mut white);
+                rows.copy_from(&white.column(0));
             }
         }
         out

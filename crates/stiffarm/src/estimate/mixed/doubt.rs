@@ -46,9 +46,9 @@ pub(super) fn doubt(
     let scale = solved.scale();
     let inverse = solved.scaled_inverse();
     let count = inverse.ncols();
-    let own = |class: &Range<usize>| rows.fixed + class.start..rows.fixed + class.end;
-    let told = &rows.classes[..rows.told()];
-    let classes: Vec<Range<usize>> = told.iter().map(own).collect();
+    let columns = |class: &Range<usize>| rows.fixed + class.start..rows.fixed + class.end;
+    let estimated = &rows.classes[..rows.estimated_count()];
+    let classes: Vec<Range<usize>> = estimated.iter().map(columns).collect();
     let seen = DMatrix::from_fn(count, count, |i, j| {
         let unit = f64::from(u8::from(i == j && i >= rows.fixed));
         unit - inverse[(i, j)]
@@ -81,8 +81,8 @@ pub(super) fn doubt(
         for (c, class) in classes.iter().enumerate() {
             set(1, 2 + c, class.clone().map(|i| both[(i, i)]).sum());
         }
-        let own = &inverse * &sums.second * &inverse - &both * moved.transpose();
-        (own, both)
+        let ratio_term = &inverse * &sums.second * &inverse - &both * moved.transpose();
+        (ratio_term, both)
     });
     bound(&mut information, 1 + shared, MOST_DOUBT);
     let spread = inverted(&information);
@@ -105,8 +105,8 @@ pub(super) fn doubt(
         }
     }
     more += &inverse * weighed * &inverse;
-    if let Some((own, _)) = &by_ratio {
-        more += own * spread[(1, 1)];
+    if let Some((ratio_term, _)) = &by_ratio {
+        more += ratio_term * spread[(1, 1)];
     }
     // Rounding makes the two sides differ in the last digit.
     let entry = |i: usize, j: usize| {
@@ -125,8 +125,8 @@ fn bound(information: &mut DMatrix<f64>, from: usize, most: f64) {
     let count = information.nrows() - from;
     let others = inverted(&information.view((0, 0), (from, from)).into_owned());
     let cross = information.view((0, from), (from, count)).into_owned();
-    let own = information.view((from, from), (count, count)) - cross.tr_mul(&(others * &cross));
-    let Some(eigen) = eigen(own) else {
+    let reduced = information.view((from, from), (count, count)) - cross.tr_mul(&(others * &cross));
+    let Some(eigen) = eigen(reduced) else {
         return;
     };
     let mut block = information.view_mut((from, from), (count, count));

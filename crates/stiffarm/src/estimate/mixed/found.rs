@@ -40,7 +40,7 @@ pub(super) struct Choice {
 /// sizes are looked for without it, then with it twice, as the noise is less then. The likelihoods stay those of the readings.
 ///
 /// # Errors
-/// As [`found`]; interrupted.
+/// As [`fit_choice`]; interrupted.
 pub(super) fn likeliest(
     fit: &Fit,
     white: &Rows,
@@ -52,7 +52,7 @@ pub(super) fn likeliest(
     let of = |sizing, near: Option<&Sizes>, sigma| {
         fit.control().check()?;
         let choice = Choice { sizing, structure: true, sigma };
-        found(fit, white, axes, gamma, left_out, choice, near)
+        fit_choice(fit, white, axes, gamma, left_out, choice, near)
     };
     let alike = of(ElasticSizing::Alike, near, None)?;
     let by_joint = of(ElasticSizing::ByJoint, Some(&alike.sizes), None)?;
@@ -82,7 +82,7 @@ pub(super) fn white(fit: &Fit, effects: &[Effect], columns: &DMatrix<f64>) -> Ro
 ///
 /// # Errors
 /// Nothing left of the displacements, or no degree of freedom.
-pub(super) fn found(
+pub(super) fn fit_choice(
     fit: &Fit,
     white: &Rows,
     axes: &DVector<f64>,
@@ -93,17 +93,18 @@ pub(super) fn found(
 ) -> Result<Found> {
     let effects =
         fitted(&fit.cell().setup.robot, joint_give(fit, axes).as_slice(), choice.sizing, &fit.cell().known_elements);
-    let known = known(&fit.cell().known_elements, &effects, choice.sigma);
+    let prior = elements_prior(&fit.cell().known_elements, &effects, choice.sigma);
     let scales = effects.iter().map(|effect| effect.scale);
-    let rows = white.of_effects(scales, &means(&effects), &known);
+    let rows = white.of_effects(scales, &means(&effects), &prior);
     if rows.rest() <= ROUNDING * fit.white().norm() {
         return Err(too_few("the joint axes leave nothing of the displacements"));
     }
     let likelihood = Likelihood::new(&rows, left_out);
     let is_structure =
         |class: &ElasticClass| matches!(class, ElasticClass::Bearing | ElasticClass::Beam) && !choice.structure;
-    let nothing: Vec<bool> = (0..rows.told()).map(|i| ElasticClass::ALL.get(i).is_some_and(is_structure)).collect();
-    let zeros = std::iter::repeat_n(0.0, rows.told());
+    let nothing: Vec<bool> =
+        (0..rows.estimated_count()).map(|i| ElasticClass::ALL.get(i).is_some_and(is_structure)).collect();
+    let zeros = std::iter::repeat_n(0.0, rows.estimated_count());
     let none = Sizes { gamma, classes: zeros.chain(rows.held).collect() };
     let (Some((sizes, value)), Some(without)) =
         (likelihood.best(near, &nothing, fit.control()), likelihood.solve(&none))
@@ -116,14 +117,14 @@ pub(super) fn found(
 }
 
 /// Rows of what is known of the effects, in units of their scales, where σ is `sigma`; none without.
-fn known(elements: &[KnownElement], effects: &[Effect], sigma: Option<f64>) -> Known {
+fn elements_prior(elements: &[KnownElement], effects: &[Effect], sigma: Option<f64>) -> Known {
     let Some(sigma) = sigma.filter(|_| !elements.is_empty()) else {
         return Known::nothing(effects.len());
     };
     // They are the last, in their order.
     let (count, first) = (elements.len(), effects.len() - elements.len());
     let unit = |i: usize, j: usize| f64::from(u8::from(j == first + i));
-    let read = elements.iter().map(|own| sigma * own.compliance / own.std);
+    let read = elements.iter().map(|element| sigma * element.compliance / element.std);
     Known {
         rows: DMatrix::from_fn(count, effects.len(), |i, j| sigma * unit(i, j)),
         read: DVector::from_iterator(count, read),
@@ -211,7 +212,7 @@ fn size_doubt(
     covariance: DMatrix<f64>,
 ) -> SizeDoubt {
     SizeDoubt {
-        classes: moved(told(effects), fixed),
+        classes: moved(estimated_classes(effects), fixed),
         means: moved(means(effects), fixed),
         prior: DVector::from_fn(fixed + effects.len(), |i, _| match i.checked_sub(fixed) {
             Some(i) => (std(effects[i].class) * effects[i].scale).powi(2),
@@ -242,8 +243,8 @@ fn joint_give(fit: &Fit, axes: &DVector<f64>) -> DVector<f64> {
 /// Columns of each class that scatter about a mean.
 pub(super) fn means(effects: &[Effect]) -> Vec<Range<usize>> {
     let positive = |class: &Range<usize>| effects[class.clone()].iter().filter(|e| e.is_positive());
-    let own = |class: Range<usize>| class.start..class.start + positive(&class).count();
-    told(effects).into_iter().map(own).collect()
+    let about_mean = |class: Range<usize>| class.start..class.start + positive(&class).count();
+    estimated_classes(effects).into_iter().map(about_mean).collect()
 }
 
 /// Columns of each class.
@@ -258,7 +259,7 @@ fn classes(effects: &[Effect]) -> Vec<Range<usize>> {
 }
 
 /// Those of the classes whose sizes are told by readings.
-fn told(effects: &[Effect]) -> Vec<Range<usize>> {
+fn estimated_classes(effects: &[Effect]) -> Vec<Range<usize>> {
     let mut all = classes(effects);
     all.truncate(ElasticClass::ALL.len());
     all
@@ -266,6 +267,6 @@ fn told(effects: &[Effect]) -> Vec<Range<usize>> {
 
 /// Columns behind `fixed` others.
 fn moved(columns: Vec<Range<usize>>, fixed: usize) -> Vec<Range<usize>> {
-    let own = |class: Range<usize>| fixed + class.start..fixed + class.end;
-    columns.into_iter().map(own).collect()
+    let shifted = |class: Range<usize>| fixed + class.start..fixed + class.end;
+    columns.into_iter().map(shifted).collect()
 }

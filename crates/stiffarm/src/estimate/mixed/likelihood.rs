@@ -44,7 +44,7 @@ pub(super) struct Solved {
     /// Factor of A without the columns that Λ leaves nothing of: A is the identity there.
     factor: Cholesky,
     /// The columns of the factor.
-    kept: Vec<usize>,
+    active: Vec<usize>,
     /// Λ^(1/2) of each column, 1 for fixed effects.
     scale: DVector<f64>,
     /// XᵀV⁻¹X, the displacements its last column.
@@ -68,12 +68,12 @@ impl Solved {
     /// Inverse of A, both triangles the same.
     pub(super) fn scaled_inverse(&self) -> DMatrix<f64> {
         let (count, inverse) = (self.scale.len(), self.factor.inverse());
-        if self.kept.len() == count {
+        if self.active.len() == count {
             return inverse;
         }
         let mut out = DMatrix::identity(count, count);
-        for (j, to) in self.kept.iter().enumerate() {
-            for (i, row) in self.kept.iter().enumerate() {
+        for (j, to) in self.active.iter().enumerate() {
+            for (i, row) in self.active.iter().enumerate() {
                 out[(*row, *to)] = inverse[(i, j)];
             }
         }
@@ -82,14 +82,15 @@ impl Solved {
 
     /// L⁻¹Λ^(1/2) x of columns x of unknowns, A = L Lᵀ: their squares are xᵀ(XᵀV⁻¹X + Λ⁻¹)⁻¹x.
     fn whitened(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
-        let kept = DMatrix::from_fn(self.kept.len(), x.ncols(), |i, j| x[(self.kept[i], j)] * self.scale[self.kept[i]]);
-        self.factor.whitened(&kept)
+        let scaled =
+            DMatrix::from_fn(self.active.len(), x.ncols(), |i, j| x[(self.active[i], j)] * self.scale[self.active[i]]);
+        self.factor.whitened(&scaled)
     }
 
     /// Diagonal of A⁻¹.
     fn scaled_diagonal(&self) -> DVector<f64> {
         let mut out = DVector::from_element(self.scale.len(), 1.0);
-        for (i, value) in self.kept.iter().zip(&self.factor.inverse_diagonal()) {
+        for (i, value) in self.active.iter().zip(&self.factor.inverse_diagonal()) {
             out[*i] = *value;
         }
         out
@@ -149,19 +150,19 @@ impl<'a> Likelihood<'a> {
             scale.rows_mut(fixed + class.start, class.len()).fill(size.sqrt());
         }
         let gram = sums.gram;
-        let kept: Vec<usize> = (0..unknowns).filter(|i| scale[*i] > 0.0).collect();
-        let mut matrix = DMatrix::zeros(kept.len(), kept.len());
-        for (j, from) in kept.iter().enumerate() {
+        let active: Vec<usize> = (0..unknowns).filter(|i| scale[*i] > 0.0).collect();
+        let mut matrix = DMatrix::zeros(active.len(), active.len());
+        for (j, from) in active.iter().enumerate() {
             let (column, size) = (gram.column(*from), scale[*from]);
             // The factor reads the lower triangle.
-            for (i, row) in kept.iter().enumerate().skip(j) {
+            for (i, row) in active.iter().enumerate().skip(j) {
                 matrix[(i, j)] = column[*row] * scale[*row] * size;
             }
         }
-        for i in fixed..kept.len() {
+        for i in fixed..active.len() {
             matrix[(i, i)] += 1.0;
         }
-        let right = DVector::from_fn(kept.len(), |i, _| gram[(kept[i], unknowns)] * scale[kept[i]]);
+        let right = DVector::from_fn(active.len(), |i, _| gram[(active[i], unknowns)] * scale[active[i]]);
         let factor = Cholesky::new(&matrix)?;
         let solution = factor.solve(&right);
         let left = gram[(unknowns, unknowns)] - right.dot(&solution);
@@ -171,7 +172,7 @@ impl<'a> Likelihood<'a> {
         let determinant = factor.ln_determinant();
         let variance = left / free as f64;
         let mut change = DVector::zeros(unknowns);
-        for (i, value) in kept.iter().zip(solution.iter()) {
+        for (i, value) in active.iter().zip(solution.iter()) {
             change[*i] = value * scale[*i];
         }
         Some(Solved {
@@ -180,7 +181,7 @@ impl<'a> Likelihood<'a> {
             variance,
             free,
             factor,
-            kept,
+            active,
             scale,
             gram,
         })
@@ -200,12 +201,12 @@ impl<'a> Likelihood<'a> {
         let solved = self.solve(sizes)?;
         let (fixed, unknowns) = (self.rows.fixed, solved.change.len());
         let shared = usize::from(self.rows.has_shifts());
-        let count = shared + self.rows.told();
+        let count = shared + self.rows.estimated_count();
         let mut gradient = DVector::zeros(count);
         // XᵀV⁻¹w, wᵀP y and, of the shifts, wᵀV⁻¹w.
         let mut moved = DMatrix::zeros(unknowns, count);
         let mut along = DVector::zeros(count);
-        let mut own = DMatrix::zeros(count, count);
+        let mut gram = DMatrix::zeros(count, count);
         if shared == 1 {
             let solution = solved.change.clone().resize_vertically(unknowns + 1, -1.0);
             let ratio = self.rows.by_ratio(
@@ -218,7 +219,7 @@ impl<'a> Likelihood<'a> {
             );
             gradient[0] = ratio.logarithms - ratio.squares / solved.variance + ratio.determinant;
             along[0] = ratio.squares;
-            own[(0, 0)] = ratio.twice;
+            gram[(0, 0)] = ratio.twice;
             moved.set_column(0, &-ratio.moved.rows(0, unknowns));
         }
         let diagonal = solved.scaled_diagonal();
@@ -226,7 +227,7 @@ impl<'a> Likelihood<'a> {
             let class = &self.rows.classes[c];
             (fixed + class.start, class.len())
         };
-        for c in (0..self.rows.told()).filter(|c| sizes.classes[*c] > 0.0) {
+        for c in (0..self.rows.estimated_count()).filter(|c| sizes.classes[*c] > 0.0) {
             let (from, len) = range(c);
             let effects = solved.change.rows(from, len);
             let squares = effects.norm_squared() / sizes.classes[c];
@@ -235,18 +236,18 @@ impl<'a> Likelihood<'a> {
             along[shared + c] = squares;
             moved.set_column(shared + c, &(solved.gram.view((0, from), (unknowns, len)) * effects));
         }
-        for c in 0..self.rows.told() {
+        for c in 0..self.rows.estimated_count() {
             let (from, len) = range(c);
             let effects = solved.change.rows(from, len);
             for k in 0..=shared + c {
                 let value = effects.dot(&moved.view((from, k), (len, 1)));
-                own[(shared + c, k)] = value;
-                own[(k, shared + c)] = value;
+                gram[(shared + c, k)] = value;
+                gram[(k, shared + c)] = value;
             }
         }
         let seen = solved.whitened(&moved);
         let free = solved.free as f64 * solved.variance;
-        let curvature = own - seen.tr_mul(&seen) - &along * along.transpose() / free;
+        let curvature = gram - seen.tr_mul(&seen) - &along * along.transpose() / free;
         Some(Slopes { value: solved.value, gradient, curvature: curvature / solved.variance })
     }
 }

@@ -18,8 +18,8 @@ pub(super) fn scattered(columns: &mut DMatrix<f64>, means: &[Range<usize>]) {
 /// C (I + `part`(count) 1 1ᵀ): what L and its inverse are.
 fn with(columns: &mut DMatrix<f64>, means: &[Range<usize>], part: impl Fn(f64) -> f64) {
     for mean in means.iter().filter(|mean| !mean.is_empty()) {
-        let own = columns.columns(mean.start, mean.len());
-        let sum = own.column_sum() * part(mean.len() as f64);
+        let block = columns.columns(mean.start, mean.len());
+        let sum = block.column_sum() * part(mean.len() as f64);
         for mut column in columns.columns_mut(mean.start, mean.len()).column_iter_mut() {
             column += &sum;
         }

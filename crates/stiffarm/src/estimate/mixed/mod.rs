@@ -48,7 +48,7 @@ use crate::model::load::Load;
 use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::numerics::information::scale_columns;
 use crate::numerics::jobs::in_order_watched;
-use found::{Choice, Found, found, likeliest, means, white};
+use found::{Choice, Found, fit_choice, likeliest, means, white};
 use likelihood::Sizes;
 use means::scattered;
 use nalgebra::{DMatrix, DVector};
@@ -152,9 +152,9 @@ impl MixedFit {
         let white = white(fit, &effects, &columns);
         let near = other.map(|other| &other.sizes);
         let (axes, gamma) = (&solution.values, solution.gamma);
-        let (sizing, found) = likeliest(fit, &white, axes, gamma, &[], near)?;
-        let compliance = found.compliance(fit, &[]).ok_or_else(|| too_few("the equations are singular"))?;
-        let Found { effects, rows, sizes, values } = found;
+        let (sizing, model) = likeliest(fit, &white, axes, gamma, &[], near)?;
+        let compliance = model.compliance(fit, &[]).ok_or_else(|| too_few("the equations are singular"))?;
+        let Found { effects, rows, sizes, values } = model;
         Ok(MixedFit {
             reproduced: OnceLock::new(),
             response: OnceLock::new(),
@@ -199,8 +199,8 @@ impl MixedFit {
     /// # Errors
     /// A decomposition that fails.
     pub(crate) fn response(&self) -> Result<Arc<Response>> {
-        if let Some(known) = self.response.get() {
-            return Ok(known.clone());
+        if let Some(response) = self.response.get() {
+            return Ok(response.clone());
         }
         let means = means(&self.effects);
         let mut random = self.rows.random_columns();
@@ -210,10 +210,10 @@ impl MixedFit {
             let root = if *size > 0.0 { 1.0 / size.sqrt() } else { 0.0 };
             class.clone().for_each(|i| roots[(i, i)] = root);
         }
-        let (known, read) = self.rows.known();
+        let (prior_rows, read) = self.rows.prior_rows();
         let count = roots.nrows();
-        roots = roots.resize_vertically(count + known.nrows(), 0.0);
-        roots.rows_mut(count, known.nrows()).copy_from(&known);
+        roots = roots.resize_vertically(count + prior_rows.nrows(), 0.0);
+        roots.rows_mut(count, prior_rows.nrows()).copy_from(&prior_rows);
         let mut below = DVector::zeros(roots.nrows());
         below.rows_mut(count, read.len()).copy_from(&read);
         let scales = self.effects.iter().map(|effect| 1.0 / effect.scale);
@@ -222,8 +222,8 @@ impl MixedFit {
             scale_columns(columns, scales.clone());
         }
         let gamma = self.sizes.gamma;
-        let found = Response::with_random(&self.fit, &random, (&roots, &below), gamma)?;
-        Ok(self.response.get_or_init(|| Arc::new(found)).clone())
+        let response = Response::with_random(&self.fit, &random, (&roots, &below), gamma)?;
+        Ok(self.response.get_or_init(|| Arc::new(response)).clone())
     }
 
     /// The likelier model of springs alone, without bearings and beams, less this one: change of all unknowns. What an arm is
@@ -238,7 +238,7 @@ impl MixedFit {
             self.fit.control().check()?;
             let choice = Choice { sizing, structure: false, sigma };
             let (axes, gamma) = (&solution.values, solution.gamma);
-            found(&self.fit, &self.white, axes, gamma, &[], choice, None)
+            fit_choice(&self.fit, &self.white, axes, gamma, &[], choice, None)
         };
         let [alike, by_joint] = [of(ElasticSizing::Alike)?, of(ElasticSizing::ByJoint)?];
         let likelier = match by_joint.values[0] < alike.values[0] {
@@ -255,19 +255,19 @@ impl MixedFit {
     /// # Errors
     /// As [`Reproduced::over_cell`].
     pub(crate) fn reproduced(&self) -> Result<&Reproduced> {
-        if let Some(known) = self.reproduced.get() {
-            return Ok(known);
+        if let Some(reproduced) = self.reproduced.get() {
+            return Ok(reproduced);
         }
         let (cell, terms, control) = (self.fit.cell(), &self.compliance.extra, self.fit.control());
-        let found = match cell.setup.load {
+        let reproduced = match cell.setup.load {
             Load::Measured => {
                 let measured = self.fit.experiment().with_terms();
-                let measured: Vec<&PostureTerms> = measured.map(|(_, own)| own).collect();
+                let measured: Vec<&PostureTerms> = measured.map(|(_, posture_terms)| posture_terms).collect();
                 Reproduced::over(&cell.setup.robot, &measured, terms, control)?
             }
             _ => Reproduced::over_cell(cell, terms, control)?,
         };
-        Ok(self.reproduced.get_or_init(|| found))
+        Ok(self.reproduced.get_or_init(|| reproduced))
     }
 
     /// Ψ of all unknowns.
@@ -283,20 +283,20 @@ impl MixedFit {
         if count != self.rows.posture_count() {
             return self.new_folds(count).map(Cow::Owned);
         }
-        if let Some(known) = self.folds.get() {
-            return Ok(Cow::Borrowed(known));
+        if let Some(folds) = self.folds.get() {
+            return Ok(Cow::Borrowed(folds));
         }
-        let found = self.new_folds(count)?;
-        Ok(Cow::Borrowed(self.folds.get_or_init(|| found)))
+        let folds = self.new_folds(count)?;
+        Ok(Cow::Borrowed(self.folds.get_or_init(|| folds)))
     }
 
-    /// Both models from the postures `kept` (indices of blocks, ascending) alone.
+    /// Both models from the postures `chosen` (indices of blocks, ascending) alone.
     ///
     /// # Errors
     /// A fit that fails.
-    pub(crate) fn alone(&self, kept: &[usize]) -> Result<Alone> {
+    pub(crate) fn alone(&self, chosen: &[usize]) -> Result<Alone> {
         let all = self.rows.posture_count();
-        let left_out: Vec<usize> = (0..all).filter(|b| kept.binary_search(b).is_err()).collect();
+        let left_out: Vec<usize> = (0..all).filter(|b| chosen.binary_search(b).is_err()).collect();
         let plain = self.fit.fold_without(left_out)?;
         let mut out = Alone { axes: None, mixed: None };
         if plain.solution.undetermined != self.rows.idle {
@@ -304,8 +304,8 @@ impl MixedFit {
         }
         // All is searched for afresh: what was found of all postures knows the others.
         let (axes, gamma) = (&plain.solution.values, plain.solution.gamma);
-        let found = likeliest(&self.fit, &self.white, axes, gamma, &plain.left_out, None).ok();
-        out.mixed = found.and_then(|(_, found)| found.compliance(&self.fit, &plain.left_out));
+        let model = likeliest(&self.fit, &self.white, axes, gamma, &plain.left_out, None).ok();
+        out.mixed = model.and_then(|(_, model)| model.compliance(&self.fit, &plain.left_out));
         out.axes = Some(plain.solution.values);
         Ok(out)
     }
@@ -328,13 +328,13 @@ impl MixedFit {
             let (solution, left_out) = (&fold.solution, fold.left_out.as_slice());
             let (axes, gamma, near) = (&solution.values, solution.gamma, Some(&self.sizes));
             let sigma = self.compliance.spread.as_ref().map(|spread| spread.sigma);
-            let found = || {
+            let compliance = || {
                 let choice = Choice { sizing: self.sizing, structure: true, sigma };
-                let found = found(&self.fit, &self.white, axes, gamma, left_out, choice, near);
-                found.ok()?.compliance(&self.fit, left_out)
+                let model = fit_choice(&self.fit, &self.white, axes, gamma, left_out, choice, near);
+                model.ok()?.compliance(&self.fit, left_out)
             };
             let determined = solution.undetermined == self.rows.idle;
-            Ok(MixedFold { left_out: fold.left_out.clone(), compliance: determined.then(found).flatten() })
+            Ok(MixedFold { left_out: fold.left_out.clone(), compliance: determined.then(compliance).flatten() })
         })
     }
 }

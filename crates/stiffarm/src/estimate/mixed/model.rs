@@ -61,8 +61,9 @@ impl MixedModel {
 
     /// γ and the variance ratios of largest likelihood, with −2 ln L.
     pub fn best(&self) -> Option<(f64, Vec<f64>, f64)> {
-        let found = Likelihood::new(&self.rows, &[]).best(None, &vec![false; self.rows.told()], Control::default());
-        found.map(|(sizes, value)| (sizes.gamma, sizes.classes, value))
+        let best =
+            Likelihood::new(&self.rows, &[]).best(None, &vec![false; self.rows.estimated_count()], Control::default());
+        best.map(|(sizes, value)| (sizes.gamma, sizes.classes, value))
     }
 }
 

@@ -57,18 +57,18 @@ struct NeverLoaded {
 /// Postures that are none of the robot.
 pub(crate) fn never_loaded(cell: &Cell, saved: &Saved, work: &[WorkRows]) -> Result<Option<Finding>> {
     let spread = saved.predictor.spread.as_ref();
-    let Some((spread, doubt)) = spread.and_then(|own| Some((own, own.doubt.as_ref()?))) else {
+    let Some((spread, doubt)) = spread.and_then(|spread| Some((spread, spread.doubt.as_ref()?))) else {
         return Ok(None);
     };
     if work.is_empty() || saved.loads.is_empty() {
         return Ok(None);
     }
     let seen = seen(cell, &saved.loads)?;
-    let Some(found) = found(cell, saved, (spread, doubt), work, &seen)? else {
+    let Some(numbers) = numbers_of(cell, saved, (spread, doubt), work, &seen)? else {
         return Ok(never_turned(cell, saved, work, &seen));
     };
-    let remedy = match found.left.first() {
-        Some((load, left)) if *left < (1.0 - HELPS) * found.error => {
+    let remedy = match numbers.left.first() {
+        Some((load, left)) if *left < (1.0 - HELPS) * numbers.error => {
             format!("{load} in the same postures would leave {}.", length(*left))
         }
         _ => "No one further load in the same postures would take much of that away: choose other postures, too."
@@ -77,9 +77,9 @@ pub(crate) fn never_loaded(cell: &Cell, saved: &Saved, work: &[WorkRows]) -> Res
     let sentence = format!(
         "Of the {} (RMS) by which these displacements may be off, {} lie in directions in which no reading has loaded the \
          arm, most of all in {}. {remedy}",
-        length(found.error),
-        length(found.untold),
-        list(&found.places),
+        length(numbers.error),
+        length(numbers.untold),
+        list(&numbers.places),
     );
     Ok(Some(Finding::caution(codes::NEVER_LOADED, "load", sentence)))
 }
@@ -88,7 +88,7 @@ pub(crate) fn never_loaded(cell: &Cell, saved: &Saved, work: &[WorkRows]) -> Res
 ///
 /// # Errors
 /// As [`never_loaded`].
-fn found(
+fn numbers_of(
     cell: &Cell,
     saved: &Saved,
     (spread, doubt): (&Spread, &SizeDoubt),
@@ -96,15 +96,15 @@ fn found(
     seen: &[PostureTerms],
 ) -> Result<Option<NeverLoaded>> {
     let predictor = &saved.predictor;
-    let count: usize = work.iter().map(|own| own.rows.nrows()).sum();
+    let count: usize = work.iter().map(|point| point.rows.nrows()).sum();
     let mut rows = DMatrix::zeros(count, predictor.values.len());
     let mut at = 0;
-    for own in work {
-        rows.rows_mut(at, own.rows.nrows()).copy_from(&own.rows);
-        at += own.rows.nrows();
+    for point in work {
+        rows.rows_mut(at, point.rows.nrows()).copy_from(&point.rows);
+        at += point.rows.nrows();
     }
     let sum = |of: fn(&WorkRows) -> f64| work.iter().map(of).sum::<f64>();
-    let (squares, other) = (sum(|own| own.squares), sum(|own| own.other));
+    let (squares, other) = (sum(|point| point.squares), sum(|point| point.other));
     let with = &rows * &spread.covariance;
     let untold = (&with * untold_directions(spread, doubt)).norm_squared();
     let error = with.dot(&rows) + other;
@@ -136,13 +136,13 @@ fn found(
 fn untold_directions(spread: &Spread, doubt: &SizeDoubt) -> DMatrix<f64> {
     let root = doubt.prior.map(|p| if p > 0.0 { 1.0 / p.sqrt() } else { 0.0 });
     let n = root.len();
-    let mut own = DMatrix::from_fn(n, n, |i, j| spread.covariance[(i, j)] * root[i] * root[j]);
-    scattered(&mut own, &doubt.means);
-    own = own.transpose();
-    scattered(&mut own, &doubt.means);
+    let mut relative = DMatrix::from_fn(n, n, |i, j| spread.covariance[(i, j)] * root[i] * root[j]);
+    scattered(&mut relative, &doubt.means);
+    relative = relative.transpose();
+    scattered(&mut relative, &doubt.means);
     // Numbers that are not finite have none.
-    let finite = own.iter().all(|v| v.is_finite());
-    let eigen = finite.then(|| SymmetricEigen::try_new(own, f64::EPSILON, MOST_SWEEPS));
+    let finite = relative.iter().all(|v| v.is_finite());
+    let eigen = finite.then(|| SymmetricEigen::try_new(relative, f64::EPSILON, MOST_SWEEPS));
     let Some(eigen) = eigen.flatten() else {
         return DMatrix::zeros(n, 0);
     };
@@ -182,15 +182,15 @@ fn after(spread: &Spread, setup: &Setup, predictor: &IdentifiedCompliance, loads
         let terms = PostureTerms::new(setup, &load.q, None)?;
         let rows = terms.block_with(&setup.robot, &predictor.extra);
         let with = &covariance * rows.transpose();
-        let mut own = &rows * &with;
-        for i in 0..own.nrows() {
-            own[(i, i)] += spread.sigma.powi(2);
-            for j in (i % 3..own.nrows()).step_by(3) {
-                own[(i, j)] += spread.shift.powi(2);
+        let mut innovation = &rows * &with;
+        for i in 0..innovation.nrows() {
+            innovation[(i, i)] += spread.sigma.powi(2);
+            for j in (i % 3..innovation.nrows()).step_by(3) {
+                innovation[(i, j)] += spread.shift.powi(2);
             }
         }
         // Without any noise nothing is to be gained.
-        if let Some(factor) = own.cholesky() {
+        if let Some(factor) = innovation.cholesky() {
             covariance -= &with * factor.solve(&with.transpose());
         }
     }
@@ -213,26 +213,26 @@ fn places_of(
     let class = |i: usize| doubt.classes.iter().position(|class| class.contains(&i));
     let shift = ElasticClass::Shift as usize;
     // How much of the variance is known with the effects that `of` picks: of these, those that are anything.
-    let known = |of: &dyn Fn(usize) -> bool| {
-        let own = (springs..predictor.values.len()).filter(|i| of(*i) && doubt.prior[*i] > 0.0);
-        let own: Vec<usize> = own.collect();
-        let root: DVector<f64> = DVector::from_iterator(own.len(), own.iter().map(|i| doubt.prior[*i].sqrt()));
-        let own_covariance = DMatrix::from_fn(own.len(), own.len(), |a, b| {
-            spread.covariance[(own[a], own[b])] / (root[a] * root[b]) + if a == b { 1e-9 } else { 0.0 }
+    let explained = |of: &dyn Fn(usize) -> bool| {
+        let effects = (springs..predictor.values.len()).filter(|i| of(*i) && doubt.prior[*i] > 0.0);
+        let effects: Vec<usize> = effects.collect();
+        let root: DVector<f64> = DVector::from_iterator(effects.len(), effects.iter().map(|i| doubt.prior[*i].sqrt()));
+        let relative = DMatrix::from_fn(effects.len(), effects.len(), |a, b| {
+            spread.covariance[(effects[a], effects[b])] / (root[a] * root[b]) + if a == b { 1e-9 } else { 0.0 }
         });
-        let across = DMatrix::from_fn(own.len(), with.nrows(), |a, r| with[(r, own[a])] / root[a]);
-        own_covariance.cholesky().map_or(0.0, |factor| factor.solve(&across).dot(&across))
+        let across = DMatrix::from_fn(effects.len(), with.nrows(), |a, r| with[(r, effects[a])] / root[a]);
+        relative.cholesky().map_or(0.0, |factor| factor.solve(&across).dot(&across))
     };
     let is_at = |i: usize, place: Option<usize>| predictor.extra[i - springs].joint() == place;
     let mut all: Vec<(Option<usize>, f64)> =
-        places(robot.joint_count()).map(|place| (place, known(&|i| is_at(i, place)))).collect();
+        places(robot.joint_count()).map(|place| (place, explained(&|i| is_at(i, place)))).collect();
     all.sort_by(|a, b| b.1.total_cmp(&a.1));
     let few = all.iter().take(MOST_PLACES);
     let named = few.filter(|(_, part)| *part > AS_MUCH * all[0].1);
     let mut out = Vec::new();
     for (place, _) in named {
-        let of_shift = known(&|i| is_at(i, *place) && class(i) == Some(shift));
-        let of_turn = known(&|i| is_at(i, *place) && class(i) != Some(shift));
+        let of_shift = explained(&|i| is_at(i, *place) && class(i) == Some(shift));
+        let of_turn = explained(&|i| is_at(i, *place) && class(i) != Some(shift));
         let name = match place {
             None => "the base".to_string(),
             Some(j) => format!("{} and its link", robot.joints()[*j].name),

@@ -62,14 +62,15 @@ impl Reproduced {
         let portions: Vec<_> = all.chunks(PORTION).collect();
         let what = "the axes over the cell";
         let sums = in_order_watched(&portions, what, control, |(_, portion)| {
-            let blocks = portion.iter().map(|own| own.borrow().block_with(robot, terms).transpose());
+            let blocks =
+                portion.iter().map(|posture_terms| posture_terms.borrow().block_with(robot, terms).transpose());
             // One product for all of them.
             let rows: Vec<f64> = blocks.flat_map(|block| Vec::from(block.data)).collect();
             let rows = DMatrix::from_vec(count, rows.len() / count, rows);
             Ok(rows.rows(0, springs) * rows.transpose())
         })?;
         let mut sum = DMatrix::zeros(springs, count);
-        sums.iter().for_each(|own| sum += own);
+        sums.iter().for_each(|partial| sum += partial);
         Ok(Reproduced { projection: solved(&sum, springs) })
     }
 
@@ -114,18 +115,18 @@ fn solved(sum: &DMatrix<f64>, springs: usize) -> DMatrix<f64> {
 /// Postures spread evenly over the bounds, inside the limits where there are enough of them (controller angles, rad).
 fn postures(cell: &Cell) -> Result<Vec<Vec<f64>>> {
     let mut margins = cell.posture_margins()?;
-    let mut found = Vec::with_capacity(POSTURES);
+    let mut postures = Vec::with_capacity(POSTURES);
     for i in 0..(POSTURES * TRIES) as u32 {
         let q = spread(&cell.bounds, i);
         if margins.least(&q)? >= 0.0 {
-            found.push(q);
+            postures.push(q);
         }
-        if found.len() == POSTURES {
+        if postures.len() == POSTURES {
             break;
         }
     }
-    if found.len() < FEWEST {
-        found = (0..POSTURES as u32).map(|i| spread(&cell.bounds, i)).collect();
+    if postures.len() < FEWEST {
+        postures = (0..POSTURES as u32).map(|i| spread(&cell.bounds, i)).collect();
     }
-    Ok(found)
+    Ok(postures)
 }

@@ -72,21 +72,21 @@ impl MixedFit {
     /// # Errors
     /// No degree of freedom.
     pub fn joints(&self) -> Result<Vec<JointEstimate>> {
-        let found = self.compliance();
+        let identified = self.compliance();
         let names = &self.fit().system().unknowns;
-        let quantiles = found.spread.as_ref().map(Spread::quantiles).transpose()?;
+        let quantiles = identified.spread.as_ref().map(Spread::quantiles).transpose()?;
         let reproduced = self.reproduced()?;
-        let values = reproduced.of(&found.values);
+        let values = reproduced.of(&identified.values);
         let joint = |j: usize| {
-            if found.undetermined.contains(&j) {
+            if identified.undetermined.contains(&j) {
                 return estimate(&names[j], None, None, None);
             }
-            let known = found.spread.as_ref().zip(quantiles.as_ref());
-            let known = known.map(|(spread, quantiles)| {
+            let scatter = identified.spread.as_ref().zip(quantiles.as_ref());
+            let scatter = scatter.map(|(spread, quantiles)| {
                 let (with, variance) = reproduced.covariance(spread, j);
                 (variance.sqrt(), quantiles.of(&with, variance, 0.0))
             });
-            let (error, quantile) = known.unzip();
+            let (error, quantile) = scatter.unzip();
             estimate(&names[j], Some(values[j]), error, quantile)
         };
         Ok((0..names.len()).map(joint).collect())
@@ -94,18 +94,18 @@ impl MixedFit {
 
     /// What gives way beyond the axes, in numbers.
     pub fn result(&self) -> MixedResult {
-        let found = self.compliance();
+        let identified = self.compliance();
         let fixed = self.fit().system().unknowns.len();
         let joints = self.fit().cell().setup.robot.joint_count();
-        let values = &found.values.as_slice()[fixed..];
-        let elements = Elements::new(&found.extra, values, joints);
+        let values = &identified.values.as_slice()[fixed..];
+        let elements = Elements::new(&identified.extra, values, joints);
         let springs = elements.springs.into_iter();
         let springs = springs.map(|(place, compliance)| GeneralSpring {
             joint: place.map(|j| j + 1),
             // Symmetric: columns are rows.
             compliance: compliance.data.0,
         });
-        let spread = found.spread.as_ref();
+        let spread = identified.spread.as_ref();
         let robot = &self.fit().cell().setup.robot;
         let elements = self.effects.iter().zip(values);
         let elements = elements.filter(|(effect, _)| !ElasticClass::ENTRIES.contains(&effect.class));

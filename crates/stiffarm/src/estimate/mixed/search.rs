@@ -56,8 +56,8 @@ impl Likelihood<'_> {
                 shares.iter().map(from).collect()
             }
         };
-        let found = starts.into_iter().filter_map(|start| search.from(start, control));
-        let best = found.min_by(|a, b| a.1.value.total_cmp(&b.1.value));
+        let optima = starts.into_iter().filter_map(|start| search.from(start, control));
+        let best = optima.min_by(|a, b| a.1.value.total_cmp(&b.1.value));
         best.map(|(x, at)| {
             let shared = search.shared();
             let is_told = |c: usize| at.curvature[(shared + c, shared + c)] > TOLD;
@@ -67,7 +67,7 @@ impl Likelihood<'_> {
 
     /// Classes that give next to nothing give nothing, where that is as likely.
     fn without_nothing(&self, mut sizes: Sizes, mut value: f64, is_told: impl Fn(usize) -> bool) -> (Sizes, f64) {
-        let all = 0..self.rows().told();
+        let all = 0..self.rows().estimated_count();
         for class in all.filter(|c| !is_told(*c)) {
             if sizes.classes[class] == 0.0 {
                 continue;
@@ -106,10 +106,10 @@ impl Search<'_, '_> {
             true => 0.0,
             false => (x[shared + c] + unit).exp(),
         };
-        let told = self.units.iter().enumerate().map(size);
+        let classes = self.units.iter().enumerate().map(size);
         Sizes {
             gamma: if shared == 1 { x[0].exp() } else { 0.0 },
-            classes: told.chain(self.likelihood.rows().held).collect(),
+            classes: classes.chain(self.likelihood.rows().held).collect(),
         }
     }
 
@@ -120,8 +120,8 @@ impl Search<'_, '_> {
         let ratio = (shared == 1).then(|| sizes.gamma.ln());
         let classes = sizes.classes.iter().zip(&self.units);
         let all = ratio.into_iter().chain(classes.map(|(size, unit)| size.ln() - unit));
-        let kept = all.zip(&self.bounds).map(|(x, [low, high])| x.clamp(low + LITTLE, *high));
-        let place = DVector::from_iterator(self.bounds.len(), kept);
+        let inside = all.zip(&self.bounds).map(|(x, [low, high])| x.clamp(low + LITTLE, *high));
+        let place = DVector::from_iterator(self.bounds.len(), inside);
         if sizes.classes.contains(&0.0)
             && let Some(slopes) = self.likelihood.slopes(&self.sizes(&place))
         {
@@ -178,9 +178,9 @@ impl Search<'_, '_> {
             at.curvature[(free[i], free[j])] + if i == j { FLAT } else { 0.0 }
         });
         let slope = DVector::from_fn(free.len(), |i, _| -at.gradient[free[i]]);
-        let own = curvature.cholesky()?.solve(&slope);
-        let shorter = (FAR / own.amax()).min(1.0);
-        for (i, value) in free.iter().zip(&own) {
+        let newton = curvature.cholesky()?.solve(&slope);
+        let shorter = (FAR / newton.amax()).min(1.0);
+        for (i, value) in free.iter().zip(&newton) {
             step[*i] = value * shorter;
         }
         Some(step)

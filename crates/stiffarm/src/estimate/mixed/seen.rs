@@ -45,25 +45,25 @@ impl MixedFit {
         let whitened = self.fit.prepared().whitened();
         let rows = &self.rows;
         let (fixed, mut random) = (rows.fixed, rows.random_columns());
-        let (mut known, read) = rows.known();
+        let (mut prior_rows, read) = rows.prior_rows();
         for (class, size) in rows.classes.iter().zip(&self.sizes.classes) {
-            for columns in [&mut random, &mut known] {
-                let mut own = columns.columns_mut(class.start, class.len());
-                own *= size.sqrt();
+            for columns in [&mut random, &mut prior_rows] {
+                let mut class_columns = columns.columns_mut(class.start, class.len());
+                class_columns *= size.sqrt();
             }
         }
         // With what is known of them the effects scatter less, and not about zero: v with this precision about this mean.
-        let count = known.ncols();
-        let precision = known.tr_mul(&known) + DMatrix::identity(count, count);
+        let count = prior_rows.ncols();
+        let precision = prior_rows.tr_mul(&prior_rows) + DMatrix::identity(count, count);
         let mean = precision.clone().cholesky();
-        let mean = mean.map_or_else(|| DVector::zeros(count), |f| f.solve(&known.tr_mul(&read)));
+        let mean = mean.map_or_else(|| DVector::zeros(count), |f| f.solve(&prior_rows.tr_mul(&read)));
         let white = self.fit.white() - &random * mean;
         let mut all = whitened.psi().clone().resize_horizontally(fixed + random.ncols(), 0.0);
         all.columns_mut(fixed, random.ncols()).copy_from(&random);
         let all = whitened.with_shifts(&all, self.sizes.gamma);
         let mut matrix = all.tr_mul(&all);
-        let mut own = matrix.view_mut((fixed, fixed), precision.shape());
-        own += precision;
+        let mut random_block = matrix.view_mut((fixed, fixed), precision.shape());
+        random_block += precision;
         rows.idle.iter().for_each(|j| matrix[(*j, *j)] += 1.0);
         let basis = matrix.cholesky().and_then(|factor| factor.l().solve_lower_triangular(&all.transpose()));
         let basis =

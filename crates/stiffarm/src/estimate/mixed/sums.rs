@@ -14,7 +14,7 @@ pub(super) struct Rows {
     /// Rows × (fixed + random + 1); what is known beforehand below the displacements.
     all: DMatrix<f64>,
     /// Number of rows of what is known.
-    known: usize,
+    prior_count: usize,
     /// Variance ratio of the last class, where it is not told by the data.
     pub(super) held: Option<f64>,
     /// Number of fixed effects.
@@ -89,7 +89,7 @@ impl Known {
 
 impl Rows {
     /// Number of classes whose sizes the data tell.
-    pub(super) fn told(&self) -> usize {
+    pub(super) fn estimated_count(&self) -> usize {
         self.classes.len() - usize::from(self.held.is_some())
     }
 
@@ -110,14 +110,14 @@ impl Rows {
         let (mut seen, mut along) = (Vec::new(), Vec::new());
         let postures: Vec<Range<usize>> = (0..whitened.block_count()).map(|b| whitened.block_rows(b)).collect();
         for (b, rows) in postures.iter().enumerate() {
-            let mut own = random.rows(rows.start, rows.len()).into_owned();
-            whitened.whiten_block(b, &mut own);
-            all.view_mut((rows.start, fixed), own.shape()).copy_from(&own);
+            let mut block = random.rows(rows.start, rows.len()).into_owned();
+            whitened.whiten_block(b, &mut block);
+            all.view_mut((rows.start, fixed), block.shape()).copy_from(&block);
             if shifts {
                 let (directions, sizes) = whitened.directions(b);
                 let x = all.rows(rows.start, rows.len());
-                let own = x.tr_mul(directions);
-                seen.extend(own.column_iter().map(|column| column.into_owned()));
+                let projected = x.tr_mul(directions);
+                seen.extend(projected.column_iter().map(|column| column.into_owned()));
                 along.extend(sizes.iter().map(|size| (b, *size)));
             }
         }
@@ -129,7 +129,7 @@ impl Rows {
         let is_alike = |(_, size): &(usize, f64)| (size / first - 1.0).abs() < ONE_SIZE;
         let alike = !along.is_empty() && along.iter().all(is_alike);
         Rows {
-            known: 0,
+            prior_count: 0,
             held: None,
             all,
             fixed,
@@ -145,12 +145,12 @@ impl Rows {
     }
 
     /// The same with random effects of other units: one of them is `scales` of those before, the columns of `means` share a
-    /// mean; and with what is `known` of them.
+    /// mean; and with what `prior` knows of them.
     pub(super) fn of_effects(
         &self,
         scales: impl Iterator<Item = f64> + Clone,
         means: &[Range<usize>],
-        known: &Known,
+        prior: &Known,
     ) -> Self {
         let fixed = self.fixed;
         let means: Vec<_> = means.iter().map(|mean| fixed + mean.start..fixed + mean.end).collect();
@@ -162,18 +162,18 @@ impl Rows {
         };
         let both = |sum: &DMatrix<f64>| changed(changed(sum.clone()).transpose());
         let (mut all, mut whole) = (changed(self.all.clone()), both(&self.whole));
-        let (read, rows, last) = (known.read.len(), all.nrows(), all.ncols() - 1);
+        let (read, rows, last) = (prior.read.len(), all.nrows(), all.ncols() - 1);
         if read > 0 {
             all = all.resize_vertically(rows + read, 0.0);
             let mut below = all.rows_mut(rows, read);
-            let mut random = below.columns_mut(fixed, known.rows.ncols());
-            random.copy_from(&known.rows);
-            below.column_mut(last).copy_from(&known.read);
+            let mut random = below.columns_mut(fixed, prior.rows.ncols());
+            random.copy_from(&prior.rows);
+            below.column_mut(last).copy_from(&prior.read);
             whole += below.tr_mul(&below);
         }
         Rows {
-            known: read,
-            held: known.ratio,
+            prior_count: read,
+            held: prior.ratio,
             all,
             whole,
             seen: changed(self.seen.transpose()).transpose(),
@@ -199,7 +199,7 @@ impl Rows {
 
     /// Number of rows of displacements.
     fn measured(&self) -> usize {
-        self.all.nrows() - self.known
+        self.all.nrows() - self.prior_count
     }
 
     /// Norm of what least squares on Ψ leaves.
@@ -215,11 +215,11 @@ impl Rows {
     }
 
     /// Rows of what is known of the random effects, and what was read there.
-    pub(super) fn known(&self) -> (DMatrix<f64>, DVector<f64>) {
+    pub(super) fn prior_rows(&self) -> (DMatrix<f64>, DVector<f64>) {
         let from = self.measured();
-        let rows = self.all.view((from, self.fixed), (self.known, self.random()));
+        let rows = self.all.view((from, self.fixed), (self.prior_count, self.random()));
         let read = self.all.column(self.all.ncols() - 1);
-        (rows.into_owned(), read.rows(from, self.known).into_owned())
+        (rows.into_owned(), read.rows(from, self.prior_count).into_owned())
     }
 
     /// Number of random effects.
@@ -240,7 +240,7 @@ impl Rows {
     }
 
     /// Number and size of each direction of the postures that take part.
-    fn kept<'a>(&'a self, left_out: &'a [usize]) -> impl Iterator<Item = (usize, f64)> + 'a {
+    fn directions_without<'a>(&'a self, left_out: &'a [usize]) -> impl Iterator<Item = (usize, f64)> + 'a {
         let all = self.directions.iter().enumerate();
         all.filter(move |(_, (posture, _))| left_out.binary_search(posture).is_err()).map(|(k, (_, size))| (k, *size))
     }
@@ -250,8 +250,8 @@ impl Rows {
         let mut gram = self.whole.clone();
         for &b in left_out {
             let rows = &self.postures[b];
-            let own = self.all.rows(rows.start, rows.len());
-            gram.gemm_tr(-1.0, &own, &own, 1.0);
+            let block = self.all.rows(rows.start, rows.len());
+            gram.gemm_tr(-1.0, &block, &block, 1.0);
         }
         gram
     }
@@ -262,8 +262,8 @@ impl Rows {
         let mut count = self.directions.len();
         for (k, (posture, _)) in self.directions.iter().enumerate() {
             if left_out.binary_search(posture).is_ok() {
-                let own = self.seen.column(k);
-                gram.ger(-1.0, &own, &own, 1.0);
+                let column = self.seen.column(k);
+                gram.ger(-1.0, &column, &column, 1.0);
                 count -= 1;
             }
         }
@@ -277,7 +277,7 @@ impl Rows {
         let mut out = Sums {
             gram: plain.clone(),
             logarithms: 0.0,
-            rows: self.known + self.others(left_out).map(|b| self.postures[b].len()).sum::<usize>(),
+            rows: self.prior_count + self.others(left_out).map(|b| self.postures[b].len()).sum::<usize>(),
         };
         if gamma <= 0.0 {
             return out;
@@ -290,7 +290,7 @@ impl Rows {
         }
         let mut scaled = self.seen.transpose();
         let mut parts = vec![0.0; self.directions.len()];
-        for (k, size) in self.kept(left_out) {
+        for (k, size) in self.directions_without(left_out) {
             parts[k] = gamma * size / (1.0 + gamma * size);
             out.logarithms += (gamma * size).ln_1p();
         }
@@ -304,19 +304,19 @@ impl Rows {
     /// What the information about γ needs, in columns times `scale`.
     pub(super) fn ratio_sums(&self, gamma: f64, left_out: &[usize], scale: &DVector<f64>) -> RatioSums {
         let count = scale.len();
-        let kept: Vec<(usize, f64)> = self.kept(left_out).collect();
-        let mut x = DMatrix::zeros(count, kept.len());
+        let directions: Vec<(usize, f64)> = self.directions_without(left_out).collect();
+        let mut x = DMatrix::zeros(count, directions.len());
         let (mut trace, mut squares) = (0.0, 0.0);
-        for (to, (k, size)) in kept.iter().enumerate() {
+        for (to, (k, size)) in directions.iter().enumerate() {
             let part = gamma * size;
-            let own = self.seen.column(*k);
+            let column = self.seen.column(*k);
             let factor = part.sqrt() / (1.0 + part);
-            x.set_column(to, &(own.rows(0, count).component_mul(scale) * factor));
+            x.set_column(to, &(column.rows(0, count).component_mul(scale) * factor));
             trace += part / (1.0 + part);
             squares += (part / (1.0 + part)).powi(2);
         }
         let first = &x * x.transpose();
-        for (to, (_, size)) in kept.iter().enumerate() {
+        for (to, (_, size)) in directions.iter().enumerate() {
             let part = gamma * size;
             x.column_mut(to).scale_mut((part / (1.0 + part)).sqrt());
         }
@@ -341,23 +341,23 @@ impl Rows {
             let change = part / (1.0 + part).powi(2);
             let moved = &alike.gram * solution * change;
             let squares = solution.dot(&moved);
-            let own = alike.gram.view((0, 0), (unknowns, unknowns));
+            let gram = alike.gram.view((0, 0), (unknowns, unknowns));
             return ByRatio {
                 logarithms: alike.count as f64 * part / (1.0 + part),
-                determinant: -change * inverse().dot(&own),
+                determinant: -change * inverse().dot(&gram),
                 twice: squares * part / (1.0 + part),
                 squares,
                 moved,
             };
         }
-        let kept: Vec<(usize, f64)> = self.kept(left_out).collect();
-        let columns = kept.iter().map(|(k, _)| self.seen.column(*k));
+        let directions: Vec<(usize, f64)> = self.directions_without(left_out).collect();
+        let columns = directions.iter().map(|(k, _)| self.seen.column(*k));
         let x = DMatrix::from_columns(&columns.collect::<Vec<_>>());
         let left = x.tr_mul(solution);
         let seen = whitened(&x.rows(0, unknowns).into_owned());
         let mut out = ByRatio { logarithms: 0.0, squares: 0.0, determinant: 0.0, twice: 0.0, moved: DVector::zeros(0) };
         let mut changed = left.clone();
-        for (i, (_, size)) in kept.iter().enumerate() {
+        for (i, (_, size)) in directions.iter().enumerate() {
             let part = gamma * size;
             let change = part / (1.0 + part).powi(2);
             out.logarithms += part / (1.0 + part);

@@ -58,7 +58,7 @@ pub(super) fn further_loads(cell: &Cell, magnitude: f64) -> Vec<(String, Setup)>
 
 /// What a place carries at work and what it carried in the readings, in words; nothing where these do not differ much.
 pub(super) fn loaded(place: Option<usize>, by_force: bool, work: &[WorkRows], seen: &[PostureTerms]) -> String {
-    let work = work.iter().map(|own| &own.terms);
+    let work = work.iter().map(|point| &point.terms);
     let Some(unlike) = Unlike::new(place, by_force, work, seen.iter()) else {
         return String::new();
     };
@@ -78,7 +78,7 @@ pub(super) fn loaded(place: Option<usize>, by_force: bool, work: &[WorkRows], se
 /// That no reading has turned the base about a direction about which the work does, where that is so: the model takes what
 /// it gives there from elsewhere, and its bands cannot know better.
 pub(super) fn never_turned(cell: &Cell, saved: &Saved, work: &[WorkRows], seen: &[PostureTerms]) -> Option<Finding> {
-    let at_work = || work.iter().map(|own| &own.terms);
+    let at_work = || work.iter().map(|point| &point.terms);
     let unlike = Unlike::new(None, false, at_work(), seen.iter())?;
     let Unlike { now, then, all, .. } = unlike;
     if now <= NOT_AT_ALL * then || now < NOTABLE * all {
@@ -87,7 +87,7 @@ pub(super) fn never_turned(cell: &Cell, saved: &Saved, work: &[WorkRows], seen: 
     let mut remedy = String::new();
     for (load, setup) in further_loads(cell, saved.largest_force.unwrap_or_default()) {
         let terms = saved.loads.iter();
-        let terms = terms.map(|own| PostureTerms::new(&setup, &own.q, None));
+        let terms = terms.map(|seen_load| PostureTerms::new(&setup, &seen_load.q, None));
         let Ok(terms) = terms.collect::<Result<Vec<_>>>() else {
             continue;
         };

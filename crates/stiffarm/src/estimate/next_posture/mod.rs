@@ -61,15 +61,15 @@ impl NextPosture {
     /// The same for a model with these `joints`: the error of each falls as it does in the fit.
     pub(crate) fn scale_to(&mut self, joints: &[JointEstimate]) {
         let errors = joints.iter().map(JointEstimate::readings_error);
-        for ((before, after), own) in self.before.iter_mut().zip(&mut self.after).zip(errors) {
+        for ((before, after), model_error) in self.before.iter_mut().zip(&mut self.after).zip(errors) {
             // What the fit cannot tell yet stays what the new posture makes of it.
             if let Some(fit) = *before {
-                *after = own.zip(*after).map(|(own, after)| own * after / fit);
-                *before = own;
+                *after = model_error.zip(*after).map(|(model_error, after)| model_error * after / fit);
+                *before = model_error;
             }
         }
-        let known: Vec<f64> = self.after.iter().copied().flatten().collect();
-        self.expected_error = rms(&known);
+        let determined: Vec<f64> = self.after.iter().copied().flatten().collect();
+        self.expected_error = rms(&determined);
     }
 }
 
@@ -92,13 +92,13 @@ pub fn next_posture(fit: &Fit, options: &GlobalOptions, control: Control<'_>) ->
         cell.setup.load = load;
         assumed = Some(description);
     }
-    let known = Known::new(fit, &cell)?;
+    let information = Known::new(fit, &cell)?;
     let relative = |factor: &Factor| -> Vec<Option<f64>> {
         let errors = factor.standard_errors();
         let of_springs = errors.iter().zip(&stiffness);
-        of_springs.map(|(error, k)| error.map(|e| e * k * known.sigma)).collect()
+        of_springs.map(|(error, k)| error.map(|e| e * k * information.sigma)).collect()
     };
-    let before = relative(&Factor::new(&known.seen)?);
+    let before = relative(&Factor::new(&information.seen)?);
     let left_out = springs_left_out(&cell);
     let is_turned = |j: &usize| before[*j].is_some() || !left_out.contains(j);
     let turned: Vec<usize> = (0..before.len()).filter(is_turned).collect();
@@ -107,7 +107,7 @@ pub fn next_posture(fit: &Fit, options: &GlobalOptions, control: Control<'_>) ->
         let all: Option<Vec<f64>> = turned.iter().map(|j| errors[*j]).collect();
         all.map_or(f64::INFINITY, |all| rms(&all))
     };
-    let value = |q: &[f64]| Ok(error(&relative(&known.with(&cell, q)?)));
+    let value = |q: &[f64]| Ok(error(&relative(&information.with(&cell, q)?)));
     let q = search::best_posture(&cell, options, control, &value)?.ok_or_else(|| {
         let names = cell.setup.robot.spring_names();
         let mut open = result.estimates.undetermined_joints.clone();
@@ -117,15 +117,15 @@ pub fn next_posture(fit: &Fit, options: &GlobalOptions, control: Control<'_>) ->
             format!("One more posture with this load does not determine {}.", list(&open)),
         )
     })?;
-    let after = relative(&known.with(&cell, &q)?);
+    let after = relative(&information.with(&cell, &q)?);
     Ok(NextPosture {
         angles: q,
         before,
         expected_error: error(&after),
         after,
         assumed_load: assumed,
-        measured_as: known.posture,
-        displacements: known.displacements,
+        measured_as: information.posture,
+        displacements: information.displacements,
     })
 }
 
@@ -250,7 +250,7 @@ fn root(fit: &Fit, cell: &Cell, block: &Block, gamma: f64, plain: bool) -> Resul
 /// Stiffness of each joint: identified, else the prior, else the middle of the
 /// identified ones.
 fn stiffness(cell: &Cell, result: &Identification) -> Result<Vec<f64>> {
-    let own: Vec<Option<f64>> = result
+    let identified: Vec<Option<f64>> = result
         .estimates
         .joints
         .iter()
@@ -259,10 +259,11 @@ fn stiffness(cell: &Cell, result: &Identification) -> Result<Vec<f64>> {
             joint.stiffness.filter(|k| usable && *k > 0.0)
         })
         .collect();
-    let mut known: Vec<f64> = own.iter().flatten().copied().collect();
-    known.sort_by(f64::total_cmp);
-    let middle = known.get(known.len() / 2).copied();
-    own.iter()
+    let mut sorted: Vec<f64> = identified.iter().flatten().copied().collect();
+    sorted.sort_by(f64::total_cmp);
+    let middle = sorted.get(sorted.len() / 2).copied();
+    identified
+        .iter()
         .enumerate()
         .map(|(j, k)| {
             let prior = cell.prior.as_ref().map(|prior| prior[j]);

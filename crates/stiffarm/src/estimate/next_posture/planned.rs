@@ -33,18 +33,18 @@ pub fn planned_errors<Q: AsRef<[f64]>>(fit: &Fit, planned: &[Q]) -> Result<Plann
     if cell.setup.load == Load::Measured {
         cell.setup.load = load::assumed_load(&cell, fit.postures())?.0;
     }
-    let mut known = Known::new(fit, &cell)?;
+    let mut information = Known::new(fit, &cell)?;
     let relative = |factor: &Factor, sigma: f64| -> Vec<Option<f64>> {
         let errors = factor.standard_errors();
         let of_springs = errors.iter().zip(&stiffness);
         of_springs.map(|(error, k)| error.map(|e| e * k * sigma)).collect()
     };
-    let now = relative(&Factor::new(&known.seen)?, known.sigma);
+    let now = relative(&Factor::new(&information.seen)?, information.sigma);
     let mut after = Vec::with_capacity(planned.len());
     for q in planned {
-        let factor = known.with(&cell, q.as_ref())?;
-        after.push(relative(&factor, known.sigma));
-        known.seen = factor.seen();
+        let factor = information.with(&cell, q.as_ref())?;
+        after.push(relative(&factor, information.sigma));
+        information.seen = factor.seen();
     }
     Ok(PlannedErrors { now, after })
 }

@@ -52,15 +52,15 @@ pub(super) fn best_posture(
             break;
         }
         let random = random_group(cell, StartKind::Uniform, CANDIDATES, options.seed, round)?;
-        let mut found = in_order(&random, |(_, q)| {
+        let mut candidates = in_order(&random, |(_, q)| {
             let value = at(&mut ready.clone(), q)?;
             Ok(Candidate { q: q.clone(), value })
         })?;
-        found.retain(|c| c.value.is_finite());
+        candidates.retain(|c| c.value.is_finite());
         // A stable sort: equal values stay in the order they were drawn.
-        sort_by_number(&mut found, |a| a.value);
-        found.truncate(IMPROVED);
-        let improved = in_order(&found, |(i, start)| {
+        sort_by_number(&mut candidates, |a| a.value);
+        candidates.truncate(IMPROVED);
+        let improved = in_order(&candidates, |(i, start)| {
             let mut margins = ready.clone();
             let at = |q: &[f64]| at(&mut margins, q);
             improve(cell, options.seed, (round, i), start, control, at)

@@ -87,10 +87,10 @@ impl<'a> Answers<'a> {
                 continue;
             };
             let mut shown = answer.displacement.clone();
-            if values.iter().any(|(own, _)| own.moves_frames()) {
+            if values.iter().any(|(quantity, _)| quantity.moves_frames()) {
                 let posture = stated.posture(&setup, m, values)?;
-                let own = setup.of_state(&posture.state)?;
-                let terms = posture.terms(&own, posture.wrench.as_ref())?;
+                let state_setup = setup.of_state(&posture.state)?;
+                let terms = posture.terms(&state_setup, posture.wrench.as_ref())?;
                 shown = terms.block_with(&setup.robot, self.extra) * &self.values;
                 shown += known_displacement(&setup, &terms, &posture)?;
             } else if let Some((wrench, at)) = stated.wrench(&setup, m, values)? {
@@ -106,8 +106,8 @@ impl<'a> Answers<'a> {
             }
             for label in labels {
                 let displacement = &stated.experiment.postures()[m].displacements[label.displacement];
-                let own = 3 * displacement.point;
-                let change = shown.fixed_rows::<3>(own) - answer.displacement.fixed_rows::<3>(own);
+                let row = 3 * displacement.point;
+                let change = shown.fixed_rows::<3>(row) - answer.displacement.fixed_rows::<3>(row);
                 out.fixed_rows_mut::<3>(label.rows.start).copy_from(&change);
             }
         }
@@ -175,20 +175,20 @@ impl<'a> Answers<'a> {
         if *quantity == Quantity::Registration {
             let back = place.rotated().transpose();
             for row in (0..slope.len()).step_by(3) {
-                let own = back * slope.fixed_rows::<3>(row);
-                slope.fixed_rows_mut::<3>(row).copy_from(&own);
+                let turned = back * slope.fixed_rows::<3>(row);
+                slope.fixed_rows_mut::<3>(row).copy_from(&turned);
             }
         }
         Ok(slope)
     }
 
     /// Where the change is in proportion to the number: of an element, or a shift, by itself.
-    fn simple_slope(&self, values: &[Valued], own: Quantity, k: usize) -> Option<Result<DVector<f64>>> {
+    fn simple_slope(&self, values: &[Valued], quantity: Quantity, k: usize) -> Option<Result<DVector<f64>>> {
         let is_alone = values.len() == 1;
-        let is_simple = own == Quantity::Shift || own.terms(k).is_some() || own == Quantity::Sensor;
+        let is_simple = quantity == Quantity::Shift || quantity.terms(k).is_some() || quantity == Quantity::Sensor;
         (is_alone && is_simple).then(|| {
             let count = values[0].1.values.len();
-            self.shift(&[(own, Place::off(count, k, 1.0))])
+            self.shift(&[(quantity, Place::off(count, k, 1.0))])
         })
     }
 }
@@ -204,8 +204,8 @@ pub(crate) mod internals {
 
     /// Name, default standard uncertainty and its unit of each quantity.
     pub fn quantities() -> [(&'static str, f64, &'static str); 19] {
-        Quantity::ALL.map(|own| {
-            let facts = own.facts();
+        Quantity::ALL.map(|quantity| {
+            let facts = quantity.facts();
             (facts.name, facts.assumed, facts.unit)
         })
     }

@@ -123,8 +123,8 @@ pub(crate) fn springs() -> Facts {
 
 /// The facts of a source of error by its name.
 pub(crate) fn named(name: &str) -> Option<Facts> {
-    let own = Quantity::named(name).map(Quantity::facts);
-    own.or_else(|| Some(springs()).filter(|own| own.name == name))
+    let facts = Quantity::named(name).map(Quantity::facts);
+    facts.or_else(|| Some(springs()).filter(|facts| facts.name == name))
 }
 
 impl Quantity {
@@ -157,7 +157,7 @@ impl Quantity {
             Quantity::ForceScale => Facts {
                 what: "force scale",
                 assumed: 0.01,
-                declared: |given| given.force_scale,
+                declared: |uncertainty| uncertainty.force_scale,
                 better: "check the force with a known weight and declare what it shows",
                 ..row("force-scale", Numbers::One, "1")
             },
@@ -167,22 +167,22 @@ impl Quantity {
                 other: "another anchor of the {}",
                 key: "load.anchor_mm",
                 assumed: 5e-3,
-                declared: |given| given.anchor,
+                declared: |uncertainty| uncertainty.anchor,
                 check: "Measure the rope's fixed end with the tracker (where a pulley deflects it: the point where it leaves the pulley)",
                 better: "measure the anchor with the tracker and declare how well",
                 apart: "a second anchor, or the tracker on this one",
                 ..row("anchor", Numbers::Axes, "m")
             },
             // By its drawing.
-            Quantity::LoadingPoint(own) => Facts {
+            Quantity::LoadingPoint(case) => Facts {
                 what: "loading point",
                 other: "another loading point",
-                key: match own {
+                key: match case {
                     Some(_) => "load.loading_point_mm",
                     None => "tool.loading_point_mm",
                 },
                 assumed: 1e-3,
-                declared: |given| given.loading_point,
+                declared: |uncertainty| uncertainty.loading_point,
                 check: "Measure where the load acts on the tool",
                 better: "measure the loading point with the tracker and declare how well",
                 apart: "a pull about other axes",
@@ -202,7 +202,7 @@ impl Quantity {
                 other: "other axes of the displacements",
                 key: "measurements",
                 assumed: 0.5e-3,
-                declared: |given| given.registration,
+                declared: |uncertainty| uncertainty.registration,
                 check: "Check in which axes the displacements were exported; they must be those of the base",
                 better: "register with more points, farther apart, and declare how well",
                 apart: "the positions behind the displacements",
@@ -214,7 +214,7 @@ impl Quantity {
                 other: "a base that tilts",
                 key: "measurements",
                 assumed: 1e-8,
-                declared: |given| given.base_tilt_compliance,
+                declared: |uncertainty| uncertainty.base_tilt_compliance,
                 better: "measure a reflector on the base and subtract its motion",
                 apart: "reflectors on the base",
                 ..row("base-tilt", Numbers::One, "rad/(N·m)")
@@ -223,14 +223,14 @@ impl Quantity {
             Quantity::Sensor => Facts {
                 what: "compliance between flange and reflectors",
                 assumed: 1e-6,
-                declared: |given| given.sensor_compliance,
+                declared: |uncertainty| uncertainty.sensor_compliance,
                 better: "give the stiffness of the sensor, or put the reflectors before it",
                 ..row("sensor", Numbers::One, "rad/(N·m)")
             },
             Quantity::Beside => Facts {
                 what: "force beside the load",
                 other: "a constant force beside the load",
-                declared: |given| given.force_beside,
+                declared: |uncertainty| uncertainty.force_beside,
                 check: "Weigh what hangs on the rope (hook, shackle, load cell), or take differences against a preload that has it too",
                 better: "weigh what hangs on the rope and add it to the load",
                 apart: "a preload, which has it too",
@@ -253,7 +253,7 @@ impl Quantity {
                 what: "shift common to all loaded readings",
                 other: "a shift common to all loaded readings",
                 key: "measurements",
-                declared: |given| given.common_shift,
+                declared: |uncertainty| uncertainty.common_shift,
                 check: "The tracker, its stand or the base moved between the unloaded and the loaded readings: read each posture unloaded, \
                         loaded and unloaded again",
                 better: "read each posture unloaded, loaded and unloaded again",
@@ -319,7 +319,7 @@ impl Quantity {
                 other: "lost motion in the joints",
                 key: "measurements",
                 assumed: 0.1 / 60.0 * std::f64::consts::PI / 180.0,
-                declared: |given| given.lost_motion,
+                declared: |uncertainty| uncertainty.lost_motion,
                 check: "Take differences against a light preload",
                 better: "measure against a light preload, or in more postures, which bound it",
                 apart: "a light preload",
@@ -335,14 +335,16 @@ impl Quantity {
 
     /// The one of this name.
     pub fn named(name: &str) -> Option<Quantity> {
-        Quantity::ALL.into_iter().find(|own| own.name() == name)
+        Quantity::ALL.into_iter().find(|quantity| quantity.name() == name)
     }
 
     /// Names of those that can be identified on purpose: readings tell their numbers, and no extra term is theirs.
     pub fn can_be_free() -> impl Iterator<Item = &'static str> {
         let all = Quantity::ALL.into_iter();
-        all.filter(|own| own.is_told() && own.terms(0).is_none() && own.facts().numbers != Numbers::None)
-            .map(Quantity::name)
+        all.filter(|quantity| {
+            quantity.is_told() && quantity.terms(0).is_none() && quantity.facts().numbers != Numbers::None
+        })
+        .map(Quantity::name)
     }
 
     /// Whether residuals show it: the scale of the force is every stiffness's, and what lies behind the flange is a joint's.
@@ -399,9 +401,9 @@ impl Quantity {
 
     /// Standard uncertainty of each of its numbers, and whether the cell states it; of what is `free` wide beside the
     /// readings.
-    pub fn size(self, given: &Uncertainty, is_free: bool) -> (f64, bool) {
+    pub fn size(self, uncertainty: &Uncertainty, is_free: bool) -> (f64, bool) {
         let facts = self.facts();
-        match (facts.declared)(given) {
+        match (facts.declared)(uncertainty) {
             _ if is_free && facts.unit == "N" => (FREE_FORCE, true),
             _ if is_free => (FREE, true),
             Some(size) => (size, true),

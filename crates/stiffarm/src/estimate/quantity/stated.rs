@@ -52,14 +52,15 @@ impl<'a> Stated<'a> {
             if is_read {
                 return Origin::Sensor;
             }
-            let own = experiment.terms(m).and_then(|terms| {
+            let load_factor = experiment.terms(m).and_then(|terms| {
                 let setup = cell.setup.of_state(&posture.state).ok()?;
-                let own = setup.load.wrench(terms.frames(), terms.loading_point())?;
-                let factor = own.force.dot(&wrench.force) / own.force.norm_squared();
-                let off = (wrench.force - own.force * factor).norm() + (wrench.moment - own.moment * factor).norm();
+                let load_wrench = setup.load.wrench(terms.frames(), terms.loading_point())?;
+                let factor = load_wrench.force.dot(&wrench.force) / load_wrench.force.norm_squared();
+                let off = (wrench.force - load_wrench.force * factor).norm()
+                    + (wrench.moment - load_wrench.moment * factor).norm();
                 (off <= OWN * wrench.force.norm()).then_some(factor)
             });
-            own.map_or(Origin::Force, Origin::Own)
+            load_factor.map_or(Origin::Force, Origin::Own)
         };
         let postures = experiment.postures().iter().enumerate();
         Stated { fit, experiment, system, origins: postures.map(origin).collect() }
@@ -82,11 +83,11 @@ impl<'a> Stated<'a> {
         out.extend(ropes.filter(|i| self.owns(*i)).map(Quantity::Anchor));
         if any(|o| *o != Origin::Sensor) {
             let has_own = |i: &usize| cases[*i].loading_point.is_some();
-            let own: Vec<usize> = (0..cases.len()).filter(has_own).collect();
-            if own.len() < setups.len() {
+            let with_point: Vec<usize> = (0..cases.len()).filter(has_own).collect();
+            if with_point.len() < setups.len() {
                 out.push(Quantity::LoadingPoint(None));
             }
-            out.extend(own.into_iter().map(|i| Quantity::LoadingPoint(Some(i))));
+            out.extend(with_point.into_iter().map(|i| Quantity::LoadingPoint(Some(i))));
         }
         let weight = |setup: &Setup| matches!(setup.load, Load::Weight { .. });
         if is_own && setups.iter().any(weight) {
@@ -228,7 +229,7 @@ impl<'a> Stated<'a> {
         let Some(terms) = self.experiment.terms(m) else {
             return Ok(None);
         };
-        let new_frames = values.iter().any(|(own, _)| own.moves_frames()).then(|| {
+        let new_frames = values.iter().any(|(quantity, _)| quantity.moves_frames()).then(|| {
             let mut q = posture.posture.q.clone();
             change_angles(&mut q, values);
             Frames::new(&setup.robot, &q)
@@ -238,8 +239,8 @@ impl<'a> Stated<'a> {
         let at = frames.point(&setup.tool.loading_point);
         let stated = match self.origins[m] {
             Origin::Own(factor) => {
-                let own = setup.load.wrench(frames, &at);
-                own.map(|own| own.map(|v| v * factor))
+                let load_wrench = setup.load.wrench(frames, &at);
+                load_wrench.map(|load_wrench| load_wrench.map(|v| v * factor))
             }
             Origin::Force => posture.wrench,
             Origin::Sensor => posture.wrench.map(|w| w.moved(terms.loading_point(), &at)),
@@ -280,12 +281,12 @@ impl<'a> Stated<'a> {
 
 /// The stated loading point, flange axes.
 pub(crate) fn loading_point(cell: &Cell, quantity: Quantity) -> Vector3<f64> {
-    let own = match quantity {
+    let case = match quantity {
         Quantity::LoadingPoint(Some(i)) => cell.setup.load.cases().get(i),
         _ => None,
     };
-    let own = own.and_then(|case| case.loading_point);
-    own.unwrap_or(cell.setup.tool.loading_point)
+    let case_point = case.and_then(|case| case.loading_point);
+    case_point.unwrap_or(cell.setup.tool.loading_point)
 }
 
 /// The stated anchor of load `i`, base frame.

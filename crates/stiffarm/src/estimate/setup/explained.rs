@@ -38,8 +38,8 @@ pub(crate) fn follows(finding: &Finding) -> bool {
 
 /// The screening without what only follows from the set-up.
 pub(crate) fn leave_out_explained(screening: &mut Screening) {
-    let kept: Vec<bool> = screening.findings.iter().map(|f| !is_explained(f)).collect();
-    let mut both = kept.iter();
+    let unexplained: Vec<bool> = screening.findings.iter().map(|f| !is_explained(f)).collect();
+    let mut both = unexplained.iter();
     screening.suspicions.retain(|_| both.next() != Some(&false));
     screening.findings.retain(|finding| !is_explained(finding));
 }

@@ -50,13 +50,13 @@ pub fn free(fit: &Fit, elastic: ElasticChoice) -> Result<Option<(Fit, Vec<Freed>
         }
     }
     let freed = described(&stated, &at, all);
-    for ((quantity, _), own) in at.values.iter().zip(&freed) {
+    for ((quantity, _), freed_quantity) in at.values.iter().zip(&freed) {
         let most = match quantity.facts().unit {
             "N" => UNTOLD_FORCE,
             _ => UNTOLD,
         };
         let is_told = |error: &Option<f64>| error.is_some_and(|error| error < most);
-        if !own.standard_error.iter().all(is_told) {
+        if !freed_quantity.standard_error.iter().all(is_told) {
             let message = format!("These readings cannot tell the {} beside the stiffness.", quantity.facts().what);
             return Err(Error::new(Code::TooFewData, message).key("free").hint(
                 "leave it out; or measure more postures, a second anchor or several load states, which tell it apart",
@@ -79,10 +79,10 @@ fn wanted(stated: &Stated<'_>, names: &[String]) -> Result<Vec<Valued>> {
         if names[..i].contains(name) {
             return Err(refused(Code::Duplicate, format!("\"{name}\" is to be free twice.")).hint("name it once"));
         }
-        if !Quantity::can_be_free().any(|own| own == name) {
-            let known: Vec<&str> = Quantity::can_be_free().collect();
+        if !Quantity::can_be_free().any(|free_name| free_name == name) {
+            let free_names: Vec<&str> = Quantity::can_be_free().collect();
             let message = match Quantity::named(name) {
-                Some(own) if own.terms(0).is_some() => {
+                Some(quantity) if quantity.terms(0).is_some() => {
                     format!("\"{name}\" is no number of the set-up but gives way.")
                 }
                 Some(_) => format!("No reading tells \"{name}\" beside the stiffness."),
@@ -91,22 +91,22 @@ fn wanted(stated: &Stated<'_>, names: &[String]) -> Result<Vec<Valued>> {
             let hint = match Quantity::named(name) {
                 Some(Quantity::BaseTilt) => Some("it is an extra term: base".to_string()),
                 Some(Quantity::LostMotion) => Some("it is an extra term: lost".to_string()),
-                _ => did_you_mean(name, known.iter().copied()),
+                _ => did_you_mean(name, free_names.iter().copied()),
             };
-            let hint = hint.unwrap_or_else(|| format!("one of {}", known.join(", ")));
+            let hint = hint.unwrap_or_else(|| format!("one of {}", free_names.join(", ")));
             return Err(refused(Code::UnknownName, message).hint(hint));
         }
-        let own = here.iter().filter(|own| own.name() == name);
+        let quantities = here.iter().filter(|quantity| quantity.name() == name);
         let from = out.len();
-        out.extend(own.map(|own| {
-            let count = own.dimension(joints);
-            (*own, Place::new(Matrix3::identity(), vec![0.0; count]))
+        out.extend(quantities.map(|quantity| {
+            let count = quantity.dimension(joints);
+            (*quantity, Place::new(Matrix3::identity(), vec![0.0; count]))
         }));
         if out.len() == from {
-            let known: Vec<&str> =
-                Quantity::can_be_free().filter(|name| here.iter().any(|own| own.name() == *name)).collect();
+            let free_names: Vec<&str> =
+                Quantity::can_be_free().filter(|name| here.iter().any(|quantity| quantity.name() == *name)).collect();
             let message = format!("These readings do not depend on \"{name}\" in this cell.");
-            return Err(refused(Code::Unsupported, message).hint(format!("they do on {}", known.join(", "))));
+            return Err(refused(Code::Unsupported, message).hint(format!("they do on {}", free_names.join(", "))));
         }
     }
     Ok(out)

@@ -123,8 +123,8 @@ impl Stated<'_> {
     pub(super) fn at(&self, values: Vec<Valued>, is_mixed: bool, near: Option<&MixedFit>) -> Option<At> {
         let (cell, measured) = self.changed(&values).ok()?;
         let fit = Fit::new(&cell, measured, self.fit.options()).ok()?;
-        let found = At::new(values, fit, is_mixed, near).ok()?;
-        found.value.is_finite().then_some(found)
+        let at = At::new(values, fit, is_mixed, near).ok()?;
+        at.value.is_finite().then_some(at)
     }
 
     /// One step of least squares from `values`, where the fit is `linear`.
@@ -141,11 +141,11 @@ impl Stated<'_> {
         if columns.is_empty() {
             return None;
         }
-        let (own, count) = (DMatrix::from_columns(&columns), columns.len());
+        let (jacobian, count) = (DMatrix::from_columns(&columns), columns.len());
         let (rest, solution) = (&linear.rest, linear.fit.solution());
-        let factor = Factor::new(&own).ok()?;
+        let factor = Factor::new(&jacobian).ok()?;
         let change = factor.solve(rest);
-        let after = (rest - &own * &change).norm_squared();
+        let after = (rest - &jacobian * &change).norm_squared();
         let before = rest.norm_squared();
         let unknowns = linear.fit.system().psi.ncols();
         let free = rest.len().saturating_sub(unknowns + count).max(1);

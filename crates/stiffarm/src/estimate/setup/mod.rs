@@ -102,20 +102,20 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
         free: fit.options().free.clone(),
         ..IdentifyOptions::default()
     };
-    let own = mixed.filter(|_| *fit.options() == options);
+    let matching = mixed.filter(|_| *fit.options() == options);
     let fit = fit.with(&options)?;
-    let found = fit.identification()?;
-    let left = found.total_std_m.unwrap_or(0.0);
-    if fit.system().blocks.len() < FEWEST_POSTURES || found.expected_std_m <= 0.0 || left <= 0.0 {
+    let identification = fit.identification()?;
+    let left = identification.total_std_m.unwrap_or(0.0);
+    if fit.system().blocks.len() < FEWEST_POSTURES || identification.expected_std_m <= 0.0 || left <= 0.0 {
         return Ok(None);
     }
-    let is_more = left > MORE_THAN_NOISE * found.expected_std_m || below_zero(&fit, None) > WORTH;
+    let is_more = left > MORE_THAN_NOISE * identification.expected_std_m || below_zero(&fit, None) > WORTH;
     let stated = Stated::of(&fit);
     let Some(linear) = Linear::new(&stated, &fit, None) else {
         return Ok(None);
     };
     let has_approach = fit.cell().route.approach.is_some();
-    let is_asked = |own: &Quantity| own.is_told() && !(*own == Quantity::LostMotion && has_approach);
+    let is_asked = |quantity: &Quantity| quantity.is_told() && !(*quantity == Quantity::LostMotion && has_approach);
     let mut quantities = stated.quantities();
     quantities.retain(is_asked);
     let alone = in_order(&quantities, |(_, quantity)| {
@@ -128,21 +128,21 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
     alone.truncate(TRIED);
     // Springs beyond the axes granted on both sides.
     let grants = options.extra.is_empty();
-    let carried = match own {
+    let carried = match matching {
         None if grants && !alone.is_empty() => carried(&fit)?.ok(),
         _ => None,
     };
-    let own = own.or(carried.as_ref());
-    if let Some(mixed) = own {
+    let mixed = matching.or(carried.as_ref());
+    if let Some(mixed) = mixed {
         leave_out_swallowed(&stated, mixed, &mut alone);
     }
     if alone.is_empty() {
         return Ok(Some(SetUp::default()));
     }
-    let before = value(&fit, own);
+    let before = value(&fit, mixed);
     let mut beside = in_order(&alone, |(_, at)| {
         fit.control().check()?;
-        let at = At::new(at.values.clone(), at.fit.clone(), grants, own)?;
+        let at = At::new(at.values.clone(), at.fit.clone(), grants, mixed)?;
         let hope = before - at.value + stated.gain(&at);
         Ok(if hope > WORTH { stated.refined(at) } else { at })
     })?;
@@ -160,7 +160,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
         Some(word) => {
             let others = freed.iter().zip(&beside).skip(1);
             let alike = others
-                .filter(|(own, _)| first.likelihood_ratio - own.likelihood_ratio < ALIKE)
+                .filter(|(other, _)| first.likelihood_ratio - other.likelihood_ratio < ALIKE)
                 .map(|(_, at)| at.values[0].0);
             let alike: Vec<Quantity> = alike.collect();
             Some(words::finding(fit.cell(), quantity, first, &alike, &word))
@@ -218,8 +218,8 @@ fn described(stated: &Stated<'_>, at: &At, before: f64) -> Vec<Freed> {
         residual_rms_m: [fit, &at.fit].map(|fit| rms(fit.residual().as_slice())),
     };
     let mut freed: Vec<Freed> = at.values.iter().map(one).collect();
-    for (own, valued) in freed.iter_mut().zip(&at.values) {
-        own.words = words::wanted(cell, valued, own);
+    for (freed_quantity, valued) in freed.iter_mut().zip(&at.values) {
+        freed_quantity.words = words::wanted(cell, valued, freed_quantity);
     }
     freed
 }
@@ -269,15 +269,15 @@ fn leave_out_swallowed(stated: &Stated<'_>, mixed: &MixedFit, alone: &mut Vec<At
 /// Whether the quantity lies within what the cell states of it, or what is assumed: then the total ± has it. A force along
 /// the load is known as well as its scale.
 fn is_within_stated(fit: &Fit, (quantity, place): &Valued, errors: &[Option<f64>]) -> bool {
-    let given = &fit.cell().uncertainty;
+    let uncertainty = &fit.cell().uncertainty;
     let size = match quantity {
         Quantity::Offset => {
             let largest = fit.experiment().largest_force().unwrap_or(0.0);
-            Quantity::ForceScale.size(given, false).0 * largest
+            Quantity::ForceScale.size(uncertainty, false).0 * largest
         }
         // What gives way is no error of the set-up.
-        own if own.terms(0).is_some() => 0.0,
-        own => own.size(given, false).0,
+        quantity if quantity.terms(0).is_some() => 0.0,
+        quantity => quantity.size(uncertainty, false).0,
     };
     let mut both = place.values.iter().zip(errors);
     size > 0.0

@@ -58,8 +58,8 @@ fn down(cell: &Cell) -> Vector3<f64> {
         Load::Weight { direction, .. } => Some(*direction),
         _ => None,
     };
-    let own = cell.setup.load.each().find_map(direction);
-    own.unwrap_or(*cell.setup.robot.gravity_direction())
+    let weight_direction = cell.setup.load.each().find_map(direction);
+    weight_direction.unwrap_or(*cell.setup.robot.gravity_direction())
 }
 
 /// What the readings ask for.
@@ -131,26 +131,28 @@ fn bare_mm(values: &[f64]) -> String {
 }
 
 /// What the readings ask for, in words.
-pub(super) fn wanted(cell: &Cell, (quantity, place): &Valued, own: &Freed) -> String {
-    let key = &own.key;
-    let errors = own.standard_error.iter().map(|e| e.unwrap_or(0.0));
-    let (asked, errors): (_, &Vec<f64>) = (&own.asked, &errors.collect());
+pub(super) fn wanted(cell: &Cell, (quantity, place): &Valued, freed: &Freed) -> String {
+    let key = &freed.key;
+    let errors = freed.standard_error.iter().map(|e| e.unwrap_or(0.0));
+    let (values, errors): (_, &Vec<f64>) = (&freed.asked, &errors.collect());
     match quantity {
-        Quantity::Anchor(_) => format!("the anchor at {}; {key} has {}", place_mm(asked, errors), bare_mm(&own.stated)),
+        Quantity::Anchor(_) => {
+            format!("the anchor at {}; {key} has {}", place_mm(values, errors), bare_mm(&freed.stated))
+        }
         Quantity::LoadingPoint(_) => format!(
             "the loading point at {} in flange axes; {key} has {}{}",
-            place_mm(asked, errors),
-            bare_mm(&own.stated),
-            known_point(cell, asked, errors)
+            place_mm(values, errors),
+            bare_mm(&freed.stated),
+            known_point(cell, values, errors)
         ),
         Quantity::Gravity => format!(
             "gravity along ({:.3}, {:.3}, {:.3}) in base axes; {key} has ({:.3}, {:.3}, {:.3})",
-            asked[0] + 0.0,
-            asked[1] + 0.0,
-            asked[2] + 0.0,
-            own.stated[0],
-            own.stated[1],
-            own.stated[2]
+            values[0] + 0.0,
+            values[1] + 0.0,
+            values[2] + 0.0,
+            freed.stated[0],
+            freed.stated[1],
+            freed.stated[2]
         ),
         Quantity::Beside => {
             let force = place.vector();
@@ -168,20 +170,20 @@ pub(super) fn wanted(cell: &Cell, (quantity, place): &Valued, own: &Freed) -> St
                 force.z + 0.0
             )
         }
-        Quantity::Shift => format!("a shift common to all loaded readings, {}", place_mm(asked, errors)),
+        Quantity::Shift => format!("a shift common to all loaded readings, {}", place_mm(values, errors)),
         Quantity::Offset => {
-            format!("{:+.0} ± {:.0} N along the load in every loaded state", asked[0], COVERAGE * errors[0])
+            format!("{:+.0} ± {:.0} N along the load in every loaded state", values[0], COVERAGE * errors[0])
         }
         Quantity::Sign => "the opposite sign of the load".to_string(),
         Quantity::SensorInBase => "forces that are given in base axes, not in those of the sensor".to_string(),
         Quantity::Points => format!(
             "measuring points moved by {} in flange axes and {}",
-            place_mm(&asked[..3], &errors[..3]),
+            place_mm(&values[..3], &errors[..3]),
             axes(&place.rotated())
         ),
         Quantity::SensorAxes => format!("the sensor's axes {}", axes(&place.rotated())),
         Quantity::SensorOrigin => {
-            format!("the sensor's origin {} from where {key} has it, in flange axes", place_mm(asked, errors))
+            format!("the sensor's origin {} from where {key} has it, in flange axes", place_mm(values, errors))
         }
         Quantity::Registration => format!("other axes of the displacements: {}", axes(&place.rotated().transpose())),
         Quantity::Angle(j) => {
@@ -202,19 +204,19 @@ pub(super) fn wanted(cell: &Cell, (quantity, place): &Valued, own: &Freed) -> St
         Quantity::Rows => format!("{} rows; the cell has them as {key}", cell.setup.robot.convention().other().name()),
         Quantity::LostMotion => format!(
             "lost motion in the joints, up to {:.2} arc-minutes",
-            60.0 * rad_to_deg(asked.iter().copied().fold(0.0, f64::max))
+            60.0 * rad_to_deg(values.iter().copied().fold(0.0, f64::max))
         ),
-        Quantity::BaseTilt => format!("a base that tilts, {:.1e} N·m/rad about each horizontal axis", 1.0 / asked[0]),
+        Quantity::BaseTilt => format!("a base that tilts, {:.1e} N·m/rad about each horizontal axis", 1.0 / values[0]),
         // No residual tells these.
         Quantity::ForceScale | Quantity::Sensor => String::new(),
     }
 }
 
 /// The finding about the quantity that explains most.
-pub(super) fn finding(cell: &Cell, quantity: Quantity, own: &Freed, alike: &[Quantity], word: &Word) -> Finding {
+pub(super) fn finding(cell: &Cell, quantity: Quantity, freed: &Freed, alike: &[Quantity], word: &Word) -> Finding {
     let wanted = match quantity {
         Quantity::Sign => "The points move against the stated load: the readings ask for its opposite sign".to_string(),
-        _ => format!("The readings ask for {}", own.words),
+        _ => format!("The readings ask for {}", freed.words),
     };
     let remedy = match (quantity, &cell.sensor) {
         (Quantity::Sign, Some(_)) => {
@@ -233,7 +235,7 @@ pub(super) fn finding(cell: &Cell, quantity: Quantity, own: &Freed, alike: &[Qua
         [] => String::new(),
         names => format!(" As well explained by {}.", list(names).replace(" and ", " or ")),
     };
-    let [before, after] = own.residual_rms_m.map(length);
+    let [before, after] = freed.residual_rms_m.map(length);
     let fits = match quantity {
         Quantity::Sign => "With that no joint yields against its torque.".to_string(),
         _ => format!("With that the joint axes alone leave {after} instead of {before} (RMS)."),
@@ -246,20 +248,20 @@ pub(super) fn finding(cell: &Cell, quantity: Quantity, own: &Freed, alike: &[Qua
     };
     if let Some(how) = how {
         let sentence = format!("{wanted}{how}.{others} {remedy}. Until that is settled the total ± holds it.");
-        return Finding::caution(codes::SET_UP_DOUBTFUL, own.key.as_str(), sentence);
+        return Finding::caution(codes::SET_UP_DOUBTFUL, freed.key.as_str(), sentence);
     }
     let sentence = format!("{wanted}. {fits}{others} {remedy}");
     match quantity {
         // No error of the set-up: it is measured around.
-        Quantity::LostMotion => Finding::caution("lost-motion-seen", own.key.as_str(), sentence + "."),
-        Quantity::BaseTilt => Finding::caution("base-tilt-seen", own.key.as_str(), sentence + "."),
-        _ => Finding::serious(codes::SET_UP, own.key.as_str(), sentence + "; until then no stiffness is known."),
+        Quantity::LostMotion => Finding::caution("lost-motion-seen", freed.key.as_str(), sentence + "."),
+        Quantity::BaseTilt => Finding::caution("base-tilt-seen", freed.key.as_str(), sentence + "."),
+        _ => Finding::serious(codes::SET_UP, freed.key.as_str(), sentence + "; until then no stiffness is known."),
     }
 }
 
 /// A point of the tool that lies where the readings want the loading point.
-fn known_point(cell: &Cell, asked: &[f64], errors: &[f64]) -> String {
-    let at = Vector3::from_column_slice(asked);
+fn known_point(cell: &Cell, values: &[f64], errors: &[f64]) -> String {
+    let at = Vector3::from_column_slice(values);
     let within = 3.0 * Vector3::from_column_slice(errors).norm();
     let points = cell.setup.tool.measuring_points.iter();
     let near = points.filter(|point| (point.position - at).norm() < within.max(2e-3));

@@ -81,8 +81,8 @@ impl ModelErrors {
                 // The true force is the read one times `factor`.
                 let wrench = pull.wrench().map(|v| v * factor);
                 let actual = PostureTerms::new(truth, &q, Some(&wrench))?;
-                let known = actual.known_displacement(&truth.tool) - nominal.known_displacement(&stated.tool);
-                let difference = (actual.block(&truth.robot) - nominal.block(&stated.robot)) * compliance + known;
+                let offset = actual.known_displacement(&truth.tool) - nominal.known_displacement(&stated.tool);
+                let difference = (actual.block(&truth.robot) - nominal.block(&stated.robot)) * compliance + offset;
                 out.rows_mut(at, rows).copy_from(&difference);
                 at += rows;
             }

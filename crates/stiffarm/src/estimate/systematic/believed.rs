@@ -55,7 +55,7 @@ impl<'a> Believed<'a> {
         let covariance = solution.covariance.as_ref();
         let error = |j: usize| Some(covariance?[(j, j)].max(0.0).sqrt());
         let errors: Vec<Option<f64>> = (0..fit.system().springs).map(error).collect();
-        let known = solution.t_degrees_of_freedom != Some(0);
+        let has_freedom = solution.t_degrees_of_freedom != Some(0);
         Ok(Believed {
             fit,
             values: &solution.values,
@@ -63,7 +63,7 @@ impl<'a> Believed<'a> {
             reproduced: None,
             extra: &fit.system().extra,
             response: Arc::new(Response::new(fit)?),
-            sigma: solution.sigma.filter(|_| known),
+            sigma: solution.sigma.filter(|_| has_freedom),
             degrees_of_freedom: solution.t_degrees_of_freedom,
             half_widths: errors.iter().map(|e| Some(t? * (*e)?)).collect(),
             errors,
@@ -87,44 +87,44 @@ impl<'a> Believed<'a> {
             0 => None,
             degrees => Some(quantile(Some(degrees), fit.options().confidence)?),
         };
-        let own = Believed::of_fit(fit)?;
+        let fitted = Believed::of_fit(fit)?;
         Ok(Believed {
             values,
             joints: values.rows(0, fit.system().springs).into_owned(),
-            sigma: own.sigma.filter(|_| degrees > 0),
+            sigma: fitted.sigma.filter(|_| degrees > 0),
             degrees_of_freedom: Some(degrees),
-            half_widths: own.errors.iter().map(|e| Some(t? * (*e)?)).collect(),
+            half_widths: fitted.errors.iter().map(|e| Some(t? * (*e)?)).collect(),
             expected: Some(left),
-            ..own
+            ..fitted
         })
     }
 
     /// # Errors
     /// As [`of_fit`](Self::of_fit).
     pub(super) fn of_mixed(mixed: &'a MixedFit) -> Result<Self> {
-        let (found, reproduced) = (mixed.compliance(), mixed.reproduced()?);
+        let (compliance, reproduced) = (mixed.compliance(), mixed.reproduced()?);
         let springs = mixed.fit().system().springs;
         let (mut errors, mut half_widths) = (vec![None; springs], vec![None; springs]);
-        if let Some(spread) = &found.spread {
+        if let Some(spread) = &compliance.spread {
             let quantiles = spread.quantiles()?;
-            for j in (0..springs).filter(|j| !found.undetermined.contains(j)) {
+            for j in (0..springs).filter(|j| !compliance.undetermined.contains(j)) {
                 let (with, variance) = reproduced.covariance(spread, j);
                 errors[j] = Some(variance.sqrt());
                 half_widths[j] = Some(variance.sqrt() * quantiles.of(&with, variance, 0.0));
             }
         }
-        let joints = reproduced.of(&found.values);
+        let joints = reproduced.of(&compliance.values);
         let alone = mixed.springs_alone()?;
         let is_seen = reproduced.of(&alone).amax() > SAME * joints.amax();
         Ok(Believed {
             fit: mixed.fit(),
-            values: &found.values,
+            values: &compliance.values,
             joints,
             reproduced: Some(reproduced),
-            extra: &found.extra,
+            extra: &compliance.extra,
             response: mixed.response()?,
-            sigma: found.spread.as_ref().map(|s| s.sigma),
-            degrees_of_freedom: found.spread.as_ref().and_then(|s| s.degrees_of_freedom),
+            sigma: compliance.spread.as_ref().map(|s| s.sigma),
+            degrees_of_freedom: compliance.spread.as_ref().and_then(|s| s.degrees_of_freedom),
             errors,
             half_widths,
             base_turns: [ElasticClass::Turn, ElasticClass::Bearing].iter().any(|class| mixed.size(*class) > 0.0),

@@ -51,7 +51,7 @@ impl BaseSeen {
 impl SystematicSource {
     /// The source in words.
     fn what(&self) -> &'static str {
-        facts::named(&self.name).map_or("source", |own| own.what)
+        facts::named(&self.name).map_or("source", |facts| facts.what)
     }
 
     /// Its size in words.
@@ -87,7 +87,7 @@ impl SystematicSource {
             ("base-tilt", BaseSeen::Turn) => {
                 "the reflectors on the base have taken its tilt off; declare a stiffer base"
             }
-            _ => facts::named(&self.name).map_or("", |own| own.better),
+            _ => facts::named(&self.name).map_or("", |facts| facts.better),
         }
     }
 }
@@ -106,12 +106,12 @@ pub(super) fn findings(systematic: &SystematicErrors, seen: Seen) -> Vec<Finding
     }
     out.extend(systematic.sources.iter().filter_map(|source| seen_of(source, seen)));
     for source in &systematic.sources {
-        let own = largest_for(systematic, source);
-        if !own.is_empty() {
+        let joints = largest_for(systematic, source);
+        if !joints.is_empty() {
             let message = format!(
                 "Of the systematic errors that the readings leave, {} is the largest for {}: {}.",
                 source.words(),
-                list(&own),
+                list(&joints),
                 source.remedy(seen)
             );
             let code = "largest-common-error";
@@ -183,7 +183,7 @@ fn seen_of(source: &SystematicSource, seen: Seen) -> Option<Finding> {
 fn largest_for(systematic: &SystematicErrors, source: &SystematicSource) -> Vec<String> {
     let names = systematic.joints.iter().zip(&systematic.uncertainty).enumerate();
     names
-        .filter(|(_, (_, own))| own.largest_source.as_ref() == Some(&source.name))
+        .filter(|(_, (_, uncertainty))| uncertainty.largest_source.as_ref() == Some(&source.name))
         .filter_map(|(j, (name, _))| Some(format!("{name} ({})", percent(source.bounded[j]?))))
         .collect()
 }

@@ -235,9 +235,9 @@ fn describe(believed: &Believed<'_>, source: &Source, all: &posterior::Parts, fr
         change: changes(believed, &all.joints.column(from + i).into_owned()),
     };
     let parts: Vec<SystematicPart> = source.parts.iter().enumerate().map(part).collect();
-    let own = from..from + parts.len();
+    let columns = from..from + parts.len();
     let moment = |i: usize| all.covariance[(i, i)] + all.mean[i].powi(2);
-    let squares = own.clone().map(moment);
+    let squares = columns.clone().map(moment);
     let remaining = (squares.sum::<f64>() / parts.len() as f64).sqrt();
     let one = matches!(parts.as_slice(), [part] if part.name.is_empty());
     let of = |j: usize| parts.iter().map(move |part| part.change[j]);
@@ -257,7 +257,7 @@ fn describe(believed: &Believed<'_>, source: &Source, all: &posterior::Parts, fr
         change,
         worst,
         remaining: Some(remaining),
-        bounded: (0..count).map(|j| bounded(believed, all, own.clone(), j)).collect(),
+        bounded: (0..count).map(|j| bounded(believed, all, columns.clone(), j)).collect(),
         parts: if one { Vec::new() } else { parts },
     }
 }
@@ -268,8 +268,8 @@ fn changes(believed: &Believed<'_>, change: &DVector<f64>) -> Vec<Option<f64>> {
         .map(|j| {
             let h = believed.joints[j];
             let moved = h + change[j];
-            let known = believed.has_stiffness(j) && moved > 0.0;
-            known.then(|| h / moved - 1.0)
+            let has_stiffness = believed.has_stiffness(j) && moved > 0.0;
+            has_stiffness.then(|| h / moved - 1.0)
         })
         .collect()
 }
@@ -277,10 +277,10 @@ fn changes(believed: &Believed<'_>, change: &DVector<f64>) -> Vec<Option<f64>> {
 /// √(R M Rᵀ) of joint `j` over its compliance, for the parts `which`.
 fn bounded(believed: &Believed<'_>, all: &posterior::Parts, which: std::ops::Range<usize>, j: usize) -> Option<f64> {
     let (from, count) = (which.start, which.len());
-    let own = all.joints.view((j, from), (1, count));
+    let row = all.joints.view((j, from), (1, count));
     let covariance = all.covariance.view((from, from), (count, count));
-    let mean = (own * all.mean.rows(from, count))[(0, 0)];
-    let square = (own * covariance * own.transpose())[(0, 0)] + mean * mean;
+    let mean = (row * all.mean.rows(from, count))[(0, 0)];
+    let square = (row * covariance * row.transpose())[(0, 0)] + mean * mean;
     let has_stiffness = believed.has_stiffness(j);
     has_stiffness.then(|| square.max(0.0).sqrt() / believed.joints[j])
 }

@@ -69,16 +69,16 @@ pub(super) fn parts(believed: &Believed<'_>, sources: &[Source]) -> Result<Parts
     let (mut changes, mut left) = (Vec::new(), Vec::new());
     for part in shifts {
         fit.control().check()?;
-        let own = response.weighed(&part.shift);
-        let (change, own) = match &part.change {
-            Some(change) => (change.clone(), own),
+        let weighed = response.weighed(&part.shift);
+        let (change, remainder) = match &part.change {
+            Some(change) => (change.clone(), weighed),
             None => {
-                let change = response.of(&own);
-                let own = response.left(&own, &change);
-                (change, own)
+                let change = response.of(&weighed);
+                let remainder = response.left(&weighed, &change);
+                (change, remainder)
             }
         };
-        left.push(own);
+        left.push(remainder);
         changes.push(change);
     }
     let count = changes.len();
@@ -131,10 +131,10 @@ pub fn moments(
     let count = said.len();
     let at = |size: f64, ratio: f64| -> Option<(f64, DVector<f64>, DMatrix<f64>)> {
         let scale = DVector::from_fn(count, |i, _| if alike[i] { size } else { 1.0 });
-        let own = DMatrix::from_fn(count, count, |i, k| {
+        let information = DMatrix::from_fn(count, count, |i, k| {
             f64::from(u8::from(i == k)) + scale[i] * ratio * seen[(i, k)] * scale[k]
         });
-        let factor = own.cholesky()?;
+        let factor = information.cholesky()?;
         let towards = said.component_mul(&scale) * ratio;
         let solved = factor.solve(&towards);
         let ln_determinant: f64 = factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
@@ -158,12 +158,12 @@ pub fn moments(
     let total: f64 = looked.iter().map(|l| (l.0 - best).exp()).sum();
     let weight = |likelihood: f64| (likelihood - best).exp() / total;
     let mut mean = DVector::zeros(count);
-    for (likelihood, own, _) in &looked {
-        mean += own * weight(*likelihood);
+    for (likelihood, conditional, _) in &looked {
+        mean += conditional * weight(*likelihood);
     }
     let mut covariance = DMatrix::zeros(count, count);
-    for (likelihood, own, within) in looked {
-        let between = own - &mean;
+    for (likelihood, conditional, within) in looked {
+        let between = conditional - &mean;
         covariance += (within + &between * between.transpose()) * weight(likelihood);
     }
     Some((mean, covariance))

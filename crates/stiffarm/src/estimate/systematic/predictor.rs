@@ -22,7 +22,7 @@ impl Fit {
     /// # Errors
     /// As [`IdentifiedCompliance::from_estimates`] and [`systematic_errors`].
     pub fn compliance(&self) -> Result<IdentifiedCompliance> {
-        let found = IdentifiedCompliance::from_identification(self.cell(), self.identification()?)?;
-        Ok(found.with_systematic_errors(&systematic_errors(self)?).with_doubts(self.measured().findings()))
+        let compliance = IdentifiedCompliance::from_identification(self.cell(), self.identification()?)?;
+        Ok(compliance.with_systematic_errors(&systematic_errors(self)?).with_doubts(self.measured().findings()))
     }
 }

@@ -14,11 +14,11 @@ pub(super) fn ways(believed: &Believed<'_>) -> Vec<MeasuredPosture> {
     let fit = believed.fit;
     let blocks = &fit.system().blocks;
     let all = fit.measured().against_unloaded.iter();
-    let kept = all.filter(|m| {
+    let preloads = all.filter(|m| {
         let is_fitted = || blocks.iter().any(|b| b.posture == m.posture.name);
         Role::of(&m.state) == Role::Preload && is_fitted()
     });
-    kept.cloned().collect()
+    preloads.cloned().collect()
 }
 
 /// Independent rows in units of σ of the fit: what one standard uncertainty of each part of `named` does to the ways to
@@ -41,35 +41,35 @@ pub(super) fn rows(
     let system = experiment.system(believed.extra, fit.options().weights)?;
     let shifts = sources(believed, &experiment, &system)?;
     let parts = |of: &[Source]| -> Vec<(&'static str, String)> {
-        let own = |source: &Source| {
+        let names = |source: &Source| {
             let named = |part: &super::Part| (source.facts.name, part.name.clone());
             source.parts.iter().map(named).collect::<Vec<_>>()
         };
-        of.iter().flat_map(own).collect()
+        of.iter().flat_map(names).collect()
     };
     let shifted: Vec<&DVector<f64>> =
         shifts.iter().flat_map(|source| source.parts.iter().map(|part| &part.shift)).collect();
     let theirs = parts(&shifts);
-    let mut own = DMatrix::zeros(system.delta.len(), changes.len() + 1);
+    let mut white_rows = DMatrix::zeros(system.delta.len(), changes.len() + 1);
     for (i, (name, change)) in parts(named).iter().zip(changes).enumerate() {
         let mut column = -(&system.psi * change);
         if let Some(at) = theirs.iter().position(|other| other == name) {
             column += shifted[at];
         }
-        own.set_column(i, &column);
+        white_rows.set_column(i, &column);
     }
     let left = &system.delta - &system.psi * believed.values;
-    own.set_column(changes.len(), &left);
+    white_rows.set_column(changes.len(), &left);
     for block in &system.blocks {
         let shared = &block.shared * believed.response.gamma();
         let covariance = block.covariance.to_matrix(block.rows.len()) + shared * block.shared.transpose();
         let factor = covariance.cholesky();
         let factor =
             factor.ok_or_else(|| Error::invalid("The covariance of a preload's readings is not positive definite."))?;
-        let mut part = own.rows(block.rows.start, block.rows.len()).into_owned();
+        let mut part = white_rows.rows(block.rows.start, block.rows.len()).into_owned();
         factor.l_dirty().solve_lower_triangular_mut(&mut part);
-        own.rows_mut(block.rows.start, block.rows.len()).copy_from(&part);
+        white_rows.rows_mut(block.rows.start, block.rows.len()).copy_from(&part);
     }
-    let misfit = own.column(changes.len()).into_owned();
-    Ok(Some((own.remove_column(changes.len()), misfit)))
+    let misfit = white_rows.column(changes.len()).into_owned();
+    Ok(Some((white_rows.remove_column(changes.len()), misfit)))
 }

@@ -50,9 +50,9 @@ pub(super) fn sources(
     let mut out: Vec<Source> = Vec::new();
     for quantity in stated.quantities() {
         let facts = quantity.facts();
-        let is_free = believed.fit.options().free.iter().any(|own| own == facts.name);
+        let is_free = believed.fit.options().free.iter().any(|name| name == facts.name);
         let stated = quantity.size(&cell.uncertainty, is_free);
-        let off = believed.off.filter(|(own, size)| *own == quantity && *size > stated.0);
+        let off = believed.off.filter(|(doubted, size)| *doubted == quantity && *size > stated.0);
         let (size, declared) = off.map_or(stated, |(_, size)| (size, true));
         let is_none = match quantity {
             Quantity::Sensor => !declared && !unmodelled,
@@ -77,8 +77,8 @@ pub(super) fn sources(
                 change: None,
             });
         }
-        match out.iter_mut().find(|own| own.facts.name == facts.name) {
-            Some(own) => own.parts.extend(parts),
+        match out.iter_mut().find(|source| source.facts.name == facts.name) {
+            Some(source) => source.parts.extend(parts),
             None if parts.is_empty() => {}
             None => out.push(Source {
                 facts,

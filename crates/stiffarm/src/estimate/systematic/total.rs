@@ -45,9 +45,9 @@ pub(super) fn uncertainty(
         if believed.fit.solution().undetermined.contains(&j) {
             return JointUncertainty::default();
         }
-        let own = parts.joints.row(j);
-        let mean = (own * &parts.mean)[(0, 0)];
-        let std = (own * &parts.covariance * own.transpose())[(0, 0)].max(0.0).sqrt();
+        let row = parts.joints.row(j);
+        let mean = (row * &parts.mean)[(0, 0)];
+        let std = (row * &parts.covariance * row.transpose())[(0, 0)].max(0.0).sqrt();
         let scatter = believed.half_widths[j];
         let total = scatter.map(|s| level.half_width(mean, std.hypot(s / level.quantile())));
         let interval = |w: f64| [Some(1.0 / (h + w)), (h > w).then(|| 1.0 / (h - w))];
@@ -77,18 +77,18 @@ impl SystematicErrors {
     /// Makes estimates, which hold the scatter of the readings, hold all errors. Where these are not known, they
     /// stay what they are.
     pub(crate) fn widen(&self, joints: &mut [JointEstimate]) {
-        for ((joint, own), total) in joints.iter_mut().zip(&self.uncertainty).zip(&self.total) {
+        for ((joint, uncertainty), total) in joints.iter_mut().zip(&self.uncertainty).zip(&self.total) {
             let holds_readings = joint.interval_holds == IntervalHolds::Readings;
-            if !holds_readings || own.interval_nm_per_rad[0].is_none() {
+            if !holds_readings || uncertainty.interval_nm_per_rad[0].is_none() {
                 continue;
             }
             joint.readings_interval = joint.interval;
             joint.readings_standard_error = joint.standard_error;
             joint.interval_holds = IntervalHolds::AllErrors;
-            joint.interval = own.interval_nm_per_rad;
+            joint.interval = uncertainty.interval_nm_per_rad;
             joint.standard_error = joint.stiffness.zip(*total).map(|(k, part)| k * part);
             joint.judge();
-            joint.half_width = own.total;
+            joint.half_width = uncertainty.total;
         }
     }
 }

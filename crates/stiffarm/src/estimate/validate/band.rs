@@ -90,24 +90,24 @@ fn band(
     let prediction = cut(&(&psi * &with), 0);
     let at = label.rows.start - block.rows.start;
     // Rows of the posture share its shifts, in proportion to the load.
-    let own = block.covariance.of_point(at);
+    let covariance = block.covariance.of_point(at);
     let shared = block.shared.rows(at, 3);
     let shared = cut(&(shared * shared.transpose()), 0);
-    let noise = own * spread.sigma.powi(2) + shared * spread.shift.powi(2);
+    let noise = covariance * spread.sigma.powi(2) + shared * spread.shift.powi(2);
     let half = |direction: &Vector3<f64>, noise: f64| {
         let variance = direction.dot(&(prediction * direction)).max(0.0);
         let with = &with * direction;
         quantiles.of(&with, variance, noise) * (variance + noise).sqrt()
     };
     let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
-    let own = axes.map(|axis| half(&axis, 0.0));
+    let predicted = axes.map(|axis| half(&axis, 0.0));
     let all: [f64; 3] = std::array::from_fn(|i| half(&axes[i], noise[(i, i)].max(0.0)));
     let std = |m: &Matrix3<f64>| m.diagonal().map(|v| v.max(0.0).sqrt());
     let along = calculated.try_normalize(0.0).unwrap_or_default();
     PointBand {
         prediction_std_m: std(&prediction).into(),
         noise_std_m: std(&noise).into(),
-        prediction_half_width_m: own,
+        prediction_half_width_m: predicted,
         norm_half_width_m: half(&along, 0.0),
         half_width_m: all,
         inside: std::array::from_fn(|i| error[i].abs() <= all[i]),

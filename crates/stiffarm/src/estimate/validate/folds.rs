@@ -121,7 +121,7 @@ fn gathered<'a>(
 ) -> Result<Validation> {
     check_tolerance(tolerance_m)?;
     let measured = fit.postures();
-    let mut found: Vec<Option<Point>> = vec![None; system.labels.len()];
+    let mut by_label: Vec<Option<Point>> = vec![None; system.labels.len()];
     let mut unpredicted = Vec::new();
     for fold in folds {
         let bands = match &fold.predictor {
@@ -142,14 +142,14 @@ fn gathered<'a>(
                 let value = &displacement.value;
                 let band = bands.as_ref().and_then(|bands| bands.of(block, label, value, &calculated));
                 let place = system.labels.partition_point(|l| l.rows.start < label.rows.start);
-                found[place] =
+                by_label[place] =
                     Some(Point { measured: label.measured, displacement: label.displacement, calculated, band });
             }
         }
     }
     unpredicted.sort_unstable();
     let unpredicted: Vec<String> = unpredicted.iter().map(|b| system.blocks[*b].posture.clone()).collect();
-    let mut points: Vec<Point> = found.into_iter().flatten().collect();
+    let mut points: Vec<Point> = by_label.into_iter().flatten().collect();
     if points.is_empty() {
         return Err(Error::new(
             Code::NotIdentifiable,

@@ -134,7 +134,7 @@ fn displacements(
     let (q, wrench) = (&measured.posture.q, measured.wrench.as_ref());
     let setup = &*cell.setup.of_state(&measured.state)?;
     let terms = PostureTerms::new(setup, q, wrench)?;
-    let known = known_displacement(&cell.setup, &terms, measured)?;
+    let offset = known_displacement(&cell.setup, &terms, measured)?;
     let tool = &cell.setup.tool;
     // One equilibrium per posture moves all its points.
     let after = match model {
@@ -160,7 +160,7 @@ fn displacements(
                     displacement_between(terms.frames(), after, point)
                 }
             };
-            Ok(Vector3::new(twist[0], twist[1], twist[2]) + known.fixed_rows::<3>(3 * a))
+            Ok(Vector3::new(twist[0], twist[1], twist[2]) + offset.fixed_rows::<3>(3 * a))
         })
         .collect()
 }
@@ -213,8 +213,8 @@ pub fn validate_with(
     tolerance_m: Option<f64>,
 ) -> Result<Validation> {
     check_tolerance(tolerance_m)?;
-    let given: Measured = measured.into();
-    let measured = &given.postures;
+    let readings: Measured = measured.into();
+    let measured = &readings.postures;
     let finite = |d: &Displacement| d.value.iter().all(|v| v.is_finite());
     if !measured.iter().all(|m| m.displacements.iter().all(finite)) {
         return Err(Error::new(Code::NotFinite, "A displacement is not a finite number."));
@@ -222,7 +222,7 @@ pub fn validate_with(
     if measured.iter().all(|m| m.displacements.is_empty()) {
         return Err(Error::new(Code::TooFewData, "There are no displacements to validate with."));
     }
-    let experiment = Experiment::new(cell, given)?;
+    let experiment = Experiment::new(cell, readings)?;
     let (cell, measured) = (&experiment.cell, experiment.postures());
     let exact = match model {
         Model::Linear => None,
@@ -230,8 +230,8 @@ pub fn validate_with(
             let springs = predictor.springs(model.as_str())?;
             let compliance = compliance_of_springs(&cell.setup.robot, springs);
             let of = |m| {
-                let found = displacements(cell, m, &compliance, model);
-                found.map_err(|e| predictor.explain(e))
+                let calculated = displacements(cell, m, &compliance, model);
+                calculated.map_err(|e| predictor.explain(e))
             };
             Some(measured.iter().map(of).collect::<Result<Vec<_>>>()?)
         }

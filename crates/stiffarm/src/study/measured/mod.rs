@@ -118,12 +118,12 @@ impl<'a> Setting<'a> {
         let guessed = cell.prior.is_none();
         let springs = cell.setup.robot.spring_count();
         cell.prior.get_or_insert_with(|| vec![GUESS; springs]);
-        let known = Candidate::of_measured(&fit.cell().setup, fit.postures());
+        let measured = Candidate::of_measured(&fit.cell().setup, fit.postures());
         let candidates = fit
             .system()
             .blocks
             .iter()
-            .filter_map(|block| known.iter().find(|c| c.name == block.posture).cloned())
+            .filter_map(|block| measured.iter().find(|c| c.name == block.posture).cloned())
             .collect();
         let ways = options.counts.iter().flat_map(|count| {
             let indices = options.indices.iter().map(|index| Choice::Index(*index));
@@ -162,7 +162,7 @@ impl<'a> Setting<'a> {
                     options.size_factor = self.options.size_factor;
                     options.limits = false;
                     match select_candidates(&self.cell, *index, *count, &list, &options, control) {
-                        Ok(found) => Some(found.chosen.iter().map(|p| pool[*p]).collect()),
+                        Ok(selection) => Some(selection.chosen.iter().map(|p| pool[*p]).collect()),
                         Err(error) if error.code() == Code::NotIdentifiable => None,
                         Err(error) => return Err(error),
                     }
@@ -179,7 +179,7 @@ impl<'a> Setting<'a> {
     /// Both models from the postures `chosen`, at the postures `test`.
     fn outcome(&self, chosen: &[usize], test: &[usize]) -> Result<Outcome> {
         let fit = self.mixed.fit();
-        let found = self.mixed.alone(chosen)?;
+        let models = self.mixed.alone(chosen)?;
         let rms = |system: &MeasuredSystem, values: &DVector<f64>| {
             let (mut squares, mut rows) = (0.0, 0);
             for b in test {
@@ -189,8 +189,8 @@ impl<'a> Setting<'a> {
             }
             (squares / rows as f64).sqrt()
         };
-        let axes = found.axes.as_ref().map(|values| rms(fit.system(), values));
-        let mixed = found.mixed.as_ref().map(|c| rms(self.mixed.system(), &c.values));
+        let axes = models.axes.as_ref().map(|values| rms(fit.system(), values));
+        let mixed = models.mixed.as_ref().map(|c| rms(self.mixed.system(), &c.values));
         Ok(Outcome { axes, mixed: mixed.or(axes), fell_back: mixed.is_none() && axes.is_some() })
     }
 
@@ -206,7 +206,7 @@ impl<'a> Setting<'a> {
                 let chance = self.ways.iter().position(|way| *way == (*postures, Choice::Random));
                 let better = chance.filter(|_| *choice != Choice::Random).map(|chance| {
                     let both = splits.iter().filter_map(|s| error(&s[w]).zip(error(&s[chance])));
-                    share(both.map(|(own, random)| own < random))
+                    share(both.map(|(chosen, random)| chosen < random))
                 });
                 let (mean_m, standard_error_m) = mean(&errors);
                 choices.push(MeasuredChoice {
@@ -246,15 +246,15 @@ impl<'a> Setting<'a> {
 
 /// Mean with its standard error.
 fn mean(errors: &[Option<f64>]) -> (f64, f64) {
-    let known: Vec<f64> = errors.iter().flatten().copied().collect();
-    let count = known.len() as f64;
-    let mean = known.iter().sum::<f64>() / count;
-    let squares: f64 = known.iter().map(|e| (e - mean).powi(2)).sum();
+    let present: Vec<f64> = errors.iter().flatten().copied().collect();
+    let count = present.len() as f64;
+    let mean = present.iter().sum::<f64>() / count;
+    let squares: f64 = present.iter().map(|e| (e - mean).powi(2)).sum();
     let error = (squares / (count - 1.0).max(1.0) / count).sqrt();
     (mean, error)
 }
 
-fn share(found: impl Iterator<Item = bool>) -> f64 {
-    let all: Vec<bool> = found.collect();
+fn share(flags: impl Iterator<Item = bool>) -> f64 {
+    let all: Vec<bool> = flags.collect();
     all.iter().filter(|yes| **yes).count() as f64 / all.len().max(1) as f64
 }

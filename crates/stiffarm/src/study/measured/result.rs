@@ -139,13 +139,13 @@ pub(super) fn findings(study: &MeasuredStudy) -> Vec<Finding> {
         out.push(Finding::new(code, severity, "study", sentence));
     };
     let said = |c: &MeasuredChoice| length_with_error(c.mean_m, c.standard_error_m);
-    let known = |c: &&MeasuredChoice| c.mean_m.is_finite();
+    let has_mean = |c: &&MeasuredChoice| c.mean_m.is_finite();
     for &count in &study.options.counts {
         let best = study
             .choices
             .iter()
             .filter(|c| c.postures == count && c.choice != Choice::Pool)
-            .filter(known)
+            .filter(has_mean)
             .min_by(|a, b| a.mean_m.total_cmp(&b.mean_m));
         let whole = study.get(study.pool_count, Choice::Pool, ElasticChoice::Axes);
         if let (Some(best), Some(whole)) = (best, whole) {
@@ -178,10 +178,10 @@ pub(super) fn findings(study: &MeasuredStudy) -> Vec<Finding> {
             );
         }
         for &index in &study.options.indices {
-            let own = study.get(count, Choice::Index(index), ElasticChoice::Axes);
+            let by_index = study.get(count, Choice::Index(index), ElasticChoice::Axes);
             let random = study.get(count, Choice::Random, ElasticChoice::Axes);
-            if let (Some(own), Some(random)) = (own.filter(known), random.filter(known))
-                && is_more(own, random)
+            if let (Some(by_index), Some(random)) = (by_index.filter(has_mean), random.filter(has_mean))
+                && is_more(by_index, random)
             {
                 add(
                     "worse-than-random",
@@ -190,9 +190,9 @@ pub(super) fn findings(study: &MeasuredStudy) -> Vec<Finding> {
                         "{count} postures chosen by {} predict worse with the joint axes than {count} taken at random: {} \
                          against {}; better in {} of the splits.",
                         index.as_str(),
-                        said(own),
+                        said(by_index),
                         said(random),
-                        percent(own.better_than_random.unwrap_or(0.0)),
+                        percent(by_index.better_than_random.unwrap_or(0.0)),
                     ),
                 );
             }

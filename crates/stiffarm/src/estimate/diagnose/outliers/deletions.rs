@@ -57,10 +57,10 @@ impl Deletions {
                 let seen = seen.fixed_rows::<3>(3 * i);
                 let whole = w.columns(3 * i, 3);
                 let full: Matrix3<f64> = whole.tr_mul(&whole).fixed_view::<3, 3>(0, 0).into_owned();
-                let own = full - seen * seen.transpose();
+                let projection = full - seen * seen.transpose();
                 let q: Vector3<f64> = q.fixed_rows::<3>(3 * i).into_owned();
-                let judged = free > 3 && own.symmetric_eigenvalues().min() > EXACT * full.trace();
-                let inverse = own.try_inverse().filter(|_| judged);
+                let judged = free > 3 && projection.symmetric_eigenvalues().min() > EXACT * full.trace();
+                let inverse = projection.try_inverse().filter(|_| judged);
                 displacements.push(inverse.and_then(|inverse| {
                     let deviation = inverse * q;
                     let explained = q.dot(&deviation);

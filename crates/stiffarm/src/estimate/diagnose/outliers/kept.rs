@@ -54,7 +54,7 @@ impl<'a> Kept<'a> {
 
     /// The data without what `outlier` names; `None` where nothing is left.
     pub(super) fn without(&self, outlier: &Outlier) -> Result<Option<Kept<'a>>> {
-        let is = |name: &Option<String>, own: &str| name.as_deref().is_none_or(|n| n == own);
+        let is = |name: &Option<String>, label_name: &str| name.as_deref().is_none_or(|n| n == label_name);
         let named = |label: &RowLabel| {
             let (m, point) = self.fit.experiment().behind(label);
             is(&outlier.posture, &m.posture.name)
@@ -94,7 +94,7 @@ impl<'a> Kept<'a> {
             .filter_map(|(i, d)| Some((i, d.as_ref()?)))
             .min_by(|a, b| a.1.p_value.total_cmp(&b.1.p_value))
             .filter(|(_, d)| d.p_value * count < FAMILY);
-        if let Some((i, found)) = worst {
+        if let Some((i, deletion)) = worst {
             let label = &labels[i];
             let (m, point) = self.fit.experiment().behind(label);
             let whole = match self.fit.filtered(|l| l != label)? {
@@ -102,15 +102,15 @@ impl<'a> Kept<'a> {
                 Some(rest) => self.whole(self.of(rest)?, &m.posture.name, point)?,
             };
             return Ok(Some(whole.unwrap_or_else(|| {
-                let axis = found.deviation.abs().imax();
+                let axis = deletion.deviation.abs().imax();
                 Outlier {
                     state: Some(m.state.clone()),
                     point: Some(self.point_name(point)),
                     posture: Some(m.posture.name.clone()),
-                    deviation_m: Some(found.deviation.into()),
-                    standard_error_m: Some(found.error.into()),
+                    deviation_m: Some(deletion.deviation.into()),
+                    standard_error_m: Some(deletion.error.into()),
                     axis: Some(["x", "y", "z"][axis].to_string()),
-                    ..named(OutlierKind::Displacement, found.p_value * count)
+                    ..named(OutlierKind::Displacement, deletion.p_value * count)
                 }
             })));
         }
@@ -152,14 +152,14 @@ impl<'a> Kept<'a> {
         };
         let labels = &rest.fit.system().labels;
         let deletions = rest.deletions()?;
-        let own: Vec<bool> = labels
+        let flags: Vec<bool> = labels
             .iter()
             .zip(&deletions.displacements)
             .filter(|(l, _)| rest.fit.experiment().behind(l).1 == point)
             .map(|(_, d)| d.as_ref().is_some_and(|d| d.p_value < ODD))
             .collect();
-        let odd = own.iter().filter(|odd| **odd).count();
-        let of_point = if odd as f64 >= SHARE * own.len() as f64 && odd > 1 { deletions.points[point] } else { None };
+        let odd = flags.iter().filter(|odd| **odd).count();
+        let of_point = if odd as f64 >= SHARE * flags.len() as f64 && odd > 1 { deletions.points[point] } else { None };
         let posture_p = of_posture.filter(|p| *p < FAMILY);
         let point_p = of_point.filter(|p| *p < FAMILY);
         Ok(match (posture_p, point_p) {
@@ -176,23 +176,23 @@ impl<'a> Kept<'a> {
     }
 
     fn deletions(&self) -> Result<&Deletions> {
-        if let Some(known) = self.deletions.get() {
-            return Ok(known);
+        if let Some(deletions) = self.deletions.get() {
+            return Ok(deletions);
         }
-        let found = match self.mixed.as_deref() {
+        let deletions = match self.mixed.as_deref() {
             Some(mixed) => Deletions::of(&self.fit, &mixed.seen()?)?,
             None => Deletions::of(&self.fit, &Seen::of(&self.fit))?,
         };
-        Ok(self.deletions.get_or_init(|| found))
+        Ok(self.deletions.get_or_init(|| deletions))
     }
 
     pub(super) fn posture_fits(&self) -> Result<&[PostureFit]> {
-        if let Some(known) = self.postures.get() {
-            return Ok(known);
+        if let Some(fits) = self.postures.get() {
+            return Ok(fits);
         }
         if let Some(mixed) = self.mixed.as_deref() {
-            let found = self.mixed_fits(mixed)?;
-            return Ok(self.postures.get_or_init(|| found));
+            let fits = self.mixed_fits(mixed)?;
+            return Ok(self.postures.get_or_init(|| fits));
         }
         let system = self.fit.system();
         let mut out = Vec::with_capacity(system.blocks.len());
@@ -225,9 +225,11 @@ impl<'a> Kept<'a> {
         let folds = mixed.folds_of(system.blocks.len())?;
         let all = folds.iter().zip(&system.blocks).enumerate();
         let each = all.map(|(b, (fold, block))| {
-            let error = fold.compliance.as_ref().map(|own| missed(system, b, &own.values));
+            let error = fold.compliance.as_ref().map(|compliance| missed(system, b, &compliance.values));
             let p_value = match (&fold.compliance, &error) {
-                (Some(own), Some(error)) if self.has_residuals() => self.mixed_p(system, b, own, error)?,
+                (Some(compliance), Some(error)) if self.has_residuals() => {
+                    self.mixed_p(system, b, compliance, error)?
+                }
                 _ => None,
             };
             Ok(PostureFit {
@@ -239,16 +241,16 @@ impl<'a> Kept<'a> {
         each.collect()
     }
 
-    /// Probability of the error with which `own` predicts block `b`: its square in the covariance of the prediction and of
-    /// the readings, with the degrees of freedom of the combination that it is.
+    /// Probability of the error with which `compliance` predicts block `b`: its square in the covariance of the prediction
+    /// and of the readings, with the degrees of freedom of the combination that it is.
     fn mixed_p(
         &self,
         system: &MeasuredSystem,
         b: usize,
-        own: &IdentifiedCompliance,
+        compliance: &IdentifiedCompliance,
         error: &DVector<f64>,
     ) -> Result<Option<f64>> {
-        let Some(spread) = own.spread.as_ref().filter(|spread| spread.sigma > 0.0) else {
+        let Some(spread) = compliance.spread.as_ref().filter(|spread| spread.sigma > 0.0) else {
             return Ok(None);
         };
         let gamma = (spread.shift / spread.sigma).powi(2);

@@ -131,7 +131,7 @@ pub(super) fn outliers_in(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Outlier
         noise: NoiseSource::Estimated,
         ..fit.options().clone()
     };
-    let mut kept = match mixed {
+    let mut rest = match mixed {
         Some(mixed) => Kept::new(mixed.fit().clone(), Some(Cow::Borrowed(mixed))),
         None => Kept::new(fit.with(&options)?, None),
     };
@@ -139,19 +139,19 @@ pub(super) fn outliers_in(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Outlier
         found: Vec::new(),
         more: false,
         noise_without: None,
-        postures: kept.posture_fits()?.to_vec(),
-        points: kept.point_fits()?,
+        postures: rest.posture_fits()?.to_vec(),
+        points: rest.point_fits()?,
     };
     let mut nothing_left = false;
-    while let Some(outlier) = kept.worst()? {
+    while let Some(outlier) = rest.worst()? {
         if out.found.len() == MOST {
             out.more = true;
             break;
         }
-        let left = kept.without(&outlier)?;
+        let left = rest.without(&outlier)?;
         out.found.push(outlier);
         match left {
-            Some(left) => kept = left,
+            Some(left) => rest = left,
             None => {
                 nothing_left = true;
                 break;
@@ -159,7 +159,7 @@ pub(super) fn outliers_in(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Outlier
         }
     }
     if !nothing_left && !out.found.is_empty() && !out.more {
-        out.noise_without = noise_test(kept.fit())?;
+        out.noise_without = noise_test(rest.fit())?;
     }
     Ok(out)
 }

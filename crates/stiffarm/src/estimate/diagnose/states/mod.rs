@@ -173,11 +173,11 @@ impl LoadStates {
     /// Linearity and hysteresis in words.
     pub fn findings(&self) -> Vec<Finding> {
         let mut out = Vec::new();
-        let found = |p: &Option<PooledStates>| p.filter(|p| p.p_value < FAMILY);
+        let significant = |p: &Option<PooledStates>| p.filter(|p| p.p_value < FAMILY);
         let mut add = |code, message| {
             out.push(Finding::caution(code, "load states", message));
         };
-        let curved = found(&self.curvature);
+        let curved = significant(&self.curvature);
         if let Some(bend) = curved {
             let way = if bend.value > 0.0 { "softens" } else { "stiffens" };
             add(
@@ -190,8 +190,8 @@ impl LoadStates {
             );
         }
         // A curvature alone moves the line's end as well.
-        let real = curved.is_none() || found(&self.offset_with_curvature).is_some();
-        if let Some(offset) = found(&self.offset).filter(|_| real) {
+        let real = curved.is_none() || significant(&self.offset_with_curvature).is_some();
+        if let Some(offset) = significant(&self.offset).filter(|_| real) {
             let size = length_with_error(offset.value, offset.standard_error);
             let meaning = if offset.value > 0.0 && self.against_preload {
                 "lost motion that the preload has not taken up. Give it more load"
@@ -209,7 +209,7 @@ impl LoadStates {
                 ),
             );
         }
-        if let Some(width) = found(&self.hysteresis) {
+        if let Some(width) = significant(&self.hysteresis) {
             let shares: Vec<f64> = self.postures.iter().filter_map(|p| p.loop_share).collect();
             let share = crate::numerics::sample::mean(&shares);
             add(

@@ -55,31 +55,31 @@ pub(super) fn series(fit: &Fit, block: &Block) -> Result<Option<Series>> {
     // their torques.
     let case = |s: usize| cell.setup.load.case_of(&measured[states[s]].state).ok();
     let alike = |t: &DVector<f64>| t.dot(leader) > ALIKE * t.norm() * leader.norm();
-    let kept: Vec<usize> = (0..states.len()).filter(|&s| alike(&torques[s]) && case(s) == case(first)).collect();
+    let of_case: Vec<usize> = (0..states.len()).filter(|&s| alike(&torques[s]) && case(s) == case(first)).collect();
     let point_of = |l: &RowLabel| measured[l.measured].displacements[l.displacement].point;
     let has = |state: usize, point: usize| labels.iter().any(|l| l.measured == state && point_of(l) == point);
     let points: Vec<usize> =
-        (0..cell.setup.tool.point_count()).filter(|&p| kept.iter().all(|&s| has(states[s], p))).collect();
-    if kept.len() < 2 || points.is_empty() {
+        (0..cell.setup.tool.point_count()).filter(|&p| of_case.iter().all(|&s| has(states[s], p))).collect();
+    if of_case.len() < 2 || points.is_empty() {
         return Ok(None);
     }
     // Repeats are averaged.
     let per_state = 3 * points.len();
     let place = |label: &RowLabel| {
-        let state = kept.iter().position(|&s| states[s] == label.measured)?;
+        let state = of_case.iter().position(|&s| states[s] == label.measured)?;
         let point = points.iter().position(|&p| p == point_of(label))?;
         Some(per_state * state + 3 * point)
     };
-    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); per_state * kept.len()];
+    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); per_state * of_case.len()];
     for (i, label) in labels.iter().enumerate() {
         if let Some(at) = place(label) {
             (0..3).for_each(|axis| groups[at + axis].push(3 * i + axis));
         }
     }
     let average = |v: &DVector<f64>| {
-        let mean = |own: &Vec<usize>| {
-            let values = own.iter().map(|i| v[block.rows.start + i]);
-            values.sum::<f64>() / own.len() as f64
+        let mean = |group: &Vec<usize>| {
+            let values = group.iter().map(|i| v[block.rows.start + i]);
+            values.sum::<f64>() / group.len() as f64
         };
         DVector::from_iterator(groups.len(), groups.iter().map(mean))
     };
@@ -91,22 +91,23 @@ pub(super) fn series(fit: &Fit, block: &Block) -> Result<Option<Series>> {
     }
     let components = average(&delta);
     let spread = block.covariance.averaged(&groups);
-    let own = system.psi.rows(block.rows.start, block.rows.len());
+    let psi = system.psi.rows(block.rows.start, block.rows.len());
     let mut whole = DVector::zeros(system.delta.len());
-    whole.rows_mut(block.rows.start, block.rows.len()).copy_from(&(own * &fit.solution().values));
+    whole.rows_mut(block.rows.start, block.rows.len()).copy_from(&(psi * &fit.solution().values));
     let modelled = average(&whole);
-    let load = DVector::from_iterator(kept.len(), kept.iter().map(|&s| torques[s].dot(leader) / leader.norm_squared()));
+    let load =
+        DVector::from_iterator(of_case.len(), of_case.iter().map(|&s| torques[s].dot(leader) / leader.norm_squared()));
     // The state that leads is the largest; its model gives the direction.
     let direction = modelled.rows(per_state * load.imax(), per_state).into_owned();
     let Some(direction) = direction.try_normalize(0.0) else {
         return Ok(None);
     };
     let scale = (points.len() as f64).sqrt();
-    let mut project = DMatrix::zeros(kept.len(), per_state * kept.len());
-    for s in 0..kept.len() {
+    let mut project = DMatrix::zeros(of_case.len(), per_state * of_case.len());
+    for s in 0..of_case.len() {
         project.view_mut((s, per_state * s), (1, per_state)).copy_from(&(direction.transpose() / scale));
     }
-    let states: Vec<String> = kept.iter().map(|&s| measured[states[s]].state.clone()).collect();
+    let states: Vec<String> = of_case.iter().map(|&s| measured[states[s]].state.clone()).collect();
     Ok(Some(Series {
         posture: block.posture.clone(),
         down: directions(&states, &load),

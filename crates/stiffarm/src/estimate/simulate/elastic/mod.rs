@@ -59,9 +59,9 @@ const MEASUREMENTS: (usize, usize) = (1 << 16, 1);
 /// let group = PostureGroup { name: "Group 1".to_string(), postures };
 /// let mut options = ElasticSimulationOptions::default();
 /// options.runs = 4;
-/// let found = simulate_elastic(&cell, &[group], &options, Control::default())?;
-/// println!("{}", found.verdict());
-/// # assert!(found.groups[0].levels[0].mixed.is_some());
+/// let simulation = simulate_elastic(&cell, &[group], &options, Control::default())?;
+/// println!("{}", simulation.verdict());
+/// # assert!(simulation.groups[0].levels[0].mixed.is_some());
 /// # Ok(())
 /// # }
 /// ```
@@ -92,12 +92,12 @@ pub fn simulate_elastic(
         work,
         options,
     };
-    let found = experiment.all_runs(control)?;
+    let all_runs = experiment.all_runs(control)?;
     let levels = options.variance_factors.len();
     let mut out = Vec::with_capacity(groups.len());
-    let mut found = found.into_iter();
+    let mut all_runs = all_runs.into_iter();
     for group in groups {
-        let own = found.by_ref().take(levels).zip(&experiment.cells);
+        let level_runs = all_runs.by_ref().take(levels).zip(&experiment.cells);
         let of = |((runs, cell), factor): ((Vec<Run>, &Cell), &f64)| {
             let expected = expected_prediction(cell, group);
             summary(&runs, *factor, expected, options.elastic)
@@ -106,7 +106,7 @@ pub fn simulate_elastic(
             name: group.name.clone(),
             posture_names: group.postures.iter().map(|p| p.name.clone()).collect(),
             postures: group.postures.iter().map(|p| p.q.clone()).collect(),
-            levels: own.zip(&options.variance_factors).map(of).collect(),
+            levels: level_runs.zip(&options.variance_factors).map(of).collect(),
         });
     }
     let fewest = out.iter().flat_map(|g| &g.levels).map(|l| l.runs).min();
@@ -198,7 +198,7 @@ impl Experiment<'_> {
             let end = runs.min(start + PORTION);
             let jobs: Vec<(usize, usize)> =
                 (start..end).flat_map(|run| (0..series.len()).map(move |s| (s, run))).collect();
-            let found = in_order(&jobs, |(_, &(s, run))| {
+            let portion = in_order(&jobs, |(_, &(s, run))| {
                 if run >= AT_LEAST && control.stopped() {
                     return Ok(None);
                 }
@@ -207,7 +207,7 @@ impl Experiment<'_> {
                 control.report("simulating", so_far, total);
                 Ok(Some(made))
             })?;
-            for ((s, _), made) in jobs.into_iter().zip(found) {
+            for ((s, _), made) in jobs.into_iter().zip(portion) {
                 out[s].extend(made);
             }
             start = end;
@@ -246,7 +246,7 @@ impl Experiment<'_> {
         truth: &DVector<f64>,
     ) -> Result<Outcome> {
         let spread = predictor.spread.as_ref();
-        let known = match spread {
+        let scatter = match spread {
             Some(spread) => Some((spread, spread.quantiles()?)),
             None => None,
         };
@@ -265,7 +265,7 @@ impl Experiment<'_> {
             }
             deviations.push(deviation);
             // An interval on the wrong side of zero does not hold either.
-            let held = known.as_ref().map(|(spread, all)| {
+            let held = scatter.as_ref().map(|(spread, all)| {
                 let (with, variance) = match reproduced {
                     Some(reproduced) => reproduced.covariance(spread, j),
                     None => (spread.covariance.column(j).into_owned(), spread.covariance[(j, j)].max(0.0)),
@@ -280,16 +280,16 @@ impl Experiment<'_> {
         Ok(Outcome {
             deviations,
             holds,
-            predicted: self.work.predicted(&predictor.values, known.as_ref(), compliance)?,
+            predicted: self.work.predicted(&predictor.values, scatter.as_ref(), compliance)?,
         })
     }
 }
 
-fn summary(runs: &[Run], factor: f64, expected: Option<f64>, asked: ElasticChoice) -> ElasticLevel {
+fn summary(runs: &[Run], factor: f64, expected: Option<f64>, choice: ElasticChoice) -> ElasticLevel {
     let axes: Vec<&Outcome> = runs.iter().map(|run| &run.axes).collect();
     let mixed: Vec<&Outcome> = runs.iter().map(|run| run.mixed.as_ref().unwrap_or(&run.axes)).collect();
     let deflections: Vec<f64> = runs.iter().map(|run| run.deflection).collect();
-    let has_mixed = asked != ElasticChoice::Axes;
+    let has_mixed = choice != ElasticChoice::Axes;
     let without = runs.iter().filter(|run| run.mixed.is_none()).count();
     ElasticLevel {
         variance_factor: factor,
@@ -308,8 +308,8 @@ fn over_runs(all: &[&Outcome]) -> ElasticModelOutcome {
     let each = |of: &dyn Fn(&[f64]) -> f64| (0..joints).map(|j| of(&of_joint(j))).collect();
     let share = |held: Vec<f64>| (!held.is_empty()).then(|| mean(&held));
     let holds = |j: usize| {
-        let known = all.iter().filter_map(|o| o.holds[j]);
-        share(known.map(|held| f64::from(u8::from(held))).collect())
+        let intervals = all.iter().filter_map(|o| o.holds[j]);
+        share(intervals.map(|held| f64::from(u8::from(held))).collect())
     };
     let squares: Vec<f64> = all.iter().map(|o| o.predicted.square).collect();
     let rms = mean(&squares).sqrt();

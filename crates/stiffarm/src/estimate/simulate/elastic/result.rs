@@ -54,8 +54,8 @@ pub struct ElasticModelOutcome {
 impl ElasticModelOutcome {
     /// Share of all intervals of k that hold, where there are any.
     pub fn mean_interval_share(&self) -> Option<f64> {
-        let known: Vec<f64> = self.interval_share.iter().copied().flatten().collect();
-        (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
+        let shares: Vec<f64> = self.interval_share.iter().copied().flatten().collect();
+        (!shares.is_empty()).then(|| shares.iter().sum::<f64>() / shares.len() as f64)
     }
 }
 
@@ -131,11 +131,11 @@ impl ElasticSimulation {
         let first = |group: &ElasticGroup| group.levels.first().cloned();
         let all: Vec<(&str, ElasticLevel)> =
             self.groups.iter().filter_map(|g| Some((g.name.as_str(), first(g)?))).collect();
-        let own = |level: &ElasticLevel| {
+        let prediction_rms = |level: &ElasticLevel| {
             let model = level.mixed.as_ref().unwrap_or(&level.axes);
             model.prediction_rms_m
         };
-        let best = all.iter().min_by(|a, b| own(&a.1).total_cmp(&own(&b.1)));
+        let best = all.iter().min_by(|a, b| prediction_rms(&a.1).total_cmp(&prediction_rms(&b.1)));
         let Some((name, level)) = best else {
             return String::new();
         };

@@ -65,7 +65,7 @@ pub(super) struct Group {
     /// From all compliances to the displacements.
     columns: DMatrix<f64>,
     /// What is known of the displacements beforehand \[m\].
-    known: DVector<f64>,
+    offset: DVector<f64>,
 }
 
 impl Group {
@@ -76,11 +76,11 @@ impl Group {
         let rows = 3 * points;
         let springs = terms(&springs(cell));
         let mut blocks = Vec::with_capacity(postures.len());
-        let mut known = DVector::zeros(rows * postures.len());
+        let mut offset = DVector::zeros(rows * postures.len());
         for (p, posture) in postures.iter().enumerate() {
             let terms = PostureTerms::new(&cell.setup, &posture.q, None)?;
             blocks.push(terms.block_with(&cell.setup.robot, &springs));
-            known.rows_mut(rows * p, rows).copy_from(&terms.known_displacement(&cell.setup.tool));
+            offset.rows_mut(rows * p, rows).copy_from(&terms.known_displacement(&cell.setup.tool));
         }
         let named = postures.iter().enumerate().map(|(p, posture)| Posture {
             // Two postures of one name would count as one.
@@ -91,7 +91,7 @@ impl Group {
             postures: named.collect(),
             points,
             columns: stacked(&blocks, blocks.first().map_or(0, DMatrix::ncols)),
-            known,
+            offset,
         })
     }
 
@@ -109,7 +109,7 @@ impl Group {
 
     /// What is measured on an arm with these compliances, with this noise \[m\].
     pub(super) fn measured(&self, compliance: &DVector<f64>, noise: &DVector<f64>) -> Vec<MeasuredPosture> {
-        let all = &self.columns * compliance + &self.known + noise;
+        let all = &self.columns * compliance + &self.offset + noise;
         let postures = self.postures.iter().enumerate();
         postures
             .map(|(p, posture)| {
@@ -162,7 +162,7 @@ impl Work {
         (&self.columns * compliance).norm_squared() / self.count() as f64
     }
 
-    /// What these values, as sure as `known` says, make of the deflections of an arm with
+    /// What these values, as sure as `scatter` says, make of the deflections of an arm with
     /// these compliances.
     ///
     /// # Errors
@@ -170,20 +170,20 @@ impl Work {
     pub(super) fn predicted(
         &self,
         values: &DVector<f64>,
-        known: Option<&(&Spread, SpreadQuantiles)>,
+        scatter: Option<&(&Spread, SpreadQuantiles)>,
         compliance: &DVector<f64>,
     ) -> Result<Predicted> {
-        let own = self.columns.columns(0, values.len());
-        let errors = own * values - &self.columns * compliance;
+        let columns = self.columns.columns(0, values.len());
+        let errors = columns * values - &self.columns * compliance;
         let square = errors.norm_squared() / self.count() as f64;
         if !square.is_finite() {
             return Err(Error::new(Code::Numerical, "A predicted deflection is not a finite number."));
         }
-        let inside = known.map(|(spread, quantiles)| {
-            let with = &spread.covariance * own.transpose();
+        let inside = scatter.map(|(spread, quantiles)| {
+            let with = &spread.covariance * columns.transpose();
             let held = (0..errors.len()).filter(|i| {
                 let with = with.column(*i).into_owned();
-                let variance = own.row(*i).transpose().dot(&with).max(0.0);
+                let variance = columns.row(*i).transpose().dot(&with).max(0.0);
                 errors[*i].abs() <= quantiles.of(&with, variance, 0.0) * variance.sqrt()
             });
             held.count() as f64 / errors.len() as f64
