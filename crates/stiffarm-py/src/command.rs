@@ -31,8 +31,8 @@ pub fn run(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(u8, String, String, bool)> {
     let mut memory = BTreeMap::new();
-    for (name, given) in inputs {
-        match given {
+    for (name, input) in inputs {
+        match input {
             Given::Cell(cell) => {
                 let meshes = cell.files.iter();
                 memory.extend(meshes.map(|(file, bytes)| (beside(&name, file), bytes.clone())));

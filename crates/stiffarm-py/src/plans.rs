@@ -42,14 +42,14 @@ pub fn certificate(
         let count = angles.as_array().nrows();
         named(py, (1..=count).map(|i| i.to_string()).collect(), angles)
     };
-    let (postures, given) = (numbered(&angles)?, numbered(&given)?);
+    let (postures, held) = (numbered(&angles)?, numbered(&given)?);
     watched(py, progress, |watched| {
         let mut options = CertificateOptions::default();
         options.samples = samples.unwrap_or(options.samples);
         let index = Index::from_name(index)?;
-        let found =
-            watched.with(|control| certify_further(cell.complete(), index, &given, &postures, &options, control))?;
-        to_json(&found)
+        let certificate =
+            watched.with(|control| certify_further(cell.complete(), index, &held, &postures, &options, control))?;
+        to_json(&certificate)
     })
 }
 
