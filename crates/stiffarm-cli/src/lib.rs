@@ -35,7 +35,7 @@ mod text;
 pub use commands::generated::generated as schemas;
 pub use described::{Argument, Described, Kind, described};
 pub use host::Host;
-pub use saved::{Telling, figures, page, told};
+pub use saved::{Telling, drawing, figures, page, told};
 
 use answer::Answer;
 use args::{Cli, Command};
