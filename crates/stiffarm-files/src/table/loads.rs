@@ -17,23 +17,23 @@ pub(super) fn planned(states: &[String], load: &Load) -> Vec<Option<f64>> {
 }
 
 fn planned_load(state: &str, states: &[String], load: &Load) -> Option<f64> {
-    let (own, rest) = own_load(state, load)?;
-    let size = own.size()?;
+    let (state_load, rest) = own_load(state, load)?;
+    let size = state_load.size()?;
     let alone = || {
         let mut others = states.iter().filter(|s| Role::of(s) == Role::Loaded);
         Role::of(state) == Role::Loaded
-            && others.all(|s| s == state || !own_load(s, load).is_some_and(|(of, _)| std::ptr::eq(of, own)))
+            && others.all(|s| s == state || !own_load(s, load).is_some_and(|(of, _)| std::ptr::eq(of, state_load)))
     };
     match number(rest, size) {
         Number::None if alone() => Some(size),
-        found => found.force(size),
+        digits => digits.force(size),
     }
 }
 
 /// The force that the name of a state says \[N\], where it is one that the cell's load can have.
 pub(super) fn named(state: &str, load: &Load) -> Option<f64> {
-    let (own, rest) = own_load(state, load)?;
-    let size = own.size()?;
+    let (state_load, rest) = own_load(state, load)?;
+    let size = state_load.size()?;
     number(rest, size).force(size)
 }
 

@@ -172,7 +172,7 @@ fn told_order(stamps: &[(usize, Clock)]) -> std::result::Result<Option<DateOrder
         let Clock::Either { parts, .. } = clock else {
             continue;
         };
-        let told = match (parts[0], parts[1]) {
+        let date_order = match (parts[0], parts[1]) {
             (13.., _) => DateOrder::DayFirst,
             (_, 13..) => DateOrder::MonthFirst,
             _ => {
@@ -180,10 +180,10 @@ fn told_order(stamps: &[(usize, Clock)]) -> std::result::Result<Option<DateOrder
                 continue;
             }
         };
-        if order.is_some_and(|before| before != told) {
+        if order.is_some_and(|before| before != date_order) {
             return Err(*row);
         }
-        order = Some(told);
+        order = Some(date_order);
     }
     Ok(order.or((!open).then_some(DateOrder::DayFirst)))
 }
