@@ -159,7 +159,7 @@ impl<'a> Reader<'a> {
 
     /// A move.
     pub fn moves(&mut self, place: Cursor<'a>, motion: Motion, via: Option<Aim<'a>>, aim: Aim<'a>) {
-        let (via, aim) = (via.map(|via| self.as_known(via)), self.as_known(aim));
+        let (via, aim) = (via.map(|via| self.as_current(via)), self.as_current(aim));
         self.steps.push(Read::Leg(Box::new(Leg {
             place,
             motion,
@@ -179,7 +179,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Of a path the point of this label as it is now: the program may set it to another later.
-    fn as_known(&mut self, aim: Aim<'a>) -> Aim<'a> {
+    fn as_current(&mut self, aim: Aim<'a>) -> Aim<'a> {
         match &aim {
             Aim::Label(_, label) if self.is_path => {
                 let label = label.to_ascii_uppercase();

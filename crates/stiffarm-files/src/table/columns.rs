@@ -227,7 +227,7 @@ impl MeasurementColumns {
     }
 
     /// The row's own controller angles \[rad\], inside the machine's limits.
-    pub(super) fn own_angles(&self, table: &Table<'_>, row: &Row, cell: &Cell) -> Result<Option<Vec<f64>>> {
+    pub(super) fn row_angles(&self, table: &Table<'_>, row: &Row, cell: &Cell) -> Result<Option<Vec<f64>>> {
         let columns = self.angles.as_ref();
         columns.map(|columns| angles(table, row, columns, &cell.setup.robot)).transpose()
     }

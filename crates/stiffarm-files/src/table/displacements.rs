@@ -106,7 +106,7 @@ fn agreed_angles(
     cell: &Cell,
     plan: Option<&Plan<'_>>,
 ) -> Result<Vec<f64>> {
-    let row_angles = columns.own_angles(table, row, cell)?;
+    let row_angles = columns.row_angles(table, row, cell)?;
     let planned = columns.planned(table, row, plan)?;
     let (Some(row_angles), Some(planned)) = (&row_angles, planned) else {
         return Ok(row_angles.or_else(|| Some(planned?.q.clone())).unwrap_or_default());

@@ -52,7 +52,7 @@ impl Known {
     }
 
     /// True for forces, moments and angles, whose names other programs have as well as ours.
-    fn is_told_by_name(&self) -> bool {
+    fn has_common_name(&self) -> bool {
         [Quantity::Force, Quantity::Moment, Quantity::Angle].contains(&self.quantity)
     }
 
@@ -212,7 +212,7 @@ impl<'a> Table<'a> {
         let has_unit = |k: &Known| k.stem == stem(name) && !k.quantity.units().is_empty();
         let unit_is_wrong = definitions.iter().any(has_unit) && stem(name) != name;
         // Names of ours without their unit are a matter of that unit, too.
-        let bare = |name: &str| definitions.iter().any(|k| k.stem == name && k.is_told_by_name());
+        let bare = |name: &str| definitions.iter().any(|k| k.stem == name && k.has_common_name());
         let mut theirs = self.headings.iter().map(|heading| heading.name.as_str());
         let unit_is_wrong = unit_is_wrong || theirs.all(|name| is_known(name) || bare(name));
         if let Some(hint) = suggested.clone().filter(|_| others > 1 && !unit_is_wrong) {

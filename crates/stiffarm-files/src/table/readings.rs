@@ -189,7 +189,7 @@ impl Reader<'_, '_> {
         columns.complete(table, row, &mut reading)?;
         let state = StateReadings {
             state: name.to_string(),
-            angles: columns.own_angles(table, row, self.cell)?,
+            angles: columns.row_angles(table, row, self.cell)?,
             wrench: self.wrench(row, role)?,
             load: self.load(row, role)?,
             readings: vec![reading],

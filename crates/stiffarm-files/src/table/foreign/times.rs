@@ -125,7 +125,7 @@ fn seconds(table: &Table<'_>, at: usize, stamps: &[(usize, Clock)], dates: Optio
     }
     let order = match dates {
         Some(order) => Some(order),
-        None => told_order(stamps).map_err(|row| {
+        None => stated_order(stamps).map_err(|row| {
             let message = "Day and month stand in another order than before.";
             fault(row, message).hint("give the whole column in one form")
         })?,
@@ -165,7 +165,7 @@ fn seconds(table: &Table<'_>, at: usize, stamps: &[(usize, Clock)], dates: Optio
 
 /// The order of day and month, where a number above 12 tells it or there is nothing to tell; the
 /// error is the row that says otherwise.
-fn told_order(stamps: &[(usize, Clock)]) -> std::result::Result<Option<DateOrder>, usize> {
+fn stated_order(stamps: &[(usize, Clock)]) -> std::result::Result<Option<DateOrder>, usize> {
     let mut order = None;
     let mut open = false;
     for (row, clock) in stamps {

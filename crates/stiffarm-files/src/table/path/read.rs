@@ -132,7 +132,7 @@ impl Reader<'_> {
     fn load(&self, row: &Row) -> Result<Option<TipLoad>> {
         let (table, columns) = (self.table, self.columns);
         // A slip in a word is found even where there is no load.
-        let row_axes = self.own_axes(row)?;
+        let row_axes = self.row_axes(row)?;
         let Some(force) = &columns.force else {
             return Ok(None);
         };
@@ -185,7 +185,7 @@ impl Reader<'_> {
     }
 
     /// The axes that the row names.
-    fn own_axes(&self, row: &Row) -> Result<Option<ForceAxes>> {
+    fn row_axes(&self, row: &Row) -> Result<Option<ForceAxes>> {
         let table = self.table;
         let Some(column) = table.filled(row, self.columns.axes) else {
             return Ok(None);
