@@ -10,8 +10,8 @@ use stiffarm_files::envelope::to_json;
 use stiffarm_files::result::read_result;
 use stiffarm_report::page::{pictures, render_told};
 use stiffarm_report::report::report;
-use stiffarm_report::{Full, cell_drawing, shown_drawing, shown_figure, usual_posture};
 use stiffarm_report::tell::{WithCell, tell};
+use stiffarm_report::{Full, cell_drawing, shown_drawing, shown_figure, usual_posture};
 
 /// How much of a result is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,14 +13,6 @@ from .._errors import StiffarmError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-_T = TypeVar("_T")
-
-#: The colours of Okabe and Ito without yellow, which is too faint on white.
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-MARKERS = ("o", "s", "^", "D", "v", "P", "X")
-DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)), (0, (3, 1)), (0, (8, 2)), (0, (2, 2)))
-GREY = "#666666"
 
 #: Sizes for a picture that a journal prints as wide as it is made.
 SIZES: dict[str, Any] = {
@@ -58,37 +50,26 @@ def pyplot() -> Any:
 
 
 @contextmanager
-def settings(own: bool) -> Generator[None, None, None]:
-    """:data:`SIZES` for a figure of one's own, else the caller's settings.
+def settings() -> Generator[None, None, None]:
+    """:data:`SIZES` while a figure is made.
 
     Not ``rc_context``: where the first figure of a notebook is made within it, it would undo what the notebook's backend
     has just set, and later figures would not be shown.
     """
     parameters = pyplot().rcParams
-    before = {key: parameters[key] for key in SIZES} if own else {}
+    before = {key: parameters[key] for key in SIZES}
     try:
-        parameters.update(SIZES if own else {})
+        parameters.update(SIZES)
         yield
     finally:
         parameters.update(before)
 
 
-@contextmanager
-def axes(
-    ax: Axes | None, width_in: float, height_in: float, layout: str = "constrained"
-) -> Generator[Axes, None, None]:
-    """The given axes as they are, or new ones in a figure of this size."""
-    plt = pyplot()
-    if ax is not None:
-        if not hasattr(ax, "fill_between"):
-            raise StiffarmError(f"These must be axes of matplotlib, got {_checks.shown(ax)}.", "wrong-type", {"key": "ax"})
-        yield ax
-        return
-    with settings(True):
-        figure = plt.figure(figsize=(width_in, height_in), layout=layout)
-        made = figure.add_subplot()
-        fix_ticks(made)
-        yield made
+def check_axes(ax: Any) -> None:
+    """Refuses what are no axes."""
+    pyplot()
+    if not hasattr(ax, "fill_between"):
+        raise StiffarmError(f"These must be axes of matplotlib, got {_checks.shown(ax)}.", "wrong-type", {"key": "ax"})
 
 
 def fix_ticks(ax: Axes) -> None:
@@ -96,19 +77,10 @@ def fix_ticks(ax: Axes) -> None:
     ax.tick_params(labelsize=SIZES["xtick.labelsize"], width=SIZES["axes.linewidth"])
 
 
-def colour(i: int) -> str:
-    """Colour of the i-th series."""
-    return COLOURS[i % len(COLOURS)]
-
-
-def marker(i: int) -> str:
-    """Marker of the i-th series; where a colour comes again, it has another marker."""
-    return MARKERS[(i + i // len(COLOURS)) % len(MARKERS)]
-
-
-def dashes(i: int) -> Any:
-    """Line style of the i-th series."""
-    return DASHES[(i + i // len(COLOURS)) % len(DASHES)]
+def dashes(lengths: str, width: float) -> Any:
+    """A line style of the page: lengths of dashes and gaps in pixels, solid without."""
+    parts = [float(part) / max(width, 0.1) for part in lengths.split()]
+    return (0, tuple(parts + parts if len(parts) % 2 else parts)) if parts else "-"
 
 
 def short(name: object, most: int = 28) -> str:
@@ -133,13 +105,9 @@ def legend(target: Any, entries: Sequence[tuple[Any, str]], width_in: float, **k
         text.set_text(name)
 
 
-def legend_above(ax: Axes, entries: Sequence[tuple[Any, str]], *, own: bool) -> None:
-    """A legend above the axes, where it hides nothing; of a figure of one's own over its whole width."""
-    if own:
-        legend(ax.figure, entries, _width(ax) - 0.1, loc="outside upper left")
-        return
-    width = _width(ax) * ax.get_position().width
-    legend(ax, entries, width, loc="lower left", bbox_to_anchor=(0.0, 1.0))
+def legend_above(ax: Axes, entries: Sequence[tuple[Any, str]]) -> None:
+    """A legend above given axes, where it hides nothing."""
+    legend(ax, entries, _width(ax) * ax.get_position().width, loc="lower left", bbox_to_anchor=(0.0, 1.0))
 
 
 def _columns(names: Sequence[str], width_in: float) -> int:
@@ -162,26 +130,23 @@ def _columns(names: Sequence[str], width_in: float) -> int:
 
 
 def names_below(ax: Axes, names: Sequence[str]) -> None:
-    """Names below the places 0, 1, ...; of joints with numbers the numbers, and what they are as the axis' label.
-
-    Names are turned where they are long, and only every k-th is written where there are many.
-    """
+    """Names below the places 0, 1, ...: turned where they are long, and only every k-th where there are many."""
     from matplotlib import rcParams
 
-    if all(name.startswith("joint ") and len(name) > 6 for name in names):
-        ax.set_xlabel("joint")
-        names = [name.removeprefix("joint ") for name in names]
     width = _width(ax) * ax.get_position().width
     step = -(-len(names) // max(2, int(width / 0.15)))
     shown = [short(name, 16) for name in names[::step]]
     letter = 0.53 * rcParams["font.size"] / 72
-    turned = letter * sum(len(name) + 1 for name in shown) > width
     look: dict[str, Any] = {}
-    if turned:
+    if letter * sum(len(name) + 1 for name in shown) > width:
         many = len(shown) > 8
         look = {"rotation": 90} if many else {"rotation": 35, "ha": "right", "rotation_mode": "anchor"}
     ax.set_xticks(np.arange(0, len(names), step), labels=shown, parse_math=False, **look)
-    ax.set_xlim(-0.6, len(names) - 0.4)
+
+
+def names_beside(ax: Axes, names: Sequence[str]) -> None:
+    """Names beside the places 0, 1, ... of a vertical axis."""
+    ax.set_yticks(np.arange(len(names)), labels=[short(name, 16) for name in names], parse_math=False)
 
 
 def _width(ax: Axes) -> float:
@@ -222,24 +187,6 @@ def number(value: float) -> str:
         power = f"10$^{{{int(exponent)}}}$"
         return power if mantissa == "1" else f"{mantissa}·{power}"
     return f"{value:.6g}"
-
-
-def check(value: object, kind: type | tuple[type, ...], what: str) -> None:
-    """Refuses what is no such result."""
-    if not isinstance(value, kind):
-        raise StiffarmError(f"This figure is drawn of {what}.", "wrong-type")
-
-
-def by_name(value: _T | Mapping[str, _T], kind: type | tuple[type, ...], what: str) -> dict[str, _T]:
-    """One result, or several by name, as several by name.
-
-    Raises:
-        StiffarmError: Something else, or none.
-    """
-    given: dict[str, Any] = {"": value} if isinstance(value, kind) else dict(value) if isinstance(value, Mapping) else {}
-    if not given or not all(isinstance(one, kind) for one in given.values()):
-        raise StiffarmError(f"This figure is drawn of {what}, or of several by name.", "wrong-type")
-    return {str(name): one for name, one in given.items()}
 
 
 def floats(values: Sequence[float | None]) -> np.ndarray:
