@@ -48,9 +48,9 @@ struct Alone {
     base: BTreeMap<String, Vector3<f64>>,
 }
 
-/// Puts the readings of all stations into the axes of one: of the first that `stated_transform` fits, else of the first. Postures of
-/// a station whose unloaded readings do not say where it stands are left out, with a remark. The result names the
-/// station with most postures where one does not fit the model by itself.
+/// Puts the readings of all stations into the axes of one: of the first that `stated_transform` fits, else of the
+/// first. Postures of a station whose unloaded readings do not say where it stands are left out, with a remark. The result
+/// names the station with most postures where one does not fit the model by itself.
 ///
 /// # Errors
 /// No station says where it stands.

@@ -92,8 +92,8 @@ impl Selection {
     }
 
     /// The same search with other angles of the selected postures (rad): in another order, rounded, or
-    /// equivalent ones. Index, indices and margins are theirs; `cell` has the load that was chosen, `fixed_postures` are
-    /// the postures that were given.
+    /// equivalent ones. Index, indices and margins are theirs; `cell` has the load that was chosen,
+    /// `fixed_postures` are the postures that were given.
     ///
     /// # Errors
     /// Angles that do not fit the robot, or at which the index does not exist.
