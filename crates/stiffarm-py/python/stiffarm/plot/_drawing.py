@@ -65,12 +65,11 @@ def cell(
     plt = _look.pyplot()
     (left, right), (bottom, top) = shown["extent"]
     with _look.settings():
-        height = width_in * min(max((top - bottom) / (right - left), 0.4), 1.6) + 0.8
+        height = width_in * min(max((top - bottom) / (right - left), 0.4), 1.6) + (0.4 if shown["axes"] else 0.0)
         made: Figure = plt.figure(figsize=(width_in, height), layout="constrained")
         ax = made.add_subplot()
         _look.fix_ticks(ax)
-        entries = _draw(ax, drawing, shown)
-        _look.legend(made, entries, width_in - 0.1, loc="outside upper left")
+        _look.legend_over(made, _draw(ax, drawing, shown))
     return made
 
 

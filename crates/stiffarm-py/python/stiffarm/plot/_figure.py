@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._errors import StiffarmError
+from .._result import Result
 from . import _look
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from .._result import Result
 
 #: Markers and hatches by the number of a series' second sign.
 MARKERS = ("o", "s", "^", "D", "v", "P", "*")
@@ -49,7 +48,7 @@ def figure(
     Raises:
         StiffarmError: A result without figures, no such figure or panel, or matplotlib is not installed.
     """
-    panels = _panels(result, name)
+    panels, columns = _panels(result, name)
     if panel is not None or ax is not None:
         number = panel or 0
         if not -len(panels) <= number < len(panels):
@@ -62,15 +61,17 @@ def figure(
         _look.legend_above(ax, entries)
         return ax.figure.figure  # type: ignore[return-value]
     with _look.settings():
-        return _new(panels, width_in)
+        return _new(panels, columns, width_in)
 
 
-def _panels(result: Any, name: str | None) -> list[tuple[dict[str, Any], dict[str, Any]]]:
-    """Panels with what the page decides of them."""
-    results = dict(result) if isinstance(result, Mapping) else {"": result}
-    if not results or not all(hasattr(one, "figures") for one in results.values()):
+def _panels(result: Any, name: str | None) -> tuple[list[tuple[dict[str, Any], dict[str, Any]]], int]:
+    """Panels with what the page decides of them, and how many stand side by side at most."""
+    # Results are mappings themselves.
+    results = dict(result) if isinstance(result, Mapping) and not isinstance(result, Result) else {"": result}
+    if not results or not all(isinstance(one, Result) for one in results.values()):
         raise StiffarmError("A figure is drawn of a result, or of several by name.", "wrong-type", {"key": "result"})
     panels: list[tuple[dict[str, Any], dict[str, Any]]] = []
+    columns = len(results)
     for title, one in results.items():
         every = one.figures()
         if not every:
@@ -80,12 +81,13 @@ def _panels(result: Any, name: str | None) -> list[tuple[dict[str, Any], dict[st
             message = f"A {type(one).__name__} has no such figure."
             raise StiffarmError(message, "unknown-name", {"key": "name"}, hint=", ".join(every))
         data = every[chosen]
+        columns = max(columns, data["columns"])
         for own, shown in zip(data["panels"], data["shown"], strict=True):
             if len(results) > 1:
                 own = {**own, "title": f"{title}: {own['title']}" if own["title"] else title}
             panels.append((own, shown))
     _share(panels)
-    return panels
+    return panels, columns
 
 
 def _share(panels: list[tuple[dict[str, Any], dict[str, Any]]]) -> None:
@@ -98,28 +100,34 @@ def _share(panels: list[tuple[dict[str, Any], dict[str, Any]]]) -> None:
                 shown[axis] = both
 
 
-def _new(panels: list[tuple[dict[str, Any], dict[str, Any]]], width_in: float) -> Figure:
+def _new(panels: list[tuple[dict[str, Any], dict[str, Any]]], most_columns: int, width_in: float) -> Figure:
     """A figure of its own, with one legend above its panels."""
     plt = _look.pyplot()
-    alike = all(own[axis] == panels[0][0][axis] for own, _ in panels for axis in "xy")
-    columns = max(1, min(len(panels), int(width_in / (NARROW if alike else WIDE))))
+    share = len(panels) > 1 and all(own[axis] == panels[0][0][axis] for own, _ in panels for axis in "xy")
+    is_plain = not any(own["equal_aspect"] or own["x"]["categories"] for own, _ in panels)
+    least = NARROW if share and is_plain else WIDE
+    columns = max(1, min(len(panels), most_columns, int(width_in / least)))
     rows = -(-len(panels) // columns)
-    wide = width_in / columns
-    heights = [_height(own, shown, wide) for own, shown in panels]
-    drawn: Figure = plt.figure(figsize=(width_in, rows * max(heights) + 0.45), layout="constrained")
-    every = drawn.subplots(rows, columns, squeeze=False).flat
+    heights = [_height(own, shown, width_in / columns) for own, shown in panels]
+    tall = sum(max(heights[row * columns : (row + 1) * columns]) for row in range(rows))
+    ratios = [max(heights[row * columns : (row + 1) * columns]) for row in range(rows)]
+    drawn: Figure = plt.figure(figsize=(width_in, tall), layout="constrained")
+    every = list(drawn.subplots(rows, columns, squeeze=False, height_ratios=ratios).flat)
     entries: dict[str, Any] = {}
-    for number, ((own, shown), ax) in enumerate(zip(panels, every, strict=False)):
+    for (own, shown), ax in zip(panels, every, strict=False):
         _look.fix_ticks(ax)
         for handle, label in _panel(ax, own, shown):
             entries.setdefault(label, handle)
-        # What the neighbour says of the same axis is not said again.
-        if alike and len(panels) > 1:
-            ax.set_xlabel(ax.get_xlabel() if number + columns >= len(panels) else "")
-            ax.set_ylabel(ax.get_ylabel() if number % columns == 0 else "")
-    for ax in list(every)[len(panels) :]:
+        if share:
+            # Headings of axes that all panels share are said once.
+            ax.set_xlabel("")
+            ax.set_ylabel("")
+    for ax in every[len(panels) :]:
         ax.set_axis_off()
-    _look.legend(drawn, [(handle, label) for label, handle in entries.items()], width_in - 0.1, loc="outside upper left")
+    if share:
+        for axis, say in (("x", drawn.supxlabel), ("y", drawn.supylabel)):
+            say(_heading(panels[0][0][axis]), fontsize=_look.SIZES["axes.labelsize"]).set_parse_math(False)
+    _look.legend_over(drawn, [(handle, label) for label, handle in entries.items()])
     return drawn
 
 
@@ -127,7 +135,7 @@ def _height(own: dict[str, Any], shown: dict[str, Any], wide: float) -> float:
     """Height of a panel [in]."""
     if not own["equal_aspect"]:
         # Room for names that are turned.
-        turned = 0.35 if own["x"]["categories"] else 0.0
+        turned = 0.3 if own["x"]["categories"] else 0.0
         return min(max(SHAPE * wide, LOW), HIGH) + turned
     (left, right), (bottom, top) = shown["x"], shown["y"]
     return 0.72 * wide * min(max((top - bottom) / (right - left), 0.3), 2.0) + 0.6
@@ -143,9 +151,9 @@ def _panel(ax: Axes, own: dict[str, Any], shown: dict[str, Any]) -> list[tuple[A
     ax.set_xlim(*shown["x"])
     ax.set_ylim(*shown["y"])
     if own["title"]:
-        ax.set_title(_look.short(own["title"], 44), loc="left", parse_math=False, pad=3)
+        ax.set_title(_look.wrapped(ax, own["title"]), loc="left", parse_math=False, pad=3)
     if own["equal_aspect"]:
-        ax.set_aspect("equal", adjustable="box")
+        ax.set_aspect("equal")
     _look.light_grid(ax, "y" if own["x"]["categories"] else "both")
     entries: list[tuple[Any, str]] = []
     slots = [s["label"] for s in own["series"] if s["style"] in AREAS]
@@ -160,7 +168,7 @@ def _panel(ax: Axes, own: dict[str, Any], shown: dict[str, Any]) -> list[tuple[A
             handle = _area(ax, series, x, aside, y, step, colour, variant, own["y"]["scale"] == "Log")
         elif series["style"] == "Map":
             handle = _map(ax, series, x, y, shown, maps)
-            maps += series.get("colour") is None
+            maps += handle is not None
         else:
             handle = _marks(ax, series, x, y, look, dash, variant)
         if series["label"] and handle is not None and series["label"] not in [label for _, label in entries]:
@@ -174,7 +182,10 @@ def _panel(ax: Axes, own: dict[str, Any], shown: dict[str, Any]) -> list[tuple[A
         elif own[axis]["scale"] == "Log":
             _look.plain_log(ax, axis)
         else:
-            getattr(ax, f"{axis}axis").set_major_locator(MaxNLocator(nbins=6, steps=[1, 2, 2.5, 5, 10]))
+            whole = all(value == round(value) for one in own["series"] for value in one[axis] if value is not None)
+            most = _look.tick_count(ax) if axis == "x" else 6
+            ticks = MaxNLocator(nbins=most, steps=[1, 2, 2.5, 5, 10], integer=whole and not own[axis]["unit"])
+            getattr(ax, f"{axis}axis").set_major_locator(ticks)
     if shown["lost"]:
         ax.text(0.98, 0.96, f"{shown['lost']} not drawn", ha="right", va="top", transform=ax.transAxes)
     return entries
@@ -285,27 +296,31 @@ def _map(ax: Axes, series: dict[str, Any], x: np.ndarray, y: np.ndarray, shown: 
     from matplotlib.colors import LogNorm, Normalize
     from matplotlib.patches import Patch, Rectangle
 
-    across, up = np.unique(x), np.unique(y)
     colour = series.get("colour")
-    if colour is None:
-        fill, hatch = MISSING[number % len(MISSING)]
-        wide, high = _spacing(x), _spacing(y)
-        boxes = [Rectangle((a - wide / 2, b - high / 2), wide, high) for a, b in zip(x, y, strict=True)]
-        ax.add_collection(PatchCollection(boxes, facecolor=fill, edgecolor="#a0a0a0", hatch=hatch, linewidth=0))
-        return Patch(facecolor=fill, edgecolor="#a0a0a0", hatch=hatch, linewidth=0.4)
-    values = np.full((len(up), len(across)), np.nan)
-    values[np.searchsorted(up, y), np.searchsorted(across, x)] = _look.floats(colour["values"])
-    if len(across) < 2 or len(up) < 2 or not np.isfinite(values).any():
-        return None
-    scale = LogNorm if colour["axis"]["scale"] == "Log" else Normalize
-    names = "viridis_r" if colour.get("small_is_bright") else "viridis"
-    mesh = ax.pcolormesh(across, up, np.ma.masked_invalid(values), cmap=names, norm=scale(*shown["colour"]), shading="nearest")
-    bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, fraction=0.06)
-    if colour["axis"]["scale"] == "Log":
-        _look.plain_log(bar.ax)
-    bar.set_label(_heading(colour["axis"]))
+    values = np.full(len(x), np.nan) if colour is None else _look.floats(colour["values"][: len(x)])
+    is_seen = np.isfinite(values)
+    wide, high = _spacing(x), _spacing(y)
+    if colour is not None and is_seen.any():
+        across, up = np.unique(x), np.unique(y)
+        grid = np.full((len(up), len(across)), np.nan)
+        grid[np.searchsorted(up, y), np.searchsorted(across, x)] = values
+        # Ends of the cells, half-way between their centres.
+        edges = [np.concatenate([[c[0] - step / 2], (c[1:] + c[:-1]) / 2, [c[-1] + step / 2]]) for c, step in ((across, wide), (up, high))]
+        scale = LogNorm if colour["axis"]["scale"] == "Log" else Normalize
+        names = "viridis_r" if colour.get("small_is_bright") else "viridis"
+        mesh = ax.pcolormesh(*edges, np.ma.masked_invalid(grid), cmap=names, norm=scale(*shown["colour"]))
+        bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, fraction=0.06)
+        if colour["axis"]["scale"] == "Log":
+            _look.plain_log(bar.ax)
+        bar.set_label(_heading(colour["axis"]))
     ax.grid(False)
-    return mesh if series["label"] else None
+    if is_seen.all():
+        return None
+    fill, hatch = MISSING[number % len(MISSING)]
+    missing = zip(x[~is_seen], y[~is_seen], strict=True)
+    boxes = [Rectangle((a - wide / 2, b - high / 2), wide, high) for a, b in missing]
+    ax.add_collection(PatchCollection(boxes, facecolor=fill, edgecolor="#a0a0a0", hatch=hatch, linewidth=0))
+    return Patch(facecolor=fill, edgecolor="#a0a0a0", hatch=hatch, linewidth=0.4)
 
 
 __all__ = ["figure"]

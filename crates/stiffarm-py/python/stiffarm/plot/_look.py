@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,7 @@ from .._errors import StiffarmError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 #: Sizes for a picture that a journal prints as wide as it is made.
 SIZES: dict[str, Any] = {
@@ -27,6 +29,7 @@ SIZES: dict[str, Any] = {
     "axes.linewidth": 0.7,
     "lines.linewidth": 1.1,
     "lines.markersize": 4,
+    "hatch.linewidth": 0.5,
     "legend.frameon": False,
     "legend.handlelength": 2.2,
     "figure.dpi": 144,
@@ -90,24 +93,53 @@ def short(name: object, most: int = 28) -> str:
     return text if len(text) <= most else f"{text[: most - 1 - tail]}…{text[-tail:]}"
 
 
-def legend(target: Any, entries: Sequence[tuple[Any, str]], width_in: float, **keys: Any) -> None:
-    """A legend of handles and names in as many columns as fit; names are text even where matplotlib would read more."""
+def wrapped(ax: Axes, text: str) -> str:
+    """A text in lines as long as axes are wide."""
+    letters = _letters(_width(ax) * ax.get_position().width)
+    return "\n".join(textwrap.wrap(" ".join(text.split()), letters)) or text
+
+
+def legend(target: Any, entries: Sequence[tuple[Any, str]], width_in: float, **keys: Any) -> int:
+    """A legend of handles and names in as many columns as fit, and in how many rows; names are text even where matplotlib
+    would read more."""
     if not entries:
-        return
+        return 0
     # Names are set afterwards: matplotlib leaves out those that begin with "_".
-    names = [short(name, 40) for _, name in entries]
+    letters = max(12, _letters(width_in) - 7)
+    names = ["\n".join(textwrap.wrap(short(name, 2 * letters), letters)) for _, name in entries]
+    columns = _columns(names, width_in)
     box = target.legend(
-        [handle for handle, _ in entries], ["x"] * len(entries), ncols=_columns(names, width_in),
+        [handle for handle, _ in entries], ["x"] * len(entries), ncols=columns,
         columnspacing=1.1, handletextpad=0.5, borderaxespad=0.2, **keys,
     )  # fmt: skip
     for text, name in zip(box.get_texts(), names, strict=True):
         text.set_parse_math(False)
         text.set_text(name)
+    return -(-(len(names) + sum(name.count("\n") for name in names)) // columns)
 
 
 def legend_above(ax: Axes, entries: Sequence[tuple[Any, str]]) -> None:
     """A legend above given axes, where it hides nothing."""
-    legend(ax, entries, _width(ax) * ax.get_position().width, loc="lower left", bbox_to_anchor=(0.0, 1.0))
+    above = 1.02 if not ax.get_title(loc="left") else 1.09
+    legend(ax, entries, _width(ax) * ax.get_position().width, loc="lower left", bbox_to_anchor=(0.0, above))
+
+
+def legend_over(figure: Figure, entries: Sequence[tuple[Any, str]]) -> None:
+    """A legend over all of a figure, which becomes as much higher."""
+    rows = legend(figure, entries, figure.get_figwidth() - 0.1, loc="outside upper left")
+    figure.set_figheight(figure.get_figheight() + 0.17 * rows)
+
+
+def tick_count(ax: Axes) -> int:
+    """How many numbers a horizontal axis has room for."""
+    return min(6, max(2, int(_width(ax) * ax.get_position().width / 0.4)))
+
+
+def _letters(width_in: float) -> int:
+    """How many letters a width has room for."""
+    from matplotlib import rcParams
+
+    return int(72 * width_in / (0.53 * rcParams["font.size"]))
 
 
 def _columns(names: Sequence[str], width_in: float) -> int:
@@ -119,7 +151,8 @@ def _columns(names: Sequence[str], width_in: float) -> int:
     size = rcParams["legend.fontsize"]
     font = FontProperties(size=size)
     size = font.get_size_in_points()
-    wide = [text_to_path.get_text_width_height_descent(name, font, ismath=False)[0] for name in names]
+    lines = [max(name.split("\n"), key=len) for name in names]
+    wide = [text_to_path.get_text_width_height_descent(line, font, ismath=False)[0] for line in lines]
     for columns in range(min(len(names), 6), 1, -1):
         # As matplotlib fills them: the first ones are the fuller ones.
         parts = np.array_split(wide, columns)
@@ -131,14 +164,11 @@ def _columns(names: Sequence[str], width_in: float) -> int:
 
 def names_below(ax: Axes, names: Sequence[str]) -> None:
     """Names below the places 0, 1, ...: turned where they are long, and only every k-th where there are many."""
-    from matplotlib import rcParams
-
     width = _width(ax) * ax.get_position().width
     step = -(-len(names) // max(2, int(width / 0.15)))
     shown = [short(name, 16) for name in names[::step]]
-    letter = 0.53 * rcParams["font.size"] / 72
     look: dict[str, Any] = {}
-    if letter * sum(len(name) + 1 for name in shown) > width:
+    if sum(len(name) + 1 for name in shown) > _letters(width):
         many = len(shown) > 8
         look = {"rotation": 90} if many else {"rotation": 35, "ha": "right", "rotation_mode": "anchor"}
     ax.set_xticks(np.arange(0, len(names), step), labels=shown, parse_math=False, **look)
