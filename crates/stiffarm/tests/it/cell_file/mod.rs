@@ -28,9 +28,9 @@ type Check = Result<(), Box<dyn std::error::Error>>;
 
 /// Compares numbers that went through different arithmetic.
 #[track_caller]
-fn assert_close(found: f64, expected: f64) {
+fn assert_close(actual: f64, expected: f64) {
     let scale = expected.abs().max(1e-12);
-    assert!((found - expected).abs() <= 1e-14 * scale, "{found:e} is not {expected:e}");
+    assert!((actual - expected).abs() <= 1e-14 * scale, "{actual:e} is not {expected:e}");
 }
 
 /// A cell with every table, on lines of known number.
@@ -113,8 +113,8 @@ fn every_key_arrives_in_si_units() -> Check {
         (uncertainty.sensor_compliance, 1.0 / 3.3e5),
         (uncertainty.lost_motion, (0.2f64 / 60.0).to_radians()),
     ];
-    for (found, expected) in values {
-        assert_close(found.ok_or("a key is missing")?, expected);
+    for (in_si, expected) in values {
+        assert_close(in_si.ok_or("a key is missing")?, expected);
     }
     let tip = cell.work.tip.ok_or("no tip")?;
     assert_eq!(tip.translation.vector.as_slice(), [0.0, 0.02, 0.35]);
@@ -143,8 +143,8 @@ fn every_key_arrives_in_si_units() -> Check {
         (k.k_re, 2.5e4),
         (k.k_ae, -1e3),
     ];
-    for (found, expected) in values {
-        assert_close(found, expected);
+    for (in_si, expected) in values {
+        assert_close(in_si, expected);
     }
     assert_eq!(cell.columns.names["x_mm"], "Center X");
     assert_eq!(cell.columns.names["q2_rad"], "A2");
@@ -209,8 +209,8 @@ fn loads_and_bases() -> Check {
     let p = PostureTerms::new(&straight, &q, None)?.loading_point().to_owned();
     let p_turned = PostureTerms::new(&turned, &q, None)?.loading_point().to_owned();
     let expected = [0.1 - p.y, p.x, 1.0 + p.z];
-    for (found, expected) in p_turned.iter().zip(expected) {
-        assert!((found - expected).abs() < 1e-14);
+    for (coordinate, expected) in p_turned.iter().zip(expected) {
+        assert!((coordinate - expected).abs() < 1e-14);
     }
     Ok(())
 }
