@@ -1,4 +1,4 @@
-//! Tables of clamped data.
+//! Tables of clamped data are read as they are written, and refused with their place where they cannot be meant.
 
 use super::*;
 
@@ -71,8 +71,8 @@ fn against_a_preload_no_clamped_state_shows_lost_motion() {
     options.estimator = Estimator::Ordinary;
     options.extra = vec![ExtraTerm::LostMotion(1)];
     let undetermined = |read: &[ClampedPosture]| {
-        let found = identify_clamped(&cell, read, None, &options).unwrap();
-        let names = found.estimates.undetermined_joints;
+        let identification = identify_clamped(&cell, read, None, &options).unwrap();
+        let names = identification.estimates.undetermined_joints;
         names.contains(&"lost motion of joint 2".to_string())
     };
     assert!(undetermined(&read));
