@@ -1,4 +1,4 @@
-//! Full turns, the nearest branch and input that is none.
+//! Full turns within the limits are all told, the nearest branch is the nearest, and input that is none is refused.
 
 use super::*;
 
