@@ -13,13 +13,13 @@ fn cell_with_sensor() -> Cell {
 }
 
 fn state(posture: &PostureReadings, name: &str) -> StateReadings {
-    let found = posture.states.iter().find(|s| s.state == name);
-    found.unwrap_or_else(|| panic!("no state {name}")).clone()
+    let state = posture.states.iter().find(|s| s.state == name);
+    state.unwrap_or_else(|| panic!("no state {name}")).clone()
 }
 
 fn position(state: &StateReadings, target: &ReadingTarget) -> Vector3<f64> {
-    let own = state.readings.iter().filter(|r| r.target == *target);
-    let all: Vec<_> = own.map(|r| r.position).collect();
+    let readings = state.readings.iter().filter(|r| r.target == *target);
+    let all: Vec<_> = readings.map(|r| r.position).collect();
     all.iter().sum::<Vector3<f64>>() / all.len() as f64
 }
 

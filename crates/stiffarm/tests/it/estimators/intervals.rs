@@ -1,4 +1,4 @@
-//! Intervals of single joints, their quantiles, and what shifts are learned to be.
+//! Intervals of single joints are open or absent where nothing bounds them, and their quantiles are those of tables.
 
 use super::*;
 use stiffarm::estimate::identify::JointEstimate;
