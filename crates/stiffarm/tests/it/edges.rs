@@ -1,8 +1,8 @@
 //! What a newcomer meets first (loads that pass a joint by, too few postures or points, numbers that are none) is
 //! answered or refused by name.
 
+use crate::common::cases::refusals;
 use crate::common::prelude::*;
-use std::collections::BTreeSet;
 use stiffarm::estimate::validate::Model as Deflection;
 use stiffarm::plan::characteristic_length::characteristic_length;
 use stiffarm::plan::index::{GroupEvaluation, error_bound};
@@ -79,16 +79,15 @@ fn load_through_the_axis_of_joint_6_leaves_joint_6_undetermined() {
     cell.setup.tool.loading_point = Vector3::new(0.0, 0.0, 0.25);
     assert_undetermined(&cell, &group1(), &["joint 6"]);
     // No choice of postures helps.
-    let mut report = String::new();
-    for index in [Index::ExpectedError, Index::Novel] {
-        let error = local(&cell, index, &group1()).unwrap_err();
-        assert_eq!(error.code(), Code::NotIdentifiable, "{index:?}: {error}");
-        report += &format!("{index:?}: {error}\n");
-    }
-    insta::assert_snapshot!(report, @"
-    ExpectedError: 6 postures with this load cannot determine joint 6.
+    let rows = [("expected error", Index::ExpectedError), ("novel", Index::Novel)]
+        .map(|(what, index)| (what, Code::NotIdentifiable, local(&cell, index, &group1())));
+    insta::assert_snapshot!(refusals(rows), @"
+    » expected error
+    [not-identifiable] 6 postures with this load cannot determine joint 6.
       hint: add postures that differ, or measuring points, or move the load off the joint's axis
-    Novel: 6 postures with this load cannot determine joint 6.
+
+    » novel
+    [not-identifiable] 6 postures with this load cannot determine joint 6.
       hint: add postures that differ, or measuring points, or move the load off the joint's axis
     ");
 }
@@ -155,63 +154,89 @@ fn one_posture_with_one_point_is_answered() {
 }
 
 #[test]
-fn angles_and_numbers_that_are_not_finite_are_errors() {
+fn an_angle_that_is_not_finite_is_refused_by_all_that_take_it() {
     let cell = reference_cell();
-    let truth = cell.require_prior().unwrap().to_vec();
-    let options = IdentifyOptions::default();
-    let identified =
-        |measured: &[MeasuredPosture], options: &IdentifyOptions| identify(&cell, measured, options).unwrap_err();
+    let truth = cell.require_prior().unwrap();
     let exact = exact_measurements(&cell, &group1());
-    let control = Control::default();
-    let mut messages = BTreeSet::new();
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        let mut postures = group1();
-        postures[2][4] = bad;
-        let mut refused = |error: Error| {
-            assert_eq!(error.code(), Code::NotFinite, "{error}");
-            messages.insert(format!("{error}\n"));
-        };
-        refused(evaluate(&cell, "", &postures).unwrap_err());
-        refused(observation_matrix(&cell.setup, &postures, Rows::Translations).unwrap_err());
-        refused(PostureTerms::new(&cell.setup, &postures[2], None).unwrap_err());
-        refused(local(&cell, Index::Classical, &postures).unwrap_err());
-        let deflected = equilibrium(&cell.setup, &postures[2], &truth, None);
-        refused(deflected.map(|_| ()).unwrap_err());
+        let postures = changed(group1(), |postures| postures[2][4] = bad);
+        let q = &postures[2];
         let group = PostureGroup::from_angles("", postures.clone());
-        refused(simulate(&cell, &[group], &Default::default(), control).unwrap_err());
-        let named = numbered(postures);
-        let exactly = Deflection::Equilibrium;
-        refused(simulate_measurements(&cell, &named, &truth, exactly, 1, 0).unwrap_err());
-        let mut measured = exact.clone();
-        measured[2].posture.q[4] = bad;
-        refused(identified(&measured, &options));
+        let named = numbered(postures.clone());
+        let measured = changed(exact.clone(), |measured| measured[2].posture.q[4] = bad);
+        let rows: [(&str, stiffarm::Result<()>); 8] = [
+            ("evaluate", evaluate(&cell, "", &postures).map(drop)),
+            ("observation_matrix", observation_matrix(&cell.setup, &postures, Rows::Translations).map(drop)),
+            ("PostureTerms", PostureTerms::new(&cell.setup, q, None).map(drop)),
+            ("select_from", local(&cell, Index::Classical, &postures).map(drop)),
+            ("equilibrium", equilibrium(&cell.setup, q, truth, None).map(drop)),
+            ("simulate", simulate(&cell, &[group], &Default::default(), Control::default()).map(drop)),
+            (
+                "simulate_measurements",
+                simulate_measurements(&cell, &named, truth, Deflection::Equilibrium, 1, 0).map(drop),
+            ),
+            ("identify", identify(&cell, &measured, &IdentifyOptions::default()).map(drop)),
+        ];
+        for (what, refused) in rows {
+            let error = refused.unwrap_err();
+            assert_eq!(error.code(), Code::NotFinite, "{what}, {bad}");
+            assert_eq!(error.message(), "The angle of joint 5 is not a finite number.", "{what}, {bad}");
+        }
+    }
+}
 
-        let mut measured = exact.clone();
-        measured[0].displacements[0].value.y = bad;
-        assert_eq!(identified(&measured, &options).code(), Code::NotFinite);
-        measured[0].displacements[0].value.y = 0.0;
-        measured[0].wrench = Some(Wrench::force(Vector3::new(bad, 0.0, 0.0)));
-        assert_eq!(identified(&measured, &options).code(), Code::NotFinite);
-
+#[test]
+fn numbers_that_are_none_or_do_not_fit_are_refused() {
+    let cell = reference_cell();
+    let exact = exact_measurements(&cell, &group1());
+    let options = IdentifyOptions::default();
+    let identified = |measured: &[MeasuredPosture]| identify(&cell, measured, &options).map(drop);
+    let sure = |confidence| {
+        let options = with(|o: &mut IdentifyOptions| o.confidence = confidence);
+        identify(&cell, &exact, &options).map(drop)
+    };
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let moved = changed(exact.clone(), |m| m[0].displacements[0].value.y = bad);
+        let pulled = changed(exact.clone(), |m| m[0].wrench = Some(Wrench::force(Vector3::new(bad, 0.0, 0.0))));
+        for measured in [moved, pulled] {
+            assert_eq!(identified(&measured).unwrap_err().code(), Code::NotFinite, "{bad}");
+        }
         let stiffness = [1e6, 1e6, bad, 1e6, 1e6, 1e6];
         let error = joint_compliance(&cell.setup.robot, &stiffness).unwrap_err();
-        assert_eq!(error.code(), Code::InvalidValue);
+        assert_eq!(error.code(), Code::InvalidValue, "{bad}");
         assert!(error_bound(bad, 0.0, 0.0).is_err() && error_bound(2.0, bad, 0.0).is_err());
     }
-    insta::assert_snapshot!(messages.into_iter().collect::<String>(), @"The angle of joint 5 is not a finite number.");
     // Eq. (19) says where it bounds nothing; no condition number is below one.
     let lost = error_bound(100.0, 1e-3, 0.0).unwrap();
     assert!(lost.bound.is_none() && (lost.validity - 10.0).abs() < 1e-12);
     assert!(error_bound(0.5, 0.0, 0.0).is_err());
-    let error = evaluate(&cell, "", &[vec![0.0; 5]]).unwrap_err();
-    assert_eq!(error.code(), Code::Dimension);
-    let error = evaluate::<Vec<f64>>(&cell, "", &[]).unwrap_err();
-    assert_eq!(error.code(), Code::TooFewData);
-    assert_eq!(identified(&[], &options).code(), Code::TooFewData);
-    for confidence in [0.0, 1.0, f64::NAN] {
-        let options = with(|o: &mut IdentifyOptions| o.confidence = confidence);
-        assert_eq!(identified(&exact, &options).code(), Code::InvalidValue);
-    }
+    let rows = [
+        ("five angles of six", Code::Dimension, evaluate(&cell, "", &[vec![0.0; 5]]).map(drop)),
+        ("no posture", Code::TooFewData, evaluate::<Vec<f64>>(&cell, "", &[]).map(drop)),
+        ("nothing measured", Code::TooFewData, identified(&[])),
+        ("no confidence", Code::InvalidValue, sure(0.0)),
+        ("certainty", Code::InvalidValue, sure(1.0)),
+        ("a confidence that is no number", Code::InvalidValue, sure(f64::NAN)),
+    ];
+    insta::assert_snapshot!(refusals(rows), @r#"
+    » five angles of six
+    [dimension] 5 angles for the 6 joints of COMAU NJ 165-3.0.
+
+    » no posture
+    [too-few-data] The group "" has no postures.
+
+    » nothing measured
+    [too-few-data] There are no displacements to identify from.
+
+    » no confidence
+    [invalid-value] The confidence must lie between 0.01 and 0.999999.
+
+    » certainty
+    [invalid-value] The confidence must lie between 0.01 and 0.999999.
+
+    » a confidence that is no number
+    [invalid-value] The confidence must lie between 0.01 and 0.999999.
+    "#);
 }
 
 #[test]
@@ -237,11 +262,29 @@ fn short_chains_have_no_condition_number_and_say_so() {
     assert!(evaluation.k_jn.iter().all(Option::is_none));
     assert_eq!((evaluation.indices.classical, evaluation.indices.novel, evaluation.indices.scaled), (None, None, None));
     assert!(evaluation.indices.condition.is_some() && evaluation.indices.expected_error.is_some());
-    for index in [Index::Classical, Index::Novel, Index::Scaled] {
-        let error = IndexFunction::new(&cell, index, 6).map(|_| ()).unwrap_err();
-        assert_eq!(error.code(), Code::Unsupported);
-    }
-    assert_eq!(characteristic_length(&cell).unwrap_err().code(), Code::Unsupported);
+    let function = |index| IndexFunction::new(&cell, index, 6).map(drop);
+    let rows = [
+        ("classical", Code::Unsupported, function(Index::Classical)),
+        ("novel", Code::Unsupported, function(Index::Novel)),
+        ("scaled", Code::Unsupported, function(Index::Scaled)),
+        ("characteristic length", Code::Unsupported, characteristic_length(&cell).map(drop)),
+    ];
+    insta::assert_snapshot!(refusals(rows), @"
+    » classical
+    [unsupported] k(J_N) needs at least 6 joints, and random has 5.
+      hint: choose an index without dexterity: expected_error, scaled_condition, d
+
+    » novel
+    [unsupported] k(J_N) needs at least 6 joints, and random has 5.
+      hint: choose an index without dexterity: expected_error, scaled_condition, d
+
+    » scaled
+    [unsupported] k(J_N) needs at least 6 joints, and random has 5.
+      hint: choose an index without dexterity: expected_error, scaled_condition, d
+
+    » characteristic length
+    [unsupported] k(J_N) needs at least 6 joints, and random has 5.
+    ");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! reported with its place, and the templates can be used as they are.
 
 mod built_in;
-mod known;
+mod drawing;
 mod meshes;
 mod own_rows;
 mod schema;
@@ -38,16 +38,6 @@ const FULL: &str = include_str!("../../full-cell.toml");
 
 /// Zhang et al. 2021, Table 2 \[N·m/rad\].
 const TABLE_2: [f64; 6] = [950e3, 3000e3, 900e3, 250e3, 200e3, 150e3];
-
-#[test]
-fn odd_keys_are_quoted_in_paths() {
-    let in_tool = FULL.replace("[tool]\n", "[tool]\n\"a b\" = 1\n");
-    let empty = format!("\"\" = 1\n{FULL}");
-    for (text, key) in [(in_tool, "tool.\"a b\""), (empty, "\"\"")] {
-        let error = parse_cell(&text, "cell.toml").unwrap_err();
-        assert_eq!(error.place().key.as_deref(), Some(key), "{error}");
-    }
-}
 
 #[test]
 fn every_key_arrives_in_si_units() -> Check {

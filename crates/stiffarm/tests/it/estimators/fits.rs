@@ -2,6 +2,7 @@
 //! leave open.
 
 use super::*;
+use crate::common::cases::refusals;
 use stiffarm::estimate::identify::Identification;
 
 /// Exact displacements of the reference cell under fractions of its load, plus
@@ -243,19 +244,36 @@ fn a_bootstrap_skips_resamples_that_lose_a_joint() {
         o.estimator = Estimator::Ordinary;
         o.noise = NoiseSource::Known;
     });
-    let refused = |measured: &[MeasuredPosture], resamples, confidence, code| {
-        let fit = Fit::new(&cell, measured, &options).unwrap();
-        let error = bootstrap(&fit, resamples, 1, confidence).unwrap_err();
-        assert_eq!(error.code(), code);
-    };
     // A resample with one posture only, 1 in 1296 of six … and 1 in 3 of two.
     let two = Fit::new(&cell, &measured[..2], &options).unwrap();
     let resampled = bootstrap(&two, 600, 1, 0.95).unwrap();
     let share = resampled.skipped as f64 / 600.0;
     assert!((share - 0.5).abs() < 0.1, "{share}");
-    refused(&measured[..1], 600, 0.95, Code::TooFewData);
-    for confidence in [0.0, 1.0, f64::NAN] {
-        refused(&measured, 600, confidence, Code::InvalidValue);
-    }
-    refused(&measured, 199, 0.95, Code::InvalidValue);
+    let of = |measured: &[MeasuredPosture], resamples, confidence| {
+        let fit = Fit::new(&cell, measured, &options).unwrap();
+        bootstrap(&fit, resamples, 1, confidence)
+    };
+    let rows = [
+        ("one posture", Code::TooFewData, of(&measured[..1], 600, 0.95)),
+        ("no confidence", Code::InvalidValue, of(&measured, 600, 0.0)),
+        ("certainty", Code::InvalidValue, of(&measured, 600, 1.0)),
+        ("a confidence that is no number", Code::InvalidValue, of(&measured, 600, f64::NAN)),
+        ("too few resamples", Code::InvalidValue, of(&measured, 199, 0.95)),
+    ];
+    insta::assert_snapshot!(refusals(rows), @"
+    » one posture
+    [too-few-data] Postures can only be resampled where there are at least two.
+
+    » no confidence
+    [invalid-value] The confidence must lie between 0.01 and 0.999999.
+
+    » certainty
+    [invalid-value] The confidence must lie between 0.01 and 0.999999.
+
+    » a confidence that is no number
+    [invalid-value] The confidence must lie between 0.01 and 0.999999.
+
+    » too few resamples
+    [invalid-value] Intervals of 95 % need from 200 to 1000000 resamples, not 199.
+    ");
 }
