@@ -208,17 +208,18 @@ fn nothing_reachable_is_a_serious_finding_that_says_what_comes_closest() {
 fn regions_and_loads_that_are_none_are_refused() {
     let cell = default_cell();
     let predictor = prior(&cell);
-    let cases: [(&str, fn(&mut MapOptions)); 7] = [
-        ("a lower end above the upper one", |o| o.lower[0] = 4.0),
-        ("an end that is no number", |o| o.upper[1] = f64::NAN),
-        ("steps where the ends are one", |o| o.steps[2] = 4),
-        ("no node", |o| o.steps[0] = 0),
-        ("too many nodes", |o| o.steps = [2000, 2000, 1]),
-        ("no force", |o| o.wrench.force = Vector3::zeros()),
-        ("no turn", |o| o.free_turn = Some(0)),
-    ];
-    let map = |change| stiffness_map(&cell, &predictor, &changed(options(), change), Control::default());
-    let rows = cases.map(|(what, change)| (what, Code::InvalidValue, map(change)));
+    let of =
+        |change: fn(&mut MapOptions)| stiffness_map(&cell, &predictor, &changed(options(), change), Control::default());
+    let rows = [
+        ("a lower end above the upper one", of(|o| o.lower[0] = 4.0)),
+        ("an end that is no number", of(|o| o.upper[1] = f64::NAN)),
+        ("steps where the ends are one", of(|o| o.steps[2] = 4)),
+        ("no node", of(|o| o.steps[0] = 0)),
+        ("too many nodes", of(|o| o.steps = [2000, 2000, 1])),
+        ("no force", of(|o| o.wrench.force = Vector3::zeros())),
+        ("no turn", of(|o| o.free_turn = Some(0))),
+    ]
+    .map(|(what, map)| (what, Code::InvalidValue, map));
     insta::assert_snapshot!("map_refusals", refusals(rows));
 }
 
