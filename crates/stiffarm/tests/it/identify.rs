@@ -1,7 +1,7 @@
 //! Joints that cannot be told apart are answered by their sum, and further springs in the truth are found.
 
 use crate::common::prelude::*;
-use stiffarm::estimate::identify::Identification;
+use stiffarm::estimate::identify::{EstimableCombination, Identification};
 
 /// Postures in which only joints 1 and 2 move and the wrist stays as given.
 fn two_joints_move(wrist_deg: [f64; 3]) -> Vec<Posture> {
@@ -16,6 +16,11 @@ fn answer(cell: &Cell, postures: &[Posture], stream: usize) -> Identification {
     identify(cell, &measured, &IdentifyOptions::default()).unwrap()
 }
 
+/// The combination of joints 4 and 6 that the data determine.
+fn sum_of_both(identification: &Identification) -> Option<&EstimableCombination> {
+    identification.estimates.combinations.iter().find(|c| c.unknowns == ["joint 6", "joint 4"])
+}
+
 #[test]
 fn joints_on_one_axis_are_answered_by_their_sum() {
     let cell = reference_cell();
@@ -23,13 +28,7 @@ fn joints_on_one_axis_are_answered_by_their_sum() {
     let identification = answer(&cell, &two_joints_move([0.0; 3]), 0);
     assert_eq!(identification.estimates.undetermined_joints, ["joint 4", "joint 6"]);
     assert!(!identification.estimates.is_complete());
-    let sum = identification
-        .estimates
-        .combinations
-        .iter()
-        .find(|c| c.unknowns.len() == 2 && c.unknowns.contains(&"joint 4".to_string()))
-        .expect("the sum of both compliances is determined");
-    assert!(sum.unknowns.contains(&"joint 6".to_string()));
+    let sum = sum_of_both(&identification).expect("the sum of both compliances is determined");
     assert!(sum.coefficients.iter().all(|c| (c - 1.0).abs() < 1e-6), "{sum:?}");
     let prior = cell.require_prior().unwrap();
     let truth = 1.0 / prior[3] + 1.0 / prior[5];
@@ -51,12 +50,7 @@ fn joints_nearly_on_one_axis_get_no_negative_stiffness() {
             }
         }
         assert!(!identification.estimates.is_complete());
-        summed +=
-            usize::from(
-                identification.estimates.combinations.iter().any(|c| {
-                    c.unknowns.contains(&"joint 4".to_string()) && c.unknowns.contains(&"joint 6".to_string())
-                }),
-            );
+        summed += usize::from(sum_of_both(&identification).is_some());
     }
     assert_eq!(summed, 40);
 }
