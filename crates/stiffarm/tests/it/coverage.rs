@@ -66,7 +66,7 @@ fn exact_intervals_cover_at_3_6_12_and_66_degrees_of_freedom() {
         known_noise.options.noise = NoiseSource::Known;
         let counted = count(&cell, &postures, &known_noise);
         assert_eq!(counted.degrees_of_freedom, None);
-        assert_exact(&counted, &format!("known, {dof}"));
+        assert_exact(&counted, &format!("stated, {dof}"));
 
         let mut repeats = ordinary.clone();
         repeats.options.noise = NoiseSource::Repeats;
@@ -83,7 +83,7 @@ fn exact_intervals_cover_at_3_6_12_and_66_degrees_of_freedom() {
         informed.noise.posture_common_std = informed.noise.displacement_std();
         assert_exact(&count(&informed, &postures, &weighted), &format!("weighted, {dof}"));
         weighted.options.noise = NoiseSource::Known;
-        assert_exact(&count(&informed, &postures, &weighted), &format!("weighted and known, {dof}"));
+        assert_exact(&count(&informed, &postures, &weighted), &format!("weighted and stated, {dof}"));
         let mut three = case(Estimator::Weighted, experiments);
         three.world.load_states = vec![0.4, 1.0, -0.7];
         assert_exact(&count(&cell, &postures, &three), &format!("three loads, {dof}"));
