@@ -24,9 +24,9 @@ fn poses_and_jacobians_are_those_of_the_descriptions() {
     for (name, data) in robots {
         let file = folder().join(format!("robots/urdf/{name}.urdf"));
         let text = std::fs::read_to_string(file).unwrap();
-        let own = |key: &str| data[key].as_str().unwrap();
-        let asked = options(own("base_frame"), own("flange_frame"));
-        let read = read_urdf(&text, name, &asked).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let field = |key: &str| data[key].as_str().unwrap();
+        let ends = options(field("base_frame"), field("flange_frame"));
+        let read = read_urdf(&text, name, &ends).unwrap_or_else(|e| panic!("{name}: {e}"));
         let worst = differences(&text, &read, &mut dice, 20);
         println!("{name}: {:.1e} {:.1e} {:.1e}", worst.pose, worst.jacobian, worst.cell);
         assert!(worst.pose < 1e-12, "{name}: {:e}", worst.pose);
@@ -34,18 +34,18 @@ fn poses_and_jacobians_are_those_of_the_descriptions() {
         assert!(worst.cell < 1e-9, "{name}: {:e}", worst.cell);
         let names: Vec<&str> = data["joint_names"].as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect();
         assert_eq!(read.robot.joint_names, names, "{name}");
-        let known = data["joint_limits_deg"].as_array().unwrap();
+        let stated = data["joint_limits_deg"].as_array().unwrap();
         let endless = |joint: &str| read.findings.iter().any(|f| f.subject == joint);
         let Some(limits) = read.robot.limits.as_ref() else {
             assert!(names.iter().all(|joint| endless(joint)), "{name} has no limits");
             continue;
         };
-        for ((own, limit), joint) in limits.iter().zip(known).zip(names) {
-            for (own, limit) in own.iter().zip(numbers(limit)) {
+        for ((ours, stated), joint) in limits.iter().zip(stated).zip(names) {
+            for (end, limit) in ours.iter().zip(numbers(stated)) {
                 let limit = if endless(joint) { 360.0 * limit.signum() } else { limit };
-                let own = own.to_degrees();
+                let end = end.to_degrees();
                 // Rounded to what the digits of the radians mean.
-                assert!((own - limit).abs() < 6e-3, "{name}: {own} {limit}");
+                assert!((end - limit).abs() < 6e-3, "{name}: {end} {limit}");
             }
         }
     }
@@ -82,8 +82,8 @@ fn poses_and_jacobians_are_those_of_pinocchio() {
         let text = std::fs::read_to_string(folder.join(format!("{name}.urdf"))).unwrap();
         let data = std::fs::read_to_string(folder.join(format!("{name}.json"))).unwrap();
         let data: Value = serde_json::from_str(&data).unwrap();
-        let asked = options(base, data["frame"].as_str().unwrap());
-        let read = read_urdf(&text, name, &asked).unwrap();
+        let ends = options(base, data["frame"].as_str().unwrap());
+        let read = read_urdf(&text, name, &ends).unwrap();
         let robot = read.robot.robot().unwrap();
         let mut worst = 0.0_f64;
         for sample in data["samples"].as_array().unwrap() {
