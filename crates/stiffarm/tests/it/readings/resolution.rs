@@ -35,8 +35,8 @@ fn a_step_of_the_readings_is_said_and_is_part_of_their_noise() -> Check {
         // Nothing else is told of it: no drift, no base that moves, no copied rows.
         let others: Vec<_> = measured.findings().filter(|f| f.code != codes::READING_RESOLUTION).collect();
         assert!(others.iter().all(|f| f.severity == Severity::Note), "{step}: {others:?}");
-        let (with, own) = (measured.noise(&cell), cell.noise);
-        let added = with.reading_variance - own.reading_variance;
+        let (with, stated) = (measured.noise(&cell), cell.noise);
+        let added = with.reading_variance - stated.reading_variance;
         assert!((added - step * step / 12.0).abs() < 1e-9 * added, "{step}");
     }
     let (cell, measured) = rounded(None)?;
