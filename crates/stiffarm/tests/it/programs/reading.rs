@@ -29,7 +29,7 @@ fn edited(files: &[ProgramFile], old: &str, new: &str) -> Vec<ProgramFile> {
 
 #[test]
 fn faults_are_told_with_their_place() {
-    let mut told = String::new();
+    let mut report = String::new();
     for (language, old, new) in [
         (Language::Krl, "A4 0.00", "A4 zero"),
         (Language::Krl, ",A6 -180.00", ""),
@@ -63,15 +63,15 @@ fn faults_are_told_with_their_place() {
         let (_, files) = written(language);
         match read(language, &edited(&files, old, new)) {
             Ok(_) => assert_eq!(old, new, "{language:?} {old} -> {new}"),
-            Err(error) => told += &format!("{error}\n"),
+            Err(error) => report += &format!("{error}\n"),
         }
     }
-    insta::assert_snapshot!("faults_of_programs", told);
+    insta::assert_snapshot!("faults_of_programs", report);
 }
 
 #[test]
 fn what_a_language_cannot_hold_is_refused() {
-    let mut told = String::new();
+    let mut report = String::new();
     let posture = |joints: usize| Posture { name: "p1".into(), q: vec![0.5; joints] };
     let mut refused = |language: Language, joints: usize, change: &dyn Fn(&mut Program, &mut ProgramOptions)| {
         let mut options = options(language, joints.min(7));
@@ -79,7 +79,7 @@ fn what_a_language_cannot_hold_is_refused() {
         let mut program = program_of_stops(language.name_for("plan"), vec![], &[stop], None, 10);
         change(&mut program, &mut options);
         let error = write_program(&program, language, &options).unwrap_err();
-        told += &format!("{}: [{}] {error}\n", language.as_str(), error.code().as_str());
+        report += &format!("{}: [{}] {error}\n", language.as_str(), error.code().as_str());
         error.code()
     };
     let nothing = |_: &mut Program, _: &mut ProgramOptions| {};
@@ -115,7 +115,7 @@ fn what_a_language_cannot_hold_is_refused() {
         p.steps = vec![step; 1000];
     };
     refused(Language::Krl, 6, &long);
-    insta::assert_snapshot!("refusals_of_programs", told);
+    insta::assert_snapshot!("refusals_of_programs", report);
 }
 
 #[test]
@@ -133,11 +133,11 @@ fn changes_at_the_pendant_are_found_and_nothing_else() {
         let planned: Vec<&Move> = program.moves().collect();
         let tolerance = 1e-3_f64.to_radians();
         let same = read(language, &files).unwrap();
-        let found: Vec<&Move> = same.moves().collect();
-        assert_eq!(compare_moves(&planned, &found, language, tolerance), []);
+        let moves: Vec<&Move> = same.moves().collect();
+        assert_eq!(compare_moves(&planned, &moves, language, tolerance), []);
         let other = read(language, &edited(&files, old, new)).unwrap();
-        let found: Vec<&Move> = other.moves().collect();
-        let differences = compare_moves(&planned, &found, language, tolerance);
+        let moves: Vec<&Move> = other.moves().collect();
+        let differences = compare_moves(&planned, &moves, language, tolerance);
         let [Difference::Angle { posture, joint: 3, planned_deg, found_deg }] = &differences[..] else {
             panic!("{language:?} {differences:?}");
         };
@@ -152,7 +152,7 @@ fn changes_at_the_pendant_are_found_and_nothing_else() {
 fn moves_that_are_missing_added_or_elsewhere_are_named() {
     let (program, _) = written(Language::Krl);
     let planned: Vec<&Move> = program.moves().collect();
-    let compare = |found: &[&Move]| compare_moves(&planned, found, Language::Krl, 1e-9);
+    let compare = |moves: &[&Move]| compare_moves(&planned, moves, Language::Krl, 1e-9);
     let named = |kind: &str, differences: &[Difference]| {
         let text = format!("{differences:?}");
         assert_eq!(differences.len(), 1, "{text}");
@@ -191,8 +191,8 @@ fn a_stop_that_was_taken_out_is_named() {
         let first = text.find(stop).unwrap() + stop.len();
         let (head, tail) = text.split_at(first);
         files[0].text = head.to_string() + &tail.replacen(stop, "", 1);
-        let found = missing_stops(&read(language, &files).unwrap());
-        assert_eq!(found, [Difference::NoStop { posture: "p1".into() }], "{language:?}");
+        let differences = missing_stops(&read(language, &files).unwrap());
+        assert_eq!(differences, [Difference::NoStop { posture: "p1".into() }], "{language:?}");
     }
 }
 
