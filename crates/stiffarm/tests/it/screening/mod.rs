@@ -85,8 +85,8 @@ fn only(screening: &Screening) -> &Suspicion {
 /// What screening says of a table with one fault, and that fault.
 fn alone(cell: &Cell, table: &ReadingTable) -> (Screening, Suspicion) {
     let screening = screen(cell, table, None).unwrap();
-    let found = only(&screening).clone();
-    (screening, found)
+    let suspicion = only(&screening).clone();
+    (screening, suspicion)
 }
 
 fn relabel(table: &mut ReadingTable, at: Option<(usize, usize)>, a: usize, b: usize) {

@@ -130,11 +130,11 @@ fn each_position(table: &mut ReadingTable, change: impl Fn(&mut Vector3<f64>)) {
 }
 
 fn relabel(table: &mut ReadingTable, posture: Option<usize>, a: usize, b: usize) {
-    for (p, own) in table.postures.iter_mut().enumerate() {
+    for (p, readings) in table.postures.iter_mut().enumerate() {
         if posture.is_some_and(|only| only != p) {
             continue;
         }
-        for reading in own.states.iter_mut().flat_map(|s| &mut s.readings) {
+        for reading in readings.states.iter_mut().flat_map(|s| &mut s.readings) {
             reading.target = match reading.target {
                 ReadingTarget::Point(i) if i == a => ReadingTarget::Point(b),
                 ReadingTarget::Point(i) if i == b => ReadingTarget::Point(a),
