@@ -71,8 +71,8 @@ fn collada(mesh: &TriangleMesh, unit: &str) -> Vec<u8> {
 /// The same corners of the same triangles, to the digits of the file.
 fn same(a: &TriangleMesh, b: &TriangleMesh, tolerance: f64) {
     assert_eq!(a.triangles.len(), b.triangles.len());
-    for (own, other) in a.corners().flatten().zip(b.corners().flatten()) {
-        assert!((own - other).norm() < tolerance, "{own} {other}");
+    for (corner, other) in a.corners().flatten().zip(b.corners().flatten()) {
+        assert!((corner - other).norm() < tolerance, "{corner} {other}");
     }
 }
 
@@ -208,11 +208,15 @@ fn the_length_says_whether_an_stl_is_binary() {
         same(&read, &mesh, 1e-6);
     }
     // Behind them there may be a triangle.
-    let error = parse_mesh(&behind(&[7; 50]), "a.stl", 1.0).unwrap_err();
-    assert!(error.message().contains("bytes for 25"), "{error}");
+    insta::assert_snapshot!(parse_mesh(&behind(&[7; 50]), "a.stl", 1.0).unwrap_err(), @"
+    a.stl: The file cannot be read as a mesh in STL: it says 24 triangles and has bytes for 25.
+      hint: export it again, as binary STL where nothing else works
+    ");
     let none = [&[b' '; 80][..], &[0; 4]].concat();
-    let error = parse_mesh(&none, "a.stl", 1.0).unwrap_err();
-    assert!(error.message().contains("no triangles"), "{error}");
+    insta::assert_snapshot!(parse_mesh(&none, "a.stl", 1.0).unwrap_err(), @"
+    a.stl: The mesh has no triangles.
+      hint: give a triangle mesh as .stl, .obj or .dae
+    ");
 }
 
 #[test]
@@ -260,12 +264,12 @@ fn a_mesh_under_the_ending_of_another_kind_is_named() {
         ("OBJ", "obj", obj(&mesh)),
         ("COLLADA", "dae", collada(&mesh, "")),
     ];
-    for (kind, own, bytes) in &kinds {
-        for ending in ["stl", "obj", "dae"].iter().filter(|ending| *ending != own) {
+    for (kind, right, bytes) in &kinds {
+        for ending in ["stl", "obj", "dae"].iter().filter(|ending| *ending != right) {
             let error = parse_mesh(bytes, &format!("a.{ending}"), 1.0).unwrap_err();
             let said = format!("ends in .{ending}, and the file is a mesh in {kind}.");
             assert!(error.message().contains(&said), "{error}");
-            assert!(error.hint_text().unwrap().contains(&format!("….{own}")));
+            assert!(error.hint_text().unwrap().contains(&format!("….{right}")));
         }
     }
 }
