@@ -1,4 +1,4 @@
-//! Repeats of one experiment beside each other: what they say of each other follows from their intervals.
+//! Repeats of one experiment contradict each other only where their intervals do.
 
 use crate::common::{group, identified, saved};
 use serde_json::{Value, json};

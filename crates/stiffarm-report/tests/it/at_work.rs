@@ -1,4 +1,4 @@
-//! What is said of a loaded tool: the same from what a command has at hand and from its file.
+//! What is said of a loaded tool is the same from what a command has at hand and from its file.
 
 use crate::common::{saved_with, story};
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! Pictures of cells.
+//! Pictures of cells are sound, show red exactly where a limit is violated, and have a mark for each posture.
 
 use crate::common::{spread_by, with_shapes};
 use crate::render::{check, texts};

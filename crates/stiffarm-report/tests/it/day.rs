@@ -1,4 +1,4 @@
-//! What a day of measuring says, and the registration before it.
+//! A day of measuring, and the registration before it, say how far they are, what is wrong and what comes next.
 
 use crate::common::{exchange, group, saved, saved_with, story};
 use serde_json::json;

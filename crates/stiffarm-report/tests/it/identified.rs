@@ -1,4 +1,4 @@
-//! Pages of identify and validate.
+//! Pages of identify and validate say what came out, with numbers and arrows that are those of the file.
 
 use crate::common::{good, group, measured, numbers_of_the_file, saved, saved_with, story};
 use crate::tell::suspected;

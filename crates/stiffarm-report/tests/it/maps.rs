@@ -1,4 +1,4 @@
-//! Stiffness maps, places of a workpiece and paths as figures and tables.
+//! Stiffness maps, places of a workpiece and paths: every node and point of the result is in figure and table.
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use roxmltree::Document;

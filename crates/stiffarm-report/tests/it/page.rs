@@ -1,4 +1,4 @@
-//! A page: names stay text, ids are unique and numbers say where they come from.
+//! A page keeps names as text, ids unique, and says of each number where it comes from.
 
 use stiffarm::findings::{Finding, Severity};
 use stiffarm_report::page::{Block, DataTable, Number, Outcome, Page, Part, Provenance, Section, Text, render_page};

@@ -1,4 +1,4 @@
-//! Pictures for papers as files.
+//! Pictures for papers have the stated size, keep all text inside, and write their data so that it reads back.
 
 use crate::common::{spread, with_shapes};
 use crate::gallery;

@@ -1,4 +1,4 @@
-//! Cells in three dimensions: what the page is given, against the library.
+//! Cells in three dimensions are where the library has them: links, shapes, bent arms and nearest pairs.
 
 use crate::common::spread;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3};

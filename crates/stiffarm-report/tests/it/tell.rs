@@ -1,4 +1,4 @@
-//! What results say: good ones, wrong ones, half made ones.
+//! Results say what is wrong first, what can be used and what to do next: good ones, wrong ones, half made ones.
 
 use crate::common::{exchange, good, group, identified, measured, saved, saved_with, story};
 use serde_json::{Value, json};

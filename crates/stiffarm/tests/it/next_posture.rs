@@ -1,4 +1,4 @@
-//! The posture to measure next, beside what the fit knows already.
+//! The posture that is proposed next brings what it promises, and no other brings more.
 
 use crate::common::prelude::*;
 use crate::common::readings::{reduced, states};

@@ -1,5 +1,6 @@
-//! All that `select` says, in one call for each way to work.
+//! `select` says in one call, for each way to work, what it planned, how good that is, and what goes with what.
 
+use crate::common::cases::slip;
 use crate::common::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -147,47 +148,29 @@ fn new_postures_meet_no_name_of_the_given_ones() {
 
 #[test]
 fn options_that_exclude_each_other_are_refused_with_their_name() {
-    let refused = |[key, other]: [&str; 2], change: fn(&mut SelectInputs, &mut SelectOptions)| {
+    type Change = fn(&mut SelectInputs, &mut SelectOptions);
+    let rows: [(&str, &str, Change); 10] = [
+        ("initial", "rounds", |i, o| (i.initial, o.rounds) = (Some(example_postures()), Some(1))),
+        ("initial", "given", |i, _| (i.initial, i.given) = (Some(example_postures()), example_postures())),
+        ("initial", "time_limit", |i, o| (i.initial, o.time_limit_s) = (Some(example_postures()), Some(1.0))),
+        ("initial", "largest_load_n", |i, o| (i.initial, o.largest_load_n) = (Some(example_postures()), Some(500.0))),
+        ("prices", "initial", |i, o| (i.initial, o.prices) = (Some(example_postures()), true)),
+        ("given", "sensitivity", |i, o| (i.given, o.sensitivity) = (example_postures(), true)),
+        ("repeats", "initial", |i, o| (i.initial, o.repeats) = (Some(example_postures()), true)),
+        ("minutes", "given", |i, o| (i.given, o.minutes) = (example_postures(), Some(60.0))),
+        ("minutes", "count", |_, o| (o.count, o.minutes) = (Some(6), Some(60.0))),
+        ("repeats", "an index that says nothing of repeats", |_, o| *o = changed(quick(2), |o| o.repeats = true)),
+    ];
+    let mut report = String::new();
+    for (key, other, change) in rows {
         let (mut inputs, mut options) = (SelectInputs::default(), SelectOptions::default());
         change(&mut inputs, &mut options);
-        let error = plan_from(&default_cell(), &inputs, &options);
-        let error = error.map(|planned| planned.options).unwrap_err();
-        assert_eq!(error.code(), Code::Conflict, "{key}");
-        assert_eq!(error.place().key.as_deref(), Some(key));
-        assert!(error.message().contains(&format!("`{other}`")), "{error}");
-    };
-    refused(["initial", "rounds"], |i, o| {
-        (i.initial, o.rounds) = (Some(example_postures()), Some(1));
-    });
-    refused(["initial", "given"], |i, _| {
-        (i.initial, i.given) = (Some(example_postures()), example_postures());
-    });
-    refused(["initial", "time_limit"], |i, o| {
-        (i.initial, o.time_limit_s) = (Some(example_postures()), Some(1.0));
-    });
-    refused(["initial", "largest_load_n"], |i, o| {
-        (i.initial, o.largest_load_n) = (Some(example_postures()), Some(500.0));
-    });
-    refused(["prices", "initial"], |i, o| {
-        (i.initial, o.prices) = (Some(example_postures()), true);
-    });
-    refused(["given", "sensitivity"], |i, o| {
-        (i.given, o.sensitivity) = (example_postures(), true);
-    });
-    refused(["repeats", "initial"], |i, o| {
-        (i.initial, o.repeats) = (Some(example_postures()), true);
-    });
-    refused(["minutes", "given"], |i, o| {
-        (i.given, o.minutes) = (example_postures(), Some(60.0));
-    });
-    refused(["minutes", "count"], |_, o| {
-        (o.count, o.minutes) = (Some(6), Some(60.0));
-    });
-    let mut options = quick(2);
-    options.repeats = true;
-    let error = plan_from(&default_cell(), &SelectInputs::default(), &options);
-    let error = error.map(|planned| planned.options).unwrap_err();
-    assert_eq!(error.place().key.as_deref(), Some("repeats"));
+        let error = plan_from(&default_cell(), &inputs, &options).map(|planned| planned.options).expect_err(other);
+        assert_eq!(error.code(), Code::Conflict, "{key}, {other}: {error}");
+        assert_eq!(error.place().key.as_deref(), Some(key), "{other}: {error}");
+        report += &slip::<()>(&format!("{key}, {other}"), Err(error));
+    }
+    insta::assert_snapshot!("options_that_exclude_each_other", report);
 }
 
 /// Joint 6 is free, the others hardly move.
@@ -280,12 +263,17 @@ fn minutes_are_spent_on_the_loads_that_predict_best() {
     other.index = Some(Index::ExpectedError);
     let planned = in_time(&cell, &other).unwrap();
     assert_eq!((planned.postures.len(), planned.result.in_time.len()), (9, 0));
-    for (minutes, words) in [(1.5, "no posture can"), (2e5, "at most"), (1e300, "at most")] {
-        request.minutes = Some(minutes);
-        let error = in_time(&cell, &request).map(|selected| selected.options).unwrap_err();
-        let said = format!("{} {}", error.message(), error.hint_text().unwrap_or_default());
-        assert!(said.contains(words), "{said}");
-    }
+    let refused = |minutes: f64| in_time(&cell, &changed(request.clone(), |o| o.minutes = Some(minutes)));
+    assert_eq!(refused(1e300).map(|planned| planned.options).unwrap_err().code(), Code::InvalidValue);
+    insta::assert_snapshot!(slip("1.5 minutes", refused(1.5)) + &slip("200000 minutes", refused(2e5)), @"
+    » 1.5 minutes
+    [invalid-value] In 1.5 minutes no posture can be measured: one takes 4 minutes under the loads of this cell.
+      hint: give more time, or what measuring takes in your cell: [time]
+
+    » 200000 minutes
+    [invalid-value] 200000 minutes would do for 66666 postures.
+      hint: a plan has 1000 at most: give less time
+    ");
 }
 
 #[test]
@@ -538,10 +526,9 @@ fn postures_on_limits_and_without_room_to_spare_are_named() {
     assert_eq!(codes, [codes::ON_MACHINE_LIMIT, codes::NO_ROOM_TO_SPARE]);
     assert_eq!(findings[0].severity, Severity::Caution);
     assert_eq!(findings[0].subject, "bounds.q_deg[2]");
-    let named = format!("Posture {} has", postures[1].name);
-    let said = &findings[0].sentence;
-    assert!(said.starts_with(&named), "{said}");
-    let named = format!("Posture {} has", postures[2].name);
-    let said = &findings[1].sentence;
-    assert!(said.starts_with(&named), "{said}");
+    assert_eq!([&postures[1].name, &postures[2].name], ["2", "3"]);
+    insta::assert_snapshot!(format!("{}\n{}", findings[0].sentence, findings[1].sentence), @"
+    Posture 2 has joint 2 on the machine's limit, -75°, which the robot may refuse to reach: keep postures, and bounds.q_deg, a degree before it.
+    Posture 3 has at most 0.1 mm to spare beyond the distances that [clearance] asks for: how exactly tool, table and rope are where the cell has them is what these distances have to cover.
+    ");
 }

@@ -1,4 +1,4 @@
-//! Rounding, equivalent postures and the route on cells whose answers are known.
+//! Rounded plans stay inside their limits; a route is free, short and says so on cells whose answers are known.
 
 use crate::common::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -1,4 +1,4 @@
-//! The order of a route against every other order.
+//! The order of a route is held against every other order.
 
 use crate::common::prelude::*;
 use rand::RngExt;

@@ -1,4 +1,4 @@
-//! Screening of experiments whose base moves and carries reflectors.
+//! Experiments whose base moves and carries reflectors are screened as well.
 
 use crate::common::prelude::*;
 use crate::common::readings::{base_reflectors, pose, states};

@@ -1,4 +1,4 @@
-//! Servo deflection against the reference that a displacement is taken against.
+//! Servo deflection counts against the reference that a displacement is taken against.
 
 use crate::common::prelude::*;
 use crate::common::readings::{GIVE, keep, postures, reduced, states, take, tracker_pose};

@@ -1,4 +1,4 @@
-//! Results as JSON, and where inputs come from.
+//! Results are written as JSON that reads back, and every input comes through one method.
 
 use serde_json::{Value, json};
 use std::cell::RefCell;

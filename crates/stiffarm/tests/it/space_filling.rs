@@ -1,4 +1,4 @@
-//! Space-filling groups: inside the limits, evenly spread, reproducible.
+//! Space-filling groups stay inside the limits, are evenly spread and repeat.
 
 use crate::common::prelude::*;
 use proptest::prelude::*;

@@ -1,4 +1,4 @@
-//! How a running experiment stands: forecasts against what the further postures bring.
+//! What a running experiment forecasts is what the further postures bring.
 
 use crate::common::prelude::*;
 use std::sync::LazyLock;

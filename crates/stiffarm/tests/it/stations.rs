@@ -1,4 +1,4 @@
-//! Readings from several stations of the tracker: each in a frame of its own, one result.
+//! Readings from several stations of the tracker, each in a frame of its own, give one result.
 
 use crate::common::prelude::*;
 use crate::common::readings::base_reflectors;

@@ -1,4 +1,4 @@
-//! The task index: the error of the deflection predicted where the robot works.
+//! The task index is the error of the deflection predicted where the robot works.
 
 use crate::common::cases::slip;
 use crate::common::prelude::*;

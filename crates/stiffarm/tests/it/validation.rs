@@ -1,4 +1,4 @@
-//! Validation: bands about predicted displacements, and folds over postures.
+//! Validation: bands about predicted displacements hold what they say, and folds over postures are honest.
 
 use crate::common::prelude::*;
 use crate::common::random_group;

@@ -1,4 +1,4 @@
-//! Maps of dexterity and of the influence of K_C over joints 2 and 3.
+//! Maps of dexterity and of the influence of K_C over joints 2 and 3 have the values of their formulas.
 
 use crate::common::prelude::*;
 use proptest::prelude::*;

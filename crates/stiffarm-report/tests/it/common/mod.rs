@@ -1,4 +1,4 @@
-//! What several subjects share.
+//! Cells, results and pages that several subjects share.
 
 use serde_json::{Value, json};
 use std::collections::HashSet;

@@ -1,4 +1,4 @@
-//! Pages of `check`, `route`, `evaluate`, `simulate` and `zones`.
+//! Pages of `check`, `route`, `evaluate`, `simulate` and `zones` say what came out and what to do next.
 
 use super::{figures, html, page, saved, scenes, story};
 use serde_json::json;

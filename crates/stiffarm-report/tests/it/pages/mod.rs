@@ -1,4 +1,4 @@
-//! Pages of saved results.
+//! Pages of saved results hold their numbers, figures and scenes.
 
 mod groups;
 mod plans;

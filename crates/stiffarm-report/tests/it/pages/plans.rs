@@ -1,4 +1,4 @@
-//! Pages of `select`.
+//! Pages of `select` say how good a plan is, against what, and what to do with it.
 
 use super::{figures, page, saved, scenes, story};
 use serde_json::{Value, json};

@@ -1,4 +1,4 @@
-//! Properties every rendered figure has, whatever its data.
+//! Every rendered figure is sound SVG with all its text inside, whatever its data.
 
 mod any_drawing;
 mod any_figure;

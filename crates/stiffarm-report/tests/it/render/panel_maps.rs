@@ -1,4 +1,4 @@
-//! Maps in a panel.
+//! A map in a panel covers it with cells of equal size, coloured by their values.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Mathematics that knows nothing of robots.
+//! Mathematics that knows nothing of robots is right, repeats, and stops when it is told.
 
 mod arrangements;
 mod information;

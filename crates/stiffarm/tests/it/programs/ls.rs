@@ -1,4 +1,4 @@
-//! FANUC TP: sections in order, lines numbered and counted, points in joint representation.
+//! FANUC TP programs have sections in order, lines numbered and counted, points in joint representation.
 
 use super::grammar::{Checked, Parsed, Tokens, holds, lines, name, only};
 use stiffarm_files::program::ProgramFile;

@@ -1,4 +1,4 @@
-//! PDL2: one program whose variable is declared, set, and used.
+//! PDL2 programs are one program whose variable is declared, set, and used.
 
 use super::grammar::{Checked, Parsed, Tokens, holds, lines, name, only};
 use stiffarm_files::program::ProgramFile;

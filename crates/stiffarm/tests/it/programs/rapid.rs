@@ -1,4 +1,4 @@
-//! RAPID: one module with its jointtargets and one procedure.
+//! RAPID programs are one module with its jointtargets and one procedure.
 
 use super::grammar::{Checked, Parsed, Tokens, holds, lines, name, only};
 use stiffarm_files::program::ProgramFile;

@@ -1,4 +1,4 @@
-//! What is refused, and what a pendant may have changed.
+//! Programs that come back: what cannot be read is refused with its place, and what a pendant changed is named.
 
 use super::{CONTROLLERS, options, small};
 use stiffarm::Code;
@@ -120,6 +120,7 @@ fn what_a_language_cannot_hold_is_refused() {
 
 #[test]
 fn changes_at_the_pendant_are_found_and_nothing_else() {
+    let mut report = String::new();
     for (language, old, new) in [
         (Language::Krl, "A3 95.50", "A3 95.75"),
         (Language::Rapid, ",95.50,", ",95.75,"),
@@ -144,8 +145,17 @@ fn changes_at_the_pendant_are_found_and_nothing_else() {
         assert_eq!(posture, "p1");
         assert!((planned_deg - 95.5).abs() < 1e-9 && (found_deg - 95.75).abs() < 1e-3, "{language:?} {found_deg}");
         let sentence = differences[0].sentence(&["a".into(), "b".into(), "joint 3".into()]);
-        assert!(sentence.starts_with("p1: joint 3 at 95.7"), "{sentence}");
+        report += &format!("{}: {sentence}\n", language.as_str());
     }
+    insta::assert_snapshot!(report, @"
+    krl: p1: joint 3 at 95.7500°, planned 95.5000°, off by 0.2500°
+    rapid: p1: joint 3 at 95.7500°, planned 95.5000°, off by 0.2500°
+    ls: p1: joint 3 at 95.7500°, planned 95.5000°, off by 0.2500°
+    inform: p1: joint 3 at 95.7499°, planned 95.5000°, off by 0.2499°
+    pdl2: p1: joint 3 at 95.7500°, planned 95.5000°, off by 0.2500°
+    urscript: p1: joint 3 at 95.7500°, planned 95.5000°, off by 0.2500°
+    csv: p1: joint 3 at 95.7500°, planned 95.5000°, off by 0.2500°
+    ");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! URScript: one function; angles in radians come back as degrees, speeds as per cent of 60 deg/s.
+//! URScript programs are one function; angles in radians come back as degrees, speeds as per cent of 60 deg/s.
 
 use super::grammar::{Checked, Parsed, Tokens, holds, lines, name, only};
 use stiffarm_files::program::ProgramFile;

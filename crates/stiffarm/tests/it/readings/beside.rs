@@ -1,4 +1,4 @@
-//! Exports beside a sheet of our own, and what `[columns]` says of them.
+//! Exports beside a sheet of our own are read row by row, and `[columns]` speaks of the export alone.
 
 use super::exports::{PLAIN, assert_same, read};
 use super::*;

@@ -1,4 +1,4 @@
-//! Exports of tracker software, made up in its style (tests/exports/README.md).
+//! Exports of tracker software, made up in its style (tests/exports/README.md), hold what our own table holds.
 
 use super::*;
 use crate::common::cases::slip;

@@ -1,4 +1,4 @@
-//! Headings with units of their own, names that hold several, times of clocks, forces in names.
+//! Headings are understood with units of their own, names that hold several, times of clocks, forces in names.
 
 use super::*;
 use crate::common::cases::slip;

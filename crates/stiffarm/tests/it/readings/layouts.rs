@@ -1,4 +1,4 @@
-//! Tables as people and other programs lay them out.
+//! Tables are read as people and other programs lay them out, and what was forgotten in them is named.
 
 use super::*;
 use crate::common::cases::slip;

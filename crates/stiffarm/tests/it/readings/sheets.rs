@@ -1,4 +1,4 @@
-//! Sheets to fill in.
+//! Sheets to fill in hold every row of the plan, and read back when they are filled in.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Mistakes in a table of readings.
+//! Mistakes in a table of readings are reported with place and hint.
 
 use super::*;
 use crate::common::cases::slip;

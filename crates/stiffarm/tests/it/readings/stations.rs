@@ -1,4 +1,4 @@
-//! The column `station`: from where the tracker read.
+//! The column `station` says from where the tracker read, once for each posture.
 
 use super::exports::{PLAIN, read};
 use super::*;

@@ -1,4 +1,4 @@
-//! Drift between the readings, by time and by order.
+//! Drift between the readings is removed by time, by order and by temperature.
 
 use super::*;
 use rand::SeedableRng;

@@ -1,4 +1,4 @@
-//! Tables that cannot be reduced, and findings in words.
+//! Tables that cannot be reduced are refused with their line; what is odd in others is said in words.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! The frame of the tracker from the unloaded readings.
+//! The frame of the tracker comes from the unloaded readings, whatever a few wrong postures say.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! The wrench of the sensor.
+//! The wrench of the sensor is brought to the flange, or refused where it contradicts the cell.
 
 use super::*;
 use crate::common::cases::slip;

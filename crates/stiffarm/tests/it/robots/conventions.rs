@@ -1,4 +1,4 @@
-//! Denavit–Hartenberg rows that are given in the wrong convention.
+//! Denavit–Hartenberg rows that are given in the wrong convention are doubted.
 
 use crate::common::prelude::*;
 use stiffarm::model::robot::{CatalogueEntry, catalogue};

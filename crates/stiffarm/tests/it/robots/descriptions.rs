@@ -1,4 +1,4 @@
-//! The catalogue against the robot descriptions that it comes from.
+//! The catalogue agrees with the robot descriptions that it comes from.
 
 use super::*;
 use crate::urdf::plain::{joints_turned, path, pose_and_jacobian};

@@ -1,4 +1,4 @@
-//! The catalogue of robots, and poses as pendants show them.
+//! The catalogue of robots says of each where it comes from, and stands as its pendant shows it.
 
 mod configuration;
 mod conventions;

@@ -1,4 +1,4 @@
-//! Orientations in the makers' conventions, tables of poses, all postures of a pose.
+//! Orientations in the makers' conventions are read, written, refused where they are none, and lead to all their postures.
 
 use super::*;
 use crate::common::cases::slip;

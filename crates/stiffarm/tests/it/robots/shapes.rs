@@ -1,4 +1,4 @@
-//! The capsules of the catalogue against the distances that came with them.
+//! The capsules of the catalogue keep the distances that came with them.
 
 use super::descriptions::{described, folder, numbers};
 use super::*;

@@ -1,4 +1,4 @@
-//! Single readings that are wrong.
+//! Single readings that are wrong are found by point and posture.
 
 use super::*;
 

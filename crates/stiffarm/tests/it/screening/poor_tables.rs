@@ -1,4 +1,4 @@
-//! Tables that are poor, mangled or seen from another frame.
+//! Tables that are poor, mangled or seen from another frame are screened without a false word.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Days with robot and tracker: what is true, and what was read.
+//! Days with robot and tracker that the tests of the set-up share: what is true, and what was read.
 
 use crate::common::prelude::*;
 use nalgebra::Matrix6;

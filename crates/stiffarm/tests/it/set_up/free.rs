@@ -1,4 +1,4 @@
-//! Quantities of the set-up that are identified on purpose, and what the list says of each.
+//! Quantities of the set-up that are identified on purpose come out true, and the list says of each what it is.
 
 use super::days::{Beyond, Day, Kind, day, displacements};
 use super::{mistake, planted};

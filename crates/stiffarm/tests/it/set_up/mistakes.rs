@@ -1,4 +1,4 @@
-//! Mistakes that people make with a set-up, as a table: one row each, planted on a simulated day.
+//! Mistakes that people make with a set-up, one row each, planted on a simulated day.
 
 use super::days::{Kind, add_displacement, each_loaded};
 use crate::common::prelude::*;

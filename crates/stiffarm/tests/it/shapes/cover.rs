@@ -1,4 +1,4 @@
-//! Shapes that contain others.
+//! Shapes that are put around others contain them.
 
 use super::{pose, solid};
 use crate::common::prelude::*;

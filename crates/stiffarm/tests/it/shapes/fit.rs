@@ -1,4 +1,4 @@
-//! Capsules around meshes.
+//! Capsules around meshes hold every corner and are hardly larger than they must be.
 
 use super::pose;
 use crate::common::cases::slip;

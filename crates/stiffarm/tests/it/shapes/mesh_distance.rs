@@ -1,4 +1,4 @@
-//! Distances of meshes against the smallest signed distance over every triangle.
+//! Distances of meshes are the smallest signed distance over every triangle.
 
 use super::{pose, solid};
 use crate::common::meshes::{box_mesh, capsule_mesh, joined, l_mesh};

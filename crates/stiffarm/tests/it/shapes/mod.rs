@@ -1,4 +1,4 @@
-//! Solids, their signed distances, and the nearest point of a segment.
+//! Signed distances of solids and nearest points of segments are those of many drawn points.
 
 mod cover;
 mod fit;

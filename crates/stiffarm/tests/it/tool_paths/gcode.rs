@@ -1,4 +1,4 @@
-//! G-code.
+//! G-code is read as its control drives it: units, inches, rotary axes, cycles, and what is not followed.
 
 use super::{Check, axes, cell_with, codes, positions, read, read_with, rounded, stated, unit};
 use nalgebra::Vector3;

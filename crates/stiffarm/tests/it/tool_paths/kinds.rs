@@ -1,4 +1,4 @@
-//! What a path is written in.
+//! What a path is written in is told by its ending, by what stands in it, or by the caller.
 
 use stiffarm::Code;
 use stiffarm_files::program::Language;

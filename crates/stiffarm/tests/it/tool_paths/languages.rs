@@ -1,4 +1,4 @@
-//! The same path in every language, and what each has of its own.
+//! The same path is the same in every language, and each keeps what it has of its own.
 
 use super::{Check, apart, axes, cell_with, codes, positions, read, rounded, stated, unit};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};

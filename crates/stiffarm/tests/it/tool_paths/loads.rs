@@ -1,4 +1,4 @@
-//! Feeds of a path, and the loads that follow from them or from a log.
+//! Feeds of a path, and the loads that follow from them or from a log, are the same in every language.
 
 use super::{Check, cell_with, read, read_with};
 use crate::common::set_ups::path_point;

@@ -1,4 +1,4 @@
-//! The same program with other numbers.
+//! A corrected path is the same program with other numbers, and leads where it was commanded.
 
 use super::{Check, apart, axes, cell_with, commanded, moved, on_workpiece, positions, read, stated};
 use nalgebra::Vector3;

@@ -1,4 +1,4 @@
-//! Capsules of a written cell against the shapes of the URDF, moved by the plain chain.
+//! Capsules of a written cell hold the shapes of the URDF, moved by the plain chain.
 
 use super::shapes::ARM;
 use super::*;

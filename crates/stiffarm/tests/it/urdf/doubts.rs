@@ -1,4 +1,4 @@
-//! Angles in degrees, and chains that go on into a gripper.
+//! Angles in degrees are refused or doubted, and chains that go on into a gripper are told.
 
 use super::*;
 use crate::common::cases::slip;

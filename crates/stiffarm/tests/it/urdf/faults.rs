@@ -1,4 +1,4 @@
-//! Files that are refused, and mimic joints.
+//! URDF files that are no arm are refused with their line; mimic joints are coupled as they move.
 
 use super::*;
 use crate::common::cases::slip;

@@ -1,4 +1,4 @@
-//! What a URDF may leave out or write in another way, and what it may not give twice.
+//! A URDF may leave out or write in another way what it likes, and may not give anything twice.
 
 use super::*;
 use std::f64::consts::TAU;

@@ -1,4 +1,4 @@
-//! Descriptions of real arms.
+//! Descriptions of real arms move as other software has them.
 
 use super::*;
 use serde_json::Value;

@@ -1,4 +1,4 @@
-//! Collision geometry, and where meshes lie.
+//! Collision geometry moves with its links, and meshes are found where they lie.
 
 use super::*;
 use std::fs;
