@@ -224,12 +224,18 @@ fn small() -> Program {
     program(Language::Ls, &postures)
 }
 
+/// The same as it is written in this language.
+fn written(language: Language) -> (Program, Vec<ProgramFile>) {
+    let mut program = small();
+    program.name = language.name_for("plan");
+    let files = write_program(&program, language, &options(language, 6)).unwrap();
+    (program, files)
+}
+
 #[test]
 fn snapshots_of_a_small_program() {
     for language in Language::ALL {
-        let mut program = small();
-        program.name = language.name_for("plan");
-        let files = write_program(&program, language, &options(language, 6)).unwrap();
+        let (_, files) = written(language);
         let mut shown = String::new();
         for file in &files {
             let ends = if file.text.contains("\r\n") { "CR LF" } else { "LF" };
@@ -271,9 +277,7 @@ fn is_comment(language: Language, line: &str) -> bool {
 #[test]
 fn the_checkers_find_every_line_and_every_sign_that_is_missing() {
     for language in CONTROLLERS {
-        let mut program = small();
-        program.name = language.name_for("plan");
-        let files = write_program(&program, language, &options(language, 6)).unwrap();
+        let (_, files) = written(language);
         let sound = check(language, &files, 6).unwrap();
         let differs = |broken: &[ProgramFile]| {
             check(language, broken, 6) != Ok(Parsed { moves: sound.moves.clone(), waits: sound.waits.clone() })

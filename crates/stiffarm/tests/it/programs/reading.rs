@@ -1,19 +1,12 @@
 //! Programs that come back: what cannot be read is refused with its place, and what a pendant changed is named.
 
-use super::{CONTROLLERS, options, small};
+use super::{CONTROLLERS, options, written};
 use stiffarm::Code;
 use stiffarm::model::posture::Posture;
 use stiffarm_files::program::{
     Difference, Language, Move, Program, ProgramFile, ProgramOptions, Stop, compare_moves, missing_stops,
     program_of_stops, read_program, write_program,
 };
-
-fn written(language: Language) -> (Program, Vec<ProgramFile>) {
-    let mut program = small();
-    program.name = language.name_for("plan");
-    let files = write_program(&program, language, &options(language, 6)).unwrap();
-    (program, files)
-}
 
 fn read(language: Language, files: &[ProgramFile]) -> stiffarm::Result<Program> {
     read_program(files, language, &options(language, 6), 6)

@@ -1,21 +1,13 @@
 //! What a program holds beside the plan's moves is found, whatever it is.
 
-use super::{Language, ProgramFile, options, small};
-use stiffarm_files::program::{
-    Difference, Move, compare_moves, compare_statements, missing_stops, read_program, write_program,
-};
+use super::{Language, ProgramFile, options, written};
+use stiffarm_files::program::{Difference, Move, compare_moves, compare_statements, missing_stops, read_program};
 
 const LANGUAGES: [Language; 7] = Language::ALL;
 
-fn written(language: Language) -> Vec<ProgramFile> {
-    let mut program = small();
-    program.name = language.name_for("plan");
-    write_program(&program, language, &options(language, 6)).unwrap()
-}
-
 /// The files with `old` replaced, which stands there.
 fn edited(language: Language, old: &str, new: &str) -> Vec<ProgramFile> {
-    let mut files = written(language);
+    let mut files = written(language).1;
     let file = files.iter_mut().find(|file| file.text.contains(old));
     let file = file.unwrap_or_else(|| panic!("{language:?}: {old}"));
     file.text = file.text.replacen(old, new, 1);
@@ -110,7 +102,7 @@ const CHANGED: [(Language, &str, &str); 17] = [
 /// What is found in files beside moves and waits, which are those of the plan.
 fn compared(language: Language, files: &[ProgramFile]) -> Vec<Difference> {
     let options = options(language, 6);
-    let planned = written(language);
+    let planned = written(language).1;
     let read = |files: &[ProgramFile]| read_program(files, language, &options, 6).unwrap();
     let (unchanged, other) = (read(&planned), read(files));
     let moves = |program: &stiffarm_files::program::Program| -> Vec<Move> { program.moves().cloned().collect() };
@@ -182,8 +174,8 @@ fn a_line_that_is_taken_out_or_moved_is_named() {
 #[test]
 fn angles_comments_spaces_and_notes_may_differ() {
     for language in LANGUAGES {
-        assert_eq!(compared(language, &written(language)), [], "{language:?}");
-        let mut files = written(language);
+        assert_eq!(compared(language, &written(language).1), [], "{language:?}");
+        let mut files = written(language).1;
         for file in &mut files {
             file.text += "\n\n";
             file.text = file.text.replace(" = ", "  =  ").replace('\r', "");

@@ -5,26 +5,26 @@ use super::*;
 use crate::common::cases::slip;
 use stiffarm_files::table::read_measurements_of;
 
-/// Readings without names of four postures with two points, unloaded and loaded, each with its sheet row.
-fn in_order() -> (Vec<String>, Vec<String>) {
-    let (mut sheet, mut readings) = (Vec::new(), Vec::new());
+/// Four postures with two points, unloaded and loaded: their plan, the sheet to fill in, and readings without names in its
+/// order.
+fn in_order() -> stiffarm::Result<(Vec<Posture>, String, Vec<String>)> {
+    let plan = "posture,q1_deg,q2_deg\nP1,0,0\nP2,0,10\nP3,10,0\nP4,10,10\n";
+    let plan = read_postures(plan.as_bytes(), "p.csv", &rope_cell().setup.robot)?;
+    let (mut sheet, mut readings) = ("posture,state,point,x_mm,y_mm,z_mm\n".to_string(), Vec::new());
     for posture in 1..=4 {
         for (state, z) in [("unloaded", 900.0), ("loaded", 899.25)] {
             for (point, x) in [("left", 1500.0), ("right", 1350.0)] {
-                sheet.push(format!("P{posture},{state},{point},,,\n"));
+                sheet += &format!("P{posture},{state},{point},,,\n");
                 readings.push(format!("{},{},{z}\n", x + 10.5 * f64::from(posture), 100 * posture));
             }
         }
     }
-    (sheet, readings)
+    Ok((plan, sheet, readings))
 }
 
 #[test]
 fn a_reading_taken_twice_or_left_out_is_named_by_its_line() -> Check {
-    let plan = "posture,q1_deg,q2_deg\nP1,0,0\nP2,0,10\nP3,10,0\nP4,10,10\n";
-    let plan = read_postures(plan.as_bytes(), "p.csv", &rope_cell().setup.robot)?;
-    let (sheet, readings) = in_order();
-    let sheet = "posture,state,point,x_mm,y_mm,z_mm\n".to_string() + &sheet.concat();
+    let (plan, sheet, readings) = in_order()?;
     let read = |readings: &[String]| {
         let export = "X [mm],Y [mm],Z [mm]\n".to_string() + &readings.concat();
         let files = [(sheet.as_bytes(), "sheet.csv"), (export.as_bytes(), "export.csv")];
@@ -171,10 +171,7 @@ fn columns_are_left_out_by_letter_or_number_as_well() -> Check {
 #[test]
 fn readings_without_names_are_followed_as_they_come() -> Check {
     use stiffarm_files::table::read_growing_measurements;
-    let plan = "posture,q1_deg,q2_deg\nP1,0,0\nP2,0,10\nP3,10,0\nP4,10,10\n";
-    let plan = read_postures(plan.as_bytes(), "p.csv", &rope_cell().setup.robot)?;
-    let (sheet, readings) = in_order();
-    let sheet = "posture,state,point,x_mm,y_mm,z_mm\n".to_string() + &sheet.concat();
+    let (plan, sheet, readings) = in_order()?;
     let look = |readings: &[String]| -> stiffarm::Result<ReadingTable> {
         let export = "X [mm],Y [mm],Z [mm]\n".to_string() + &readings.concat();
         let files = [(sheet.as_bytes(), "sheet.csv"), (export.as_bytes(), "export.csv")];

@@ -1,6 +1,7 @@
 //! The catalogue agrees with the robot descriptions that it comes from.
 
 use super::*;
+use crate::common::numbers;
 use crate::urdf::plain::{joints_turned, path, pose_and_jacobian};
 use serde_json::Value;
 use std::f64::consts::FRAC_PI_2;
@@ -18,11 +19,6 @@ pub(super) fn described() -> Vec<(&'static CatalogueEntry, String, Value)> {
     assert_eq!(robots.len(), 40);
     let entry = |name: &str| find_in_catalogue(&name.replace('_', "-")).unwrap();
     robots.into_iter().map(|(n, v)| (entry(&n), n, v)).collect()
-}
-
-pub(super) fn numbers(value: &Value) -> Vec<f64> {
-    let list = value.as_array().unwrap();
-    list.iter().map(|v| v.as_f64().unwrap()).collect()
 }
 
 fn rows(value: &Value) -> Vec<Vec<f64>> {

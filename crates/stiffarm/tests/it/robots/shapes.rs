@@ -1,8 +1,9 @@
 //! The capsules of the catalogue keep the distances that came with them.
 
-use super::descriptions::{described, folder, numbers};
+use super::descriptions::{described, folder};
 use super::*;
 use crate::common::cases::slip;
+use crate::common::numbers;
 use crate::common::segments::segments_apart;
 use serde_json::Value;
 use stiffarm::model::robot::LinkCapsule;

@@ -29,7 +29,7 @@ fn turn_round(posture: &mut PostureReadings) {
     std::mem::swap(&mut unloaded.readings, &mut loaded.readings);
 }
 
-fn couple(cell: &mut Cell, change: impl FnOnce(&mut DMatrix<f64>)) {
+pub(crate) fn couple(cell: &mut Cell, change: impl FnOnce(&mut DMatrix<f64>)) {
     let mut coupling = cell.setup.robot.coupling().clone();
     change(&mut coupling);
     cell.setup.robot = cell.setup.robot.clone().with_coupling(coupling).unwrap();

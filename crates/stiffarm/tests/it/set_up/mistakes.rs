@@ -2,6 +2,8 @@
 
 use super::days::{Kind, add_displacement, each_loaded};
 use crate::common::prelude::*;
+use crate::screening::each_position;
+use crate::screening::single_faults::couple;
 use stiffarm::model::measurement::Role;
 
 /// What is planted.
@@ -123,12 +125,6 @@ fn exchange(table: &mut ReadingTable, p: usize) {
     std::mem::swap(&mut a[0].readings, &mut b[0].readings);
 }
 
-fn each_position(table: &mut ReadingTable, change: impl Fn(&mut Vector3<f64>)) {
-    let states = table.postures.iter_mut().flat_map(|p| &mut p.states);
-    let readings = states.flat_map(|s| &mut s.readings);
-    readings.for_each(|r| change(&mut r.position));
-}
-
 fn relabel(table: &mut ReadingTable, posture: Option<usize>, a: usize, b: usize) {
     for (p, readings) in table.postures.iter_mut().enumerate() {
         if posture.is_some_and(|only| only != p) {
@@ -142,12 +138,6 @@ fn relabel(table: &mut ReadingTable, posture: Option<usize>, a: usize, b: usize)
             };
         }
     }
-}
-
-fn couple(cell: &mut Cell, change: impl FnOnce(&mut DMatrix<f64>)) {
-    let mut coupling = cell.setup.robot.coupling().clone();
-    change(&mut coupling);
-    cell.setup.robot = cell.setup.robot.clone().with_coupling(coupling).unwrap();
 }
 
 /// The default robot's rows, written as those of the other convention.

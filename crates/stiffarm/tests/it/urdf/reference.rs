@@ -1,28 +1,20 @@
 //! Descriptions of real arms move as other software has them.
 
 use super::*;
+use crate::common::{numbers, reference_folder};
 use serde_json::Value;
 use std::path::PathBuf;
-
-fn folder() -> PathBuf {
-    crate::common::reference_folder()
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    let list = value.as_array().unwrap();
-    list.iter().map(|v| v.as_f64().unwrap()).collect()
-}
 
 #[test]
 #[ignore = "needs STIFFARM_REFERENCE_DATA"]
 fn poses_and_jacobians_are_those_of_the_descriptions() {
-    let text = std::fs::read_to_string(folder().join("robots/robots_catalogue.json")).unwrap();
+    let text = std::fs::read_to_string(reference_folder().join("robots/robots_catalogue.json")).unwrap();
     let robots: Value = serde_json::from_str(&text).unwrap();
     let robots = robots.as_object().unwrap();
     assert_eq!(robots.len(), 40);
     let mut dice = Dice::new(31);
     for (name, data) in robots {
-        let file = folder().join(format!("robots/urdf/{name}.urdf"));
+        let file = reference_folder().join(format!("robots/urdf/{name}.urdf"));
         let text = std::fs::read_to_string(file).unwrap();
         let field = |key: &str| data[key].as_str().unwrap();
         let ends = options(field("base_frame"), field("flange_frame"));
@@ -56,7 +48,7 @@ fn poses_and_jacobians_are_those_of_the_descriptions() {
 fn base_and_tip_are_found() {
     let mut refused = Vec::new();
     let mut files: Vec<PathBuf> =
-        std::fs::read_dir(folder().join("robots/urdf")).unwrap().map(|entry| entry.unwrap().path()).collect();
+        std::fs::read_dir(reference_folder().join("robots/urdf")).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
     for file in files {
         let name = file.file_stem().unwrap().to_string_lossy().into_owned();
@@ -78,7 +70,7 @@ fn base_and_tip_are_found() {
 #[ignore = "needs STIFFARM_REFERENCE_DATA"]
 fn poses_and_jacobians_are_those_of_pinocchio() {
     for (name, base) in [("ur10", "base_link"), ("panda", "panda_link0")] {
-        let folder = folder().join("pinocchio");
+        let folder = reference_folder().join("pinocchio");
         let text = std::fs::read_to_string(folder.join(format!("{name}.urdf"))).unwrap();
         let data = std::fs::read_to_string(folder.join(format!("{name}.json"))).unwrap();
         let data: Value = serde_json::from_str(&data).unwrap();

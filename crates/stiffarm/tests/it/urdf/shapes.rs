@@ -98,9 +98,9 @@ fn meshes_are_found_by_package_and_by_path() {
         "src/robots/urdf/meshes/own.dae",
         "src/robots/meshes/link.stl",
         "src/covers/meshes/cover.STL",
-        "given/meshes/given.stl",
-        "given/renamed/b.stl",
-        "given/parts/relative.stl",
+        "extra/meshes/extra.stl",
+        "extra/renamed/b.stl",
+        "extra/parts/relative.stl",
         "src/other-main/meshes/deep.stl",
         "src/other-main/meshes/link.stl",
         "models/arm_v2/meshes/model.dae",
@@ -122,13 +122,13 @@ fn meshes_are_found_by_package_and_by_path() {
         (&[], "package://robots/meshes/link.stl", "src/robots/meshes/link.stl"),
         (&[], "package://covers/meshes/cover.STL", "src/covers/meshes/cover.STL"),
         // The package itself under another name, and a folder that holds it.
-        (&["given"], "package://other/meshes/given.stl", "given/meshes/given.stl"),
-        (&["given"], "package://renamed/b.stl", "given/renamed/b.stl"),
+        (&["extra"], "package://other/meshes/extra.stl", "extra/meshes/extra.stl"),
+        (&["extra"], "package://renamed/b.stl", "extra/renamed/b.stl"),
         // Relative paths beside the URDF first, then in the folders given; models as packages.
-        (&["given"], "meshes/own.dae", "src/robots/urdf/meshes/own.dae"),
-        (&["given"], "parts/relative.stl", "given/parts/relative.stl"),
-        (&["given/parts"], "model://relative.stl", "given/parts/relative.stl"),
-        (&["given"], "model://renamed/b.stl", "given/renamed/b.stl"),
+        (&["extra"], "meshes/own.dae", "src/robots/urdf/meshes/own.dae"),
+        (&["extra"], "parts/relative.stl", "extra/parts/relative.stl"),
+        (&["extra/parts"], "model://relative.stl", "extra/parts/relative.stl"),
+        (&["extra"], "model://renamed/b.stl", "extra/renamed/b.stl"),
         (&["models"], "model://arm/meshes/model.dae", "models/arm_v2/meshes/model.dae"),
         // A package by the name that it gives itself, as deep as workspaces have them.
         (&["src"], "package://other_pkg/meshes/deep.stl", "src/other-main/meshes/deep.stl"),
@@ -153,19 +153,19 @@ fn meshes_are_found_by_package_and_by_path() {
         "http://none/a.stl",
         "package://covers/meshes/cover.step",
     ] {
-        let error = find(&["given"], path).unwrap_err();
+        let error = find(&["extra"], path).unwrap_err();
         hints += &format!("[{}] {path}: {}\n", error.code().as_str(), error.hint_text().unwrap());
     }
     insta::assert_snapshot!("meshes_that_are_not_there", hints);
-    let local = format!("file://localhost{}", at("given/renamed/b.stl").display());
+    let local = format!("file://localhost{}", at("extra/renamed/b.stl").display());
     if cfg!(unix) {
-        assert_eq!(find(&[], &local).unwrap(), at("given/renamed/b.stl"));
+        assert_eq!(find(&[], &local).unwrap(), at("extra/renamed/b.stl"));
     }
-    let address = format!("file://{}", at("given/renamed/b.stl").display());
-    assert!(find(&[], &address).unwrap().ends_with("given/renamed/b.stl"));
-    let error = find(&["given"], "package://robots/meshes/none.stl").unwrap_err();
+    let address = format!("file://{}", at("extra/renamed/b.stl").display());
+    assert!(find(&[], &address).unwrap().ends_with("extra/renamed/b.stl"));
+    let error = find(&["extra"], "package://robots/meshes/none.stl").unwrap_err();
     assert_eq!(error.code(), Code::FileRead);
-    assert!(error.message().contains("given"), "{error}");
+    assert!(error.message().contains("extra"), "{error}");
     for path in ["http://a/b.stl", "meshes/own.step", "package://robots", ""] {
         assert_eq!(find(&[], path).unwrap_err().code(), Code::Unsupported, "{path}");
     }
