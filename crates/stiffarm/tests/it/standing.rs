@@ -1,4 +1,4 @@
-//! How a running experiment stands: forecasts against what the further postures bring.
+//! What a running experiment forecasts is what the further postures bring.
 
 use crate::common::prelude::*;
 use std::sync::LazyLock;
@@ -36,8 +36,11 @@ fn planned_postures_bring_what_the_information_says() {
         }
         // Measured as linear as the plan says, the standard errors are those, but for the scatter's own.
         let really = planned_errors::<Vec<f64>>(&late, &[]).unwrap().now;
-        let ratios: Vec<f64> =
-            forecast.after[6].iter().zip(&really).map(|(expected, found)| expected.unwrap() / found.unwrap()).collect();
+        let ratios: Vec<f64> = forecast.after[6]
+            .iter()
+            .zip(&really)
+            .map(|(expected, actual)| expected.unwrap() / actual.unwrap())
+            .collect();
         let first = ratios[0];
         for ratio in &ratios {
             // One factor for all joints: the scatter that each fit finds.
@@ -94,9 +97,9 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// ± of each joint with all errors that `identify` prints.
 fn identified(fit: &Fit) -> Vec<Option<f64>> {
-    let found = Identified::new(fit, &IdentifiedOptions::default(), Control::default()).unwrap();
-    let systematic = found.systematic_errors.unwrap();
-    systematic.uncertainty.iter().map(|own| own.total).collect()
+    let fitted = Identified::new(fit, &IdentifiedOptions::default(), Control::default()).unwrap();
+    let systematic = fitted.systematic_errors.unwrap();
+    systematic.uncertainty.iter().map(|joint| joint.total).collect()
 }
 
 /// What `identify` prints of twelve postures, for each seed.
@@ -129,8 +132,8 @@ fn the_first_postures_foresee_what_the_whole_plan_will_say() {
         for (seed, really) in (0..8).zip(OF_TWELVE.iter()) {
             let (early, plan) = fitted(done, seed);
             let so_far = SoFar::new(&early).unwrap();
-            let found = standing(&so_far, &plan[done..], None).unwrap();
-            for (joint, really) in found.joints.iter().zip(really) {
+            let forecast = standing(&so_far, &plan[done..], None).unwrap();
+            for (joint, really) in forecast.joints.iter().zip(really) {
                 ratios.push(joint.with_all.unwrap() / really.unwrap());
             }
         }

@@ -1,4 +1,4 @@
-//! New programs of linear moves.
+//! New programs of linear moves read back as the points that they were written from.
 
 use super::{Check, apart, stated};
 use crate::common::set_ups::path_point;
