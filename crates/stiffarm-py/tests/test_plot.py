@@ -51,7 +51,7 @@ def plan(cell: stiffarm.Cell) -> stiffarm.results.Plan:
 
 
 @pytest.fixture(scope="module")
-def found(cell: stiffarm.Cell, plan: Any) -> stiffarm.results.Identified:
+def fit(cell: stiffarm.Cell, plan: Any) -> stiffarm.results.Identified:
     return stiffarm.identify(cell, stiffarm.simulate_measurements(cell, plan))
 
 
@@ -120,9 +120,9 @@ def test_expected_errors_are_those_of_the_groups(cell: Any, group: Any, plan: An
     np.testing.assert_allclose(alone.lines[0].get_ydata(), ax.lines[1].get_ydata())
 
 
-def test_validation_has_a_mark_for_every_point(cell: Any, found: Any, group: Any) -> None:
+def test_validation_has_a_mark_for_every_point(cell: Any, fit: Any, group: Any) -> None:
     readings = stiffarm.simulate_measurements(cell, group, seed=3)
-    one = stiffarm.validate(cell, found, readings, tolerance_mm=0.1)
+    one = stiffarm.validate(cell, fit, readings, tolerance_mm=0.1)
     ax = plot.validation({"plan": one, "nominal": stiffarm.validate(cell, [1e6] * 6, readings)})
     marks = [line for line in ax.lines if line.get_marker() in ("o", "s")]
     assert [len(line.get_xdata()) for line in marks] == [24, 24]
@@ -131,32 +131,32 @@ def test_validation_has_a_mark_for_every_point(cell: Any, found: Any, group: Any
     assert {"tolerance", "noise alone", "plan", "nominal"} <= set(drawn(ax.figure))
 
 
-def test_residuals_are_all_there_with_their_band(found: Any) -> None:
-    ax = plot.residuals(found)
+def test_residuals_are_all_there_with_their_band(fit: Any) -> None:
+    ax = plot.residuals(fit)
     marks = [line for line in ax.lines if line.get_marker() not in ("None", None, "")]
     assert len(marks) == 4
     values = np.sort(np.concatenate([line.get_ydata() for line in marks]))
-    wanted = [1e3 * c for p in found.to_dict()["postures"] for r in p["residuals"] for c in r["residual_m"]]
+    wanted = [1e3 * c for p in fit.to_dict()["postures"] for r in p["residuals"] for c in r["residual_m"]]
     np.testing.assert_allclose(values, np.sort(wanted))
     (band,) = ax.patches
     ends = band.get_patch_transform().transform_path(band.get_path()).vertices[:, 1]
-    assert np.ptp(ends) == pytest.approx(2 * 1.96e3 * found.expected_std_m)
+    assert np.ptp(ends) == pytest.approx(2 * 1.96e3 * fit.expected_std_m)
     labels_have_units(ax)
 
 
-def test_stiffness_with_intervals_and_prior(found: Any) -> None:
-    ax = plot.stiffness(found)
+def test_stiffness_with_intervals_and_prior(fit: Any) -> None:
+    ax = plot.stiffness(fit)
     dots = [line for line in ax.lines if line.get_marker() == "o"]
-    np.testing.assert_allclose([line.get_ydata()[0] for line in dots], found.stiffness / 1e3)
+    np.testing.assert_allclose([line.get_ydata()[0] for line in dots], fit.stiffness / 1e3)
     ends = [line.get_ydata() for line in ax.lines if line.get_marker() == "_"]
-    wanted = [np.array(j["interval"]) / 1e3 for j in found.to_dict()["joints"]]
+    wanted = [np.array(j["interval"]) / 1e3 for j in fit.to_dict()["joints"]]
     np.testing.assert_allclose(ends, wanted)
     labels_have_units(ax)
     assert "prior" in drawn(ax.figure)
 
 
-def test_a_joint_without_stiffness_or_upper_end_says_so(found: Any) -> None:
-    document = json.loads(found.to_json())
+def test_a_joint_without_stiffness_or_upper_end_says_so(fit: Any) -> None:
+    document = json.loads(fit.to_json())
     document["result"]["joints"][0].update(stiffness=None, interval=None)
     document["result"]["joints"][1].update(interval=[2.9e6, None])
     ax = plot.stiffness(stiffarm.results.Identified(json.dumps(document)))
@@ -166,8 +166,8 @@ def test_a_joint_without_stiffness_or_upper_end_says_so(found: Any) -> None:
     assert len(arrows) == 1
 
 
-def test_deflection_has_every_point_and_its_band(cell: Any, found: Any) -> None:
-    result = stiffarm.predict(cell, found, "builtin:contour")
+def test_deflection_has_every_point_and_its_band(cell: Any, fit: Any) -> None:
+    result = stiffarm.predict(cell, fit, "builtin:contour")
     ax = plot.deflection(result)
     points = result.to_dict()["points"]
     np.testing.assert_allclose(ax.lines[0].get_ydata(), [1e3 * p["deflection_m"] for p in points])
@@ -177,10 +177,10 @@ def test_deflection_has_every_point_and_its_band(cell: Any, found: Any) -> None:
     assert highest == pytest.approx(max(1e3 * (p["deflection_m"] + p["band"]["size_m"][3]) for p in points))
     assert ax.get_xlabel() == "way along the path [mm]"
     labels_have_units(ax)
-    both = plot.deflection(stiffarm.compensate(cell, found, "builtin:contour"))
+    both = plot.deflection(stiffarm.compensate(cell, fit, "builtin:contour"))
     assert len(both.lines) == 2 and both.lines[1].get_ydata().max() < ax.lines[0].get_ydata().min()
     with pytest.raises(stiffarm.StiffarmError):
-        plot.deflection(found)
+        plot.deflection(fit)
 
 
 def test_curve_with_its_bound(cell: Any) -> None:
@@ -302,27 +302,27 @@ def test_names_are_text(cell: Any, group: Any, plan: Any) -> None:
     assert shown <= set(drawn(figure))
     assert shown <= set(drawn(plot.expected(stiffarm.evaluate(cell, groups)).figure))
     named = stiffarm.Postures(plan.postures.angles[:5], HOSTILE[:3] + ["a b", HOSTILE[4]])
-    found = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, named))
-    residuals = plot.residuals(found)
+    fit = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, named))
+    residuals = plot.residuals(fit)
     assert shown <= {label.get_text() for label in residuals.get_xticklabels()}
     drawn(residuals.figure)
-    assert {f"{name}, 95 %" for name in shown} <= set(drawn(plot.stiffness(dict.fromkeys(HOSTILE, found)).figure))
+    assert {f"{name}, 95 %" for name in shown} <= set(drawn(plot.stiffness(dict.fromkeys(HOSTILE, fit)).figure))
     assert not any(t.get_parse_math() for t in residuals.get_xticklabels())
     points = stiffarm.Cell.from_dict(
         cell.to_dict() | {"tool": stiffarm.cell.tool([200, 0, 250], {"$x$": [150, 0, 200], "</script>": [0, 150, 200]})}
     )
-    found = stiffarm.identify(points, stiffarm.simulate_measurements(points, plan))
-    assert {"point $x$", "point </script>"} <= set(drawn(plot.residuals(found).figure))
-    checked = stiffarm.validate(points, found, stiffarm.simulate_measurements(points, group, seed=2))
+    fit = stiffarm.identify(points, stiffarm.simulate_measurements(points, plan))
+    assert {"point $x$", "point </script>"} <= set(drawn(plot.residuals(fit).figure))
+    checked = stiffarm.validate(points, fit, stiffarm.simulate_measurements(points, group, seed=2))
     assert "1-$x$" in drawn(plot.validation(checked).figure)
 
 
-def test_given_axes_are_drawn_into_and_keep_their_sizes(cell: Any, found: Any) -> None:
+def test_given_axes_are_drawn_into_and_keep_their_sizes(cell: Any, fit: Any) -> None:
     with plt.rc_context({"font.size": 13, "xtick.labelsize": 13}):
         figure, panels = plt.subplots(1, 2, figsize=(9, 3))
         before = plt.get_fignums()
-        assert plot.stiffness(found, ax=panels[0]) is panels[0]
-        assert plot.residuals(found, ax=panels[1]) is panels[1]
+        assert plot.stiffness(fit, ax=panels[0]) is panels[0]
+        assert plot.residuals(fit, ax=panels[1]) is panels[1]
         assert plt.get_fignums() == before
         figure.canvas.draw()
         assert panels[0].get_xticklabels()[0].get_fontsize() == 13
@@ -332,8 +332,8 @@ def test_given_axes_are_drawn_into_and_keep_their_sizes(cell: Any, found: Any) -
     assert plt.rcParams["font.size"] == plt.rcParamsDefault["font.size"]
 
 
-def test_texts_are_large_enough_in_a_column(cell: Any, found: Any, plan: Any) -> None:
-    for ax in (plot.stiffness(found), plot.residuals(found), plot.scene(cell, plan), plot.expected(plan)):
+def test_texts_are_large_enough_in_a_column(cell: Any, fit: Any, plan: Any) -> None:
+    for ax in (plot.stiffness(fit), plot.residuals(fit), plot.scene(cell, plan), plot.expected(plan)):
         drawn(ax.figure)
         assert ax.figure.get_figwidth() == 3.5
         assert min(sizes(ax.figure)) >= 8
@@ -344,7 +344,7 @@ def test_nothing_is_shown(cell: Any, plan: Any, monkeypatch: pytest.MonkeyPatch)
     plot.scene(cell, plan)
 
 
-def test_without_matplotlib_the_message_says_what_to_install(found: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_matplotlib_the_message_says_what_to_install(fit: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     real = builtins.__import__
 
     def without(name: str, *rest: Any, **keys: Any) -> Any:
@@ -356,12 +356,12 @@ def test_without_matplotlib_the_message_says_what_to_install(found: Any, monkeyp
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(stiffarm.StiffarmError) as error:
-        plot.stiffness(found)
+        plot.stiffness(fit)
     assert error.value.code == "unsupported"
     assert error.value.hint == "pip install stiffarm[plot]"
 
 
-def test_wrong_results_are_refused(found: Any, plan: Any) -> None:
+def test_wrong_results_are_refused(fit: Any, plan: Any) -> None:
     for call in (plot.validation, plot.stiffness, plot.expected):
         with pytest.raises(stiffarm.StiffarmError):
             call({"a": 3})  # type: ignore[arg-type]
@@ -371,4 +371,4 @@ def test_wrong_results_are_refused(found: Any, plan: Any) -> None:
         with pytest.raises(stiffarm.StiffarmError, match="is drawn of what"):
             one(plan)  # type: ignore[operator]
     with pytest.raises(stiffarm.StiffarmError, match="axes of matplotlib, got 3"):
-        found.plot(ax=3)
+        fit.plot(ax=3)
