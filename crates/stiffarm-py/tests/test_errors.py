@@ -205,6 +205,7 @@ def test_what_python_alone_refuses(cell: stiffarm.Cell) -> None:
     group = stiffarm.Postures.read("builtin:comau-group1", cell)
     measured = stiffarm.simulate_measurements(cell, group)
     refused(lambda: stiffarm.validate(cell, [1e6] * 6, measured, folds=3), "usage", key="stiffness")
+    refused(lambda: stiffarm.identify(cell, [measured, measured], clamped=True), "usage", key="clamped")
     refused(lambda: stiffarm.map(cell, "prior", plane=("z", 800)), "wrong-type", key="plane")
     refused(lambda: stiffarm.select(cell, output=[1, 2]), "wrong-type", key="output")
     refused(lambda: stiffarm.cell.weight(), "usage", key="mass_kg")

@@ -39,11 +39,12 @@ def write_inputs(row: dict[str, Any], folder: Path) -> None:
 
 def value(kind: str, word: str) -> Any:
     """A word of the command line as Python has it; what is none of its kind as it is typed."""
-    numbers = {"whole": int, "number": float, "numbers": lambda text: [float(one) for one in text.split(",")]}
+    number = {"whole": int, "number": float, "numbers": float}.get(kind, str)
     try:
-        return numbers.get(kind, str)(word)
+        values = [number(one) for one in word.split(",")]
     except ValueError:
         return word
+    return values[0] if len(values) == 1 else word if number is str else values
 
 
 def keywords(arguments: list[dict[str, Any]], words: list[str]) -> dict[str, Any]:
@@ -91,14 +92,14 @@ def test_refused(row: dict[str, Any], command: Command, tmp_path: Path, monkeypa
     assert sorted(tmp_path.iterdir()) == before
     if "python" in row:
         # Refused before the command is asked.
-        assert (ours.code, ours.place) == (row["python"]["code"], {"key": row["python"]["key"]}), ours
+        assert {"code": ours.code, **ours.place} == row["python"], ours
         return
     assert ours.code == error["code"] == row["code"], ours
     place = {part: error[part] for part in ("file", "line", "column", "key") if error[part] is not None}
     if "key" in place:
         place["key"] = in_python(place["key"])
-    elif ours.code == "usage":
-        place["key"] = in_python(re.findall("--[a-z-]+", error["message"])[0])
+    elif ours.code == "usage" and (named := re.search("--[a-z-]+", error["message"])):
+        place["key"] = in_python(named[0])
     assert ours.place == place, ours
     hint = error["hint"]
     if ours.code == "usage" and hint is not None:

@@ -41,16 +41,20 @@ fn a_number_that_cannot_be_meant_is_refused() {
     let table = b"posture,point,dx_mm,dy_mm,dz_mm\n".to_vec();
     for (before, after) in OPTIONS {
         for number in ["1e300", "nan", "inf"] {
-            let line = format!("{before}{number}{after} --json");
+            let line = format!("{before}{number}{after}");
             // In this process: nothing but the words counts, and there are many of them.
-            let words = ["stiffarm"].into_iter().chain(line.split(' '));
-            let words: Vec<OsString> = words.map(OsString::from).collect();
-            let host = Host { inputs: [("m.csv".to_string(), table.clone())].into(), ..Host::default() };
-            let ran = run_captured(&words, host);
-            assert_eq!(ran.code, 2, "{line}\n{}{}", ran.out, ran.err);
-            let option = before.split(' ').rfind(|word| word.starts_with("--")).unwrap();
-            let printed: Value = serde_json::from_str(&ran.out).unwrap_or_else(|e| panic!("{line}: {e}\n{}", ran.out));
+            let run = |line: &str| {
+                let words: Vec<OsString> =
+                    ["stiffarm"].into_iter().chain(line.split(' ')).map(OsString::from).collect();
+                let host = Host { inputs: [("m.csv".to_string(), table.clone())].into(), ..Host::default() };
+                run_captured(&words, host)
+            };
+            let ran = run(&line);
+            assert_eq!((ran.code, ran.out.as_str()), (2, ""), "{line}\n{}", ran.err);
+            assert_ne!(ran.err, "", "{line}");
+            let printed: Value = serde_json::from_str(&run(&format!("{line} --json")).out).unwrap();
             let error = &printed["error"];
+            let option = before.split(' ').rfind(|word| word.starts_with("--")).unwrap();
             assert_eq!((error["code"].as_str(), place(error)), (Some("usage"), option.to_string()), "{line}");
         }
     }
