@@ -280,18 +280,16 @@ fn cell(context: &Given<'_>, validation: &Validation) -> Result<Option<Section>>
     let all = validation.postures.iter().map(|posture| {
         let points = validation.points.iter();
         let points = points.filter(|p| p.posture == posture.posture && p.state == posture.state);
-        let at: Vec<(&str, [f64; 3])> = points
-            .map(|p| {
-                let left = std::array::from_fn(|i| p.measured_m[i] - p.calculated_m[i]);
-                (p.point.as_str(), left)
-            })
-            .collect();
+        let at = points.clone().map(|p| {
+            let left = std::array::from_fn(|i| p.measured_m[i] - p.calculated_m[i]);
+            (p.point.as_str(), left)
+        });
         Residuals {
             posture: &posture.posture,
             angles: &posture.angles,
             wrench: posture.wrench,
-            size: at.iter().map(|(_, v)| v.iter().map(|c| c * c).sum::<f64>()).fold(0.0, f64::max),
-            at,
+            size: points.map(|p| p.deviation_m).fold(0.0, f64::max),
+            at: at.collect(),
         }
     });
     residual_section(
@@ -299,6 +297,6 @@ fn cell(context: &Given<'_>, validation: &Validation) -> Result<Option<Section>>
         "validation",
         &all.collect::<Vec<_>>(),
         None,
-        ("Deviations", "measured minus calculated displacement"),
+        ("Deviations", "measured minus calculated displacement", "with the largest deviation"),
     )
 }
