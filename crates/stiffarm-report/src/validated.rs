@@ -51,8 +51,7 @@ pub fn validation_figure(validation: &Validation) -> Figure {
         let several = KINDS.iter().find(|(_, of)| in_order(points.iter().map(of)).len() > 1);
         let (axis, of) = *several.unwrap_or(&KINDS[0]);
         let names = in_order(points.iter().map(of));
-        let x = points.iter().map(|p| place(&names, of(p)) as f64).collect();
-        let y = points.iter().map(|p| 1e3 * p.deviation_m).collect();
+        let (x, y) = points.iter().filter_map(|p| Some((place(&names, of(p))? as f64, 1e3 * p.deviation_m))).unzip();
         let dots = Series::new("deviation δb", Style::Points, x, y);
         let labels = names.into_iter().map(String::from).collect();
         (labels, axis.to_string(), dots)
