@@ -2,7 +2,7 @@
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::study::{Cell, Table};
-use stiffarm::units::{rad_to_deg, rad_to_shortest_deg};
+use stiffarm::units::{m_to_mm, rad_to_deg, rad_to_shortest_deg, rounded, with_minus};
 use stiffarm::work::map::{MapNode, MapRange, NodeValues, Status, StiffnessMap};
 
 /// Ratio of the largest to the smallest value from which on a colour bar is
@@ -124,8 +124,7 @@ fn direction_words(map: &StiffnessMap) -> String {
 
 /// Components to two digits, without zeros behind the point.
 fn vector(v: [f64; 3]) -> String {
-    let parts = v.map(|c| ((c * 100.0).round() / 100.0 + 0.0).to_string());
-    format!("({})", parts.join(", ")).replace('-', "−")
+    format!("({})", v.map(|c| with_minus(rounded(c, 2).to_string())).join(", "))
 }
 
 fn title(map: &StiffnessMap) -> String {
@@ -142,7 +141,6 @@ fn title(map: &StiffnessMap) -> String {
 }
 
 fn caption(map: &StiffnessMap) -> String {
-    let force = map.force_n.map(|f| (f * 100.0).round() / 100.0);
     let column = [0, 1, 2].map(|i| map.rotation[i][2]);
     let turn = match map.free_turn {
         Some(turns) => format!(", the best of {turns} turns about it"),
@@ -158,7 +156,7 @@ fn caption(map: &StiffnessMap) -> String {
         "Deflection per newton under a force of {} N on the robot at the tip, stiffness along {}, and stiffness \
          along the softest direction, over the position of the tip in the base frame. Tool axis {}{turn}; at each \
          place the posture that bends least.{colours} {} of {} places are reachable{left}.",
-        vector(force),
+        vector(map.force_n),
         vector(map.direction),
         vector(column),
         map.counts.reachable,
@@ -167,7 +165,7 @@ fn caption(map: &StiffnessMap) -> String {
 }
 
 fn millimetres(m: f64) -> String {
-    ((1e4 * m).round() / 10.0 + 0.0).to_string()
+    with_minus(rounded(m_to_mm(m), 1).to_string())
 }
 
 /// Planes of a box across its axis of fewest nodes, with one colour bar for all.
@@ -358,5 +356,5 @@ pub fn map_table(map: &StiffnessMap) -> Table {
 
 /// Metres in millimetres, to a nanometre.
 pub(crate) fn shortest_mm(m: f64) -> f64 {
-    (1e9 * m).round() / 1e6 + 0.0
+    rounded(m_to_mm(m), 6)
 }

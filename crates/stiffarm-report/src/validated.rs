@@ -2,6 +2,7 @@
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::identified::place;
+use crate::level::level;
 use crate::order::{in_order, places};
 use stiffarm::estimate::validate::{PointDeviation, Validation};
 use stiffarm::findings::visible;
@@ -76,7 +77,7 @@ pub fn validation_figure(validation: &Validation) -> Figure {
     let all = measured.iter().chain(&calculated).copied();
     let largest = all.fold(0.0, f64::max);
     let label = match &validation.band {
-        Some(band) => format!("calculated, ± {} %", (1000.0 * band.confidence).round() / 10.0),
+        Some(band) => format!("calculated, ± {} %", level(band.confidence)),
         None => "calculated".to_string(),
     };
     let against = vec![

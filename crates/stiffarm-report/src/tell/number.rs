@@ -1,6 +1,6 @@
 //! Numbers with their unit and their digits.
 
-use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::units::{rad_to_shortest_deg, significant_text, with_minus};
 
 /// A number of a result, as it is shown.
 #[derive(Debug, Clone, PartialEq)]
@@ -181,14 +181,9 @@ impl Number {
         };
         let text = match self.form {
             Form::Decimals(digits) => format!("{value:.digits$}"),
-            Form::Significant(digits) => significant(value, digits),
+            Form::Significant(digits) => significant_text(value, digits),
         };
-        // A rounded −0.004 is 0.00, and a minus sign is as wide as a plus.
-        match text.strip_prefix('-') {
-            Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_string(),
-            Some(rest) => format!("−{rest}"),
-            None => text,
-        }
+        with_minus(text)
     }
 
     /// What is shown, with unit and ±.
@@ -205,42 +200,9 @@ impl Number {
     }
 }
 
-/// So many significant digits of a finite value; very large and very small ones with a power of ten.
-pub fn significant(value: f64, digits: usize) -> String {
-    if value == 0.0 {
-        return "0".to_string();
-    }
-    // The exponent after rounding: 9.999 with three digits is 10.0.
-    let scientific = format!("{value:.*e}", digits.saturating_sub(1));
-    let exponent = scientific.split('e').nth(1);
-    let exponent: i32 = exponent.and_then(|e| e.parse().ok()).unwrap_or(0);
-    let places = digits as i32 - 1 - exponent;
-    match exponent {
-        -4..6 => format!("{value:.*}", places.max(0) as usize),
-        _ => scientific,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn shown(value: f64, digits: usize) -> String {
-        let number = Number::new(value).significant(digits);
-        number.digits()
-    }
-
-    #[test]
-    fn digits_are_those_asked_for() {
-        assert_eq!(shown(0.0012345, 4), "0.001234");
-        assert_eq!(shown(9.9996, 4), "10.00");
-        assert_eq!(shown(999.96, 4), "1000");
-        assert_eq!(shown(942_757.6, 4), "942758");
-        assert_eq!(shown(1_234_567.0, 4), "1.235e6");
-        assert_eq!(shown(-3.5, 2), "−3.5");
-        assert_eq!(shown(1.5e-9, 3), "1.50e-9");
-        assert_eq!(shown(0.0, 3), "0");
-    }
 
     #[test]
     fn units_and_signs_stand_around() {

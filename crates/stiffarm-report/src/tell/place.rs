@@ -8,6 +8,7 @@ use stiffarm::Result;
 use stiffarm::ask::place::Options;
 use stiffarm::findings::visible;
 use stiffarm::model::stiffness::Model;
+use stiffarm::units::rounded;
 use stiffarm::work::map::{Placed, Placement, PlacementCandidate, Status};
 
 /// A gain from which on moving the workpiece is worth it.
@@ -108,7 +109,7 @@ fn next(placement: &Placement) -> Text {
 /// The best place as a cell has it.
 fn lines(best: &Placed) -> Section {
     let line = |key: &str, values: [f64; 3]| {
-        let values = values.map(|v| ((v * 1e6).round() / 1e6 + 0.0).to_string());
+        let values = values.map(|v| rounded(v, 6).to_string());
         Text::default().code(format!("{key} = [{}]", values.join(", ")))
     };
     let lines = vec![

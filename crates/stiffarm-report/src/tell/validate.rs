@@ -2,6 +2,7 @@
 
 use super::arrows::{Residuals, residual_section};
 use super::identify::readings;
+use crate::level::level;
 use crate::order::in_order;
 use crate::path::norm;
 use crate::tell::{Block, DataTable, Given, Number, Outcome, Quantity, Section, Telling, Text, Told};
@@ -117,7 +118,7 @@ fn conclusion(validation: &Validation) -> Text {
         text = text.words(" Noise alone gives ").number(mm(validation.noise_expectation_m)).words(" on average.");
     }
     if let Some(band) = &validation.band {
-        let level = (1000.0 * band.confidence).round() / 10.0;
+        let level = level(band.confidence);
         text = text.words(format!(
             " {} of {} components lie inside the {level} % band of calculation and noise.",
             band.inside, band.components

@@ -9,7 +9,7 @@ use stiffarm::ask::zones::Asked;
 use stiffarm::findings::{list, visible};
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::zones::Zones;
-use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::units::{rad_to_shortest_deg, rounded, with_minus};
 
 impl Telling<Asked> for Zones {
     fn told(&self, options: &Asked, context: &Given<'_>) -> Result<Told> {
@@ -118,8 +118,7 @@ impl Telling<Asked> for Zones {
 
 /// An angle \[rad\] in degrees, without digits nobody set.
 fn degrees(angle: f64) -> String {
-    let hundredths = (rad_to_shortest_deg(angle) * 100.0).round() / 100.0;
-    format!("{}°", hundredths + 0.0)
+    format!("{}°", with_minus(rounded(rad_to_shortest_deg(angle), 2).to_string()))
 }
 
 /// From where to where the angles of a map go.
