@@ -20,8 +20,6 @@ use stiffarm::work::predict::{PrincipalAxis, TipBand};
 pub(super) const TIP_STIFFNESS: Quantity = Quantity::new("N/µm", 1e-6, Form::Significant(3));
 /// Force at work \[N\].
 pub(super) const FORCE: Quantity = Quantity::new("N", 1.0, Form::Significant(3));
-/// Where a tip or a workpiece is, from m.
-pub(super) const POSITION: Quantity = Quantity::new("mm", 1e3, Form::Decimals(1));
 /// A component of a direction.
 const DIRECTION: Quantity = Quantity::new("", 1.0, Form::Decimals(3));
 /// Most postures of a path that one steps through.

@@ -52,6 +52,18 @@ impl Quantity {
     pub const GAP: Quantity = Self::new("arcmin", 60.0 * DEGREE, Form::Significant(2));
     /// Torque \[N·m\].
     pub const TORQUE: Quantity = Self::new("N·m", 1.0, Form::Significant(3));
+    /// A share that is compared to a tenth of a percent, from a fraction.
+    pub const SHARE: Quantity = Self::new("%", 100.0, Form::Decimals(1));
+    /// Deviation of a stiffness or an index, from a fraction.
+    pub const DEVIATION: Quantity = Self::new("%", 100.0, Form::Decimals(2));
+    /// Where something is and how far it is from other things, from m.
+    pub const PLACE: Quantity = Self::new("mm", 1e3, Form::Decimals(1));
+    /// Deflection of a tip under a small load, from m.
+    pub const SMALL_LENGTH: Quantity = Self::new("µm", 1e6, Form::Significant(3));
+    /// Controller angles, from degrees.
+    pub const ANGLE: Quantity = Self::new("°", 1.0, Form::Decimals(2));
+    /// A number of things.
+    pub const COUNT: Quantity = Self::new("", 1.0, Form::Decimals(0));
     /// A ratio.
     pub const RATIO: Quantity = Self::new("", 1.0, Form::Significant(3));
 
@@ -89,18 +101,13 @@ impl Number {
 
     /// A count of a result.
     pub fn count(count: usize) -> Self {
-        Number::new(count as f64).decimals(0)
+        Number::new(count as f64).of(Quantity::COUNT)
     }
 
     /// The same as one of this kind, with its unit.
     #[must_use]
     pub fn of(self, quantity: Quantity) -> Self {
-        Number { form: quantity.form, ..self.in_unit_of(quantity) }
-    }
-
-    /// The same in the unit of this kind, with its own digits.
-    fn in_unit_of(self, quantity: Quantity) -> Self {
-        self.times(quantity.factor).unit(quantity.unit)
+        Number { form: quantity.form, ..self.times(quantity.factor).unit(quantity.unit) }
     }
 
     /// A number of a result, with four significant digits and no unit.
@@ -150,24 +157,6 @@ impl Number {
         self
     }
 
-    /// A length in metres, shown in millimetres with its unit.
-    #[must_use]
-    pub fn mm(self) -> Self {
-        self.in_unit_of(Quantity::LENGTH)
-    }
-
-    /// A fraction, shown in percent.
-    #[must_use]
-    pub fn percent(self) -> Self {
-        self.in_unit_of(Quantity::PERCENT)
-    }
-
-    /// A joint stiffness in N·m/rad, shown in 10⁶ N·m/rad.
-    #[must_use]
-    pub fn mega(self) -> Self {
-        self.in_unit_of(Quantity::STIFFNESS)
-    }
-
     /// The same without its unit, for a column whose heading has it.
     #[must_use]
     pub fn bare(self) -> Self {
@@ -206,12 +195,12 @@ mod tests {
 
     #[test]
     fn units_and_signs_stand_around() {
-        let number = Number::new(1.25e-4).mm().decimals(3);
+        let number = Number::new(1.25e-4).of(Quantity::LENGTH).decimals(3);
         assert_eq!(number.text(), "0.125\u{a0}mm");
         assert_eq!(number.clone().plus_minus().text(), "±\u{a0}0.125\u{a0}mm");
         assert_eq!(number.bare().text(), "0.125");
-        assert_eq!(Number::new(None).mm().text(), "–");
-        let tiny = Number::new(-1e-9).mm().decimals(2);
+        assert_eq!(Number::new(None).of(Quantity::LENGTH).text(), "–");
+        let tiny = Number::new(-1e-9).of(Quantity::LENGTH).decimals(2);
         assert_eq!(tiny.digits(), "0.00");
     }
 }

@@ -103,11 +103,11 @@ pub(super) fn how_found(postures: &PosturePathSummary) -> Text {
     Text::new(how).words(", with steps of a joint up to ").number(step.significant(3).unit("°")).words(".")
 }
 
-/// Where a tip or a workpiece is: `x = 1425, y = −814, z = 800 mm`.
+/// Where a tip or a workpiece is: `x = 1425.0, y = −814.3, z = 800.0 mm`.
 pub(super) fn position(at_m: [f64; 3]) -> Text {
     let mut text = Text::default();
     for (axis, name) in ["x = ", ", y = ", ", z = "].into_iter().enumerate() {
-        let number = Number::new(at_m[axis]).mm().decimals(0);
+        let number = Number::new(at_m[axis]).of(Quantity::PLACE);
         let number = if axis < 2 { number.bare() } else { number };
         text = text.words(name).number(number);
     }

@@ -97,7 +97,7 @@ fn fits(options: &Options, context: &Given<'_>) -> String {
 }
 
 fn conclusion(validation: &Validation) -> Text {
-    let mm = |length: f64| Number::new(length).mm().decimals(4);
+    let mm = |length: f64| Number::new(length).of(Quantity::LENGTH);
     let unpredicted = if validation.unpredicted.is_empty() {
         Text::default()
     } else {
@@ -111,7 +111,7 @@ fn conclusion(validation: &Validation) -> Text {
         .number(mm(validation.deviation_max_m));
     if validation.displacement_rms_m > 0.0 {
         let share = Number::computed(validation.deviation_rms_m / validation.displacement_rms_m);
-        text = text.words(": ").number(share.percent().significant(2)).words(" of the displacements");
+        text = text.words(": ").number(share.of(Quantity::PERCENT)).words(" of the displacements");
     }
     text = text.words(".");
     if validation.noise_expectation_m > 0.0 {
@@ -145,7 +145,7 @@ fn conclusion(validation: &Validation) -> Text {
     match validation.passed {
         Some(passed) => text
             .words(" The tolerance of ")
-            .number(Number::new(validation.tolerance_m).mm().decimals(4))
+            .number(Number::new(validation.tolerance_m).of(Quantity::LENGTH))
             .words(" is ")
             .strong(if passed { "kept" } else { "not kept" })
             .words("."),
@@ -177,7 +177,7 @@ fn next(validation: &Validation, findings: &[Finding]) -> Text {
     let outside = findings.iter().any(|f| f.code == codes::OUTSIDE_BANDS);
     if let (Some(tolerance), Some(false), false) = (validation.tolerance_m, validation.passed, outside) {
         // The scatter of readings may be all that is beyond the tolerance.
-        let noise = Number::new(validation.noise_expectation_m).mm().decimals(4);
+        let noise = Number::new(validation.noise_expectation_m).of(Quantity::LENGTH);
         return if tolerance < validation.noise_expectation_m {
             Text::new("No stiffness can keep this tolerance in such readings: by noise alone they deviate by ")
                 .number(noise)
@@ -203,7 +203,7 @@ fn next(validation: &Validation, findings: &[Finding]) -> Text {
     }
     if validation.noise_expectation_m > 0.0 && validation.deviation_rms_m > MODEL * validation.noise_expectation_m {
         return Text::new("At postures like these count on errors of ")
-            .number(Number::new(validation.deviation_max_m).mm().decimals(2))
+            .number(Number::new(validation.deviation_max_m).of(Quantity::LENGTH))
             .words(": what is left is the model's, not the tracker's.");
     }
     Text::new("The stiffness can be worked with: ")

@@ -2,7 +2,7 @@
 
 use super::map::RANGE;
 use super::worth::length_in_words;
-use crate::tell::{Block, DataTable, Given, Number, Section, Telling, Text, Told, counted};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, counted};
 use crate::zones::zones_figure;
 use stiffarm::Result;
 use stiffarm::ask::zones::Asked;
@@ -44,7 +44,7 @@ impl Telling<Asked> for Zones {
                 .words(": dexterity 1/k(J_N) up to ")
                 .number(Number::new(best.inverse_condition).significant(3))
                 .words(", K_C changes the translation by ")
-                .number(Number::new(best.translation_deviation).percent().significant(2))
+                .number(Number::new(best.translation_deviation).of(Quantity::PERCENT))
                 .words(" there."),
             None => Text::new("No posture of the map is both dexterous and little touched by K_C."),
         };

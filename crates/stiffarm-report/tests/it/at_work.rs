@@ -168,7 +168,7 @@ fn a_map_names_its_places() {
     let angles = said.sections.iter().find(|s| s.id == "postures").unwrap();
     let mut all = Vec::new();
     angles.blocks.iter().for_each(|b| words_of(b, &mut all));
-    assert!(all[1].contains("q6 [deg]"), "{all:?}");
+    assert!(all[1].contains("q6 [°]"), "{all:?}");
     // Where nothing is reachable that is what came out.
     let nowhere = map(5000.0);
     let [_, came, next] = nowhere.verdict.each_ref().map(Text::plain);
