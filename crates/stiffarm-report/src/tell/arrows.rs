@@ -42,7 +42,8 @@ pub(super) fn cell_section(context: &Given<'_>, identified: &Identified) -> Resu
     )
 }
 
-/// A section with postures and arrows of one kind, and which of several load states is shown; `None` where the result has no angles.
+/// A section with postures and arrows of one kind, and which of several load states is shown; `None` where the result
+/// has no angles.
 pub(in crate::tell) fn residual_section(
     context: &Given<'_>,
     group: &str,
