@@ -19,14 +19,61 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// What is not reachable, in the order of the legend.
 const REFUSED: [Status; 3] = [Status::Forbidden, Status::Unreachable, Status::OutsideJointLimits];
 
-/// One quantity of a map.
+/// What a map says of each reachable node: figure, table of the nodes and words read it here.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct NodeQuantity {
+    /// Heading in the table of all nodes.
+    key: &'static str,
+    /// Unit for people; empty for a ratio.
+    pub unit: &'static str,
+    /// The shown number is that in SI units times this.
+    pub factor: f64,
+    at: fn(&NodeValues) -> Option<f64>,
+    /// Its range over the map.
+    pub range: fn(&StiffnessMap) -> Option<MapRange>,
+}
+
+impl NodeQuantity {
+    pub(crate) const DEFLECTION: Self = NodeQuantity {
+        key: "deflection_um_per_n",
+        unit: "µm/N",
+        factor: 1e6,
+        at: |v| Some(v.deflection_per_newton_m),
+        range: |map| map.deflection_per_newton_m,
+    };
+    pub(crate) const STIFFNESS: Self = NodeQuantity {
+        key: "stiffness_n_per_um",
+        unit: "N/µm",
+        factor: 1e-6,
+        at: |v| v.stiffness_n_per_m,
+        range: |map| map.stiffness_n_per_m,
+    };
+    pub(crate) const SOFTEST: Self = NodeQuantity {
+        key: "softest_n_per_um",
+        at: |v| v.softest.stiffness_n_per_m,
+        range: |map| map.softest_n_per_m,
+        ..Self::STIFFNESS
+    };
+    pub(crate) const K_JN: Self =
+        NodeQuantity { key: "k_jn", unit: "", factor: 1.0, at: |v| v.k_jn, range: |map| map.k_jn };
+
+    fn shown(&self, values: &NodeValues) -> Option<f64> {
+        (self.at)(values).map(|number| self.factor * number)
+    }
+
+    fn cell(&self, values: Option<&NodeValues>) -> Cell {
+        values.and_then(|values| self.shown(values)).into()
+    }
+}
+
+/// One quantity of a map in a figure.
 struct Quantity {
     /// Heading of its panel.
     title: String,
     /// Colour bar or vertical axis.
     axis: Axis,
-    /// Its value at a node, in the unit of the axis.
-    value: fn(&NodeValues) -> Option<f64>,
+    /// What it is.
+    of: NodeQuantity,
     /// Whether small values are the good ones, as of a deflection.
     small_is_good: bool,
 }
@@ -83,27 +130,27 @@ pub fn map_figure(map: &StiffnessMap) -> Figure {
 }
 
 fn quantities(map: &StiffnessMap) -> [Quantity; 3] {
-    let scaled = |label: &str, unit: &str, range: Option<MapRange>| match range {
-        Some(r) if r.smallest > 0.0 && r.largest > WIDE * r.smallest => Axis::log(label, unit),
-        _ => Axis::linear(label, unit),
+    let scaled = |label: &str, of: NodeQuantity| match (of.range)(map) {
+        Some(r) if r.smallest > 0.0 && r.largest > WIDE * r.smallest => Axis::log(label, of.unit),
+        _ => Axis::linear(label, of.unit),
     };
     [
         Quantity {
             title: "deflection under the load".into(),
-            axis: scaled("deflection per newton", "µm/N", map.deflection_per_newton_m),
-            value: |v| Some(1e6 * v.deflection_per_newton_m),
+            axis: scaled("deflection per newton", NodeQuantity::DEFLECTION),
+            of: NodeQuantity::DEFLECTION,
             small_is_good: true,
         },
         Quantity {
             title: format!("stiffness along {}", direction_words(map)),
-            axis: scaled("stiffness", "N/µm", map.stiffness_n_per_m),
-            value: |v| v.stiffness_n_per_m.map(|k| 1e-6 * k),
+            axis: scaled("stiffness", NodeQuantity::STIFFNESS),
+            of: NodeQuantity::STIFFNESS,
             small_is_good: false,
         },
         Quantity {
             title: "softest direction".into(),
-            axis: scaled("stiffness along it", "N/µm", map.softest_n_per_m),
-            value: |v| v.softest.stiffness_n_per_m.map(|k| 1e-6 * k),
+            axis: scaled("stiffness along it", NodeQuantity::SOFTEST),
+            of: NodeQuantity::SOFTEST,
             small_is_good: false,
         },
     ]
@@ -187,13 +234,13 @@ fn planes(map: &StiffnessMap, quantity: &Quantity) -> (usize, Vec<Panel>) {
     });
     let mut axis = quantity.axis.clone();
     let values = map.nodes.iter().filter_map(|n| n.values.as_ref());
-    let values: Vec<f64> = values.filter_map(quantity.value).collect();
+    let values: Vec<f64> = values.filter_map(|v| quantity.of.shown(v)).collect();
     let ends = values.iter().fold([f64::INFINITY, 0.0], |[low, high], v| [v.min(low), v.max(high)]);
     if ends[0] < ends[1] {
         axis = axis.with_range(ends[0], ends[1]);
     }
     let quantity =
-        Quantity { title: quantity.title.clone(), axis, value: quantity.value, small_is_good: quantity.small_is_good };
+        Quantity { title: quantity.title.clone(), axis, of: quantity.of, small_is_good: quantity.small_is_good };
     let panels = places.map(|at| {
         let plane = Plane { across, at, horizontal, vertical };
         let title = format!("{} = {} mm", AXES[across], millimetres(axes[across][at]));
@@ -218,7 +265,7 @@ fn panel(map: &StiffnessMap, plane: &Plane, quantity: &Quantity, title: String, 
     let reached: Vec<&MapNode> = nodes.iter().copied().filter(is_reached).collect();
     let [x, y] = places(&reached);
     let values = reached.iter().filter_map(|n| n.values.as_ref());
-    let values = values.map(|v| (quantity.value)(v).unwrap_or(f64::NAN));
+    let values = values.map(|v| quantity.of.shown(v).unwrap_or(f64::NAN));
     let values = Series::new("", Style::Map, x, y)
         .with_colour(quantity.axis.clone(), values.collect())
         .with_small_bright(quantity.small_is_good);
@@ -272,7 +319,7 @@ fn directions(map: &StiffnessMap, plane: &Plane) -> Series {
 /// A quantity along a line.
 fn line(map: &StiffnessMap, axis: usize, quantity: &Quantity) -> Panel {
     let values = map.nodes.iter().map(|node| {
-        let value = node.values.as_ref().and_then(quantity.value);
+        let value = node.values.as_ref().and_then(|v| quantity.of.shown(v));
         value.unwrap_or(f64::NAN)
     });
     // A gap is said by the legend, not by a count of lost values.
@@ -308,15 +355,15 @@ pub fn map_table(map: &StiffnessMap) -> Table {
         "status",
         "reason",
         "distance_mm",
-        "deflection_um_per_n",
+        NodeQuantity::DEFLECTION.key,
         "deflection_um",
         "half_width_um",
-        "stiffness_n_per_um",
-        "softest_n_per_um",
+        NodeQuantity::STIFFNESS.key,
+        NodeQuantity::SOFTEST.key,
         "softest_x",
         "softest_y",
         "softest_z",
-        "k_jn",
+        NodeQuantity::K_JN.key,
         "turn_deg",
     ]
     .map(String::from)
@@ -328,20 +375,19 @@ pub fn map_table(map: &StiffnessMap) -> Table {
     let rows = map.nodes.iter().map(|node| {
         let values = node.values.as_ref();
         let softest = values.map(|v| v.softest);
-        let stiffness = |k: Option<f64>| Cell::Number(k.map(|k| 1e-6 * k));
         let mut row: Vec<Cell> = node.position_m.map(|p| shortest_mm(p).into()).to_vec();
         row.extend([
             node.status.describe().into(),
             node.reason.clone().unwrap_or_default().into(),
             Cell::Number(node.distance_m.map(|d| 1e3 * d)),
-            micro(values.map(|v| v.deflection_per_newton_m)),
+            NodeQuantity::DEFLECTION.cell(values),
             micro(values.map(|v| v.deflection_m)),
             micro(values.and_then(|v| v.half_width_m)),
-            stiffness(values.and_then(|v| v.stiffness_n_per_m)),
-            stiffness(softest.and_then(|s| s.stiffness_n_per_m)),
+            NodeQuantity::STIFFNESS.cell(values),
+            NodeQuantity::SOFTEST.cell(values),
         ]);
         row.extend([0, 1, 2].map(|i| Cell::Number(softest.map(|s| s.direction[i]))));
-        row.push(values.and_then(|v| v.k_jn).into());
+        row.push(NodeQuantity::K_JN.cell(values));
         row.push(values.and_then(|v| v.turn.map(rad_to_deg)).into());
         row.extend((0..joints).map(|j| Cell::Number(values.map(|v| rad_to_shortest_deg(v.q[j])))));
         row

@@ -2,6 +2,7 @@
 
 use super::at_work::{AtWork, GivesWay, TIP_STIFFNESS, WorkPoint, principal_table, wrench};
 use super::points::{position, region, vector};
+use crate::map::NodeQuantity;
 use crate::map_figure;
 use crate::path::norm;
 use crate::tell::{
@@ -217,21 +218,25 @@ fn postures(map: &StiffnessMap, extremes: MapExtremes) -> Section {
 }
 
 fn ranges(map: &StiffnessMap) -> DataTable {
-    let along = format!("stiffness along {} [N/µm]", vector(map.direction));
-    let rows: [(&str, f64, Option<MapRange>); 4] = [
-        ("deflection per newton [µm/N]", 1e6, map.deflection_per_newton_m),
-        (&along, 1e-6, map.stiffness_n_per_m),
-        ("stiffness along the softest direction [N/µm]", 1e-6, map.softest_n_per_m),
-        ("k(J_N)", 1.0, map.k_jn),
+    let along = format!("stiffness along {}", vector(map.direction));
+    let rows = [
+        ("deflection per newton", NodeQuantity::DEFLECTION),
+        (&*along, NodeQuantity::STIFFNESS),
+        ("stiffness along the softest direction", NodeQuantity::SOFTEST),
+        ("k(J_N)", NodeQuantity::K_JN),
     ];
-    let rows = rows.iter();
-    let rows: Vec<_> = rows.filter_map(|row| Some((row.0, row.1, row.2?))).collect();
+    let rows = rows.into_iter().filter_map(|(name, quantity)| Some((name, quantity, (quantity.range)(map)?)));
+    let rows: Vec<_> = rows.collect();
     let caption = "Over the reachable places, at each the posture that bends least";
-    let table = DataTable::of(caption, "quantity", rows.iter().map(|row| row.0));
+    let names = rows.iter().map(|(name, quantity, _)| match quantity.unit {
+        "" => (*name).to_string(),
+        unit => format!("{name} [{unit}]"),
+    });
+    let table = DataTable::of(caption, "quantity", names);
     RANGE.into_iter().fold(table, |table, (end, of)| {
         table.words(end, |row| {
-            let (_, factor, range) = &rows[row];
-            Number::new(of(range)).times(*factor).significant(3).into()
+            let (_, quantity, range) = &rows[row];
+            Number::new(of(range)).times(quantity.factor).significant(3).into()
         })
     })
 }
