@@ -204,7 +204,7 @@ fn ellipsoid(group: usize, posture: usize, point: &WorkPoint) -> Option<Ellipsoi
         return None;
     }
     let micro = principal.map(|axis| match axis.stiffness_n_per_m {
-        Some(k) => format!("{} N/µm", digits(1e-6 * k)),
+        Some(k) => Number::new(k).of(TIP_STIFFNESS).text(),
         None => "rigid".to_string(),
     });
     Some(Ellipsoid {
@@ -218,11 +218,6 @@ fn ellipsoid(group: usize, posture: usize, point: &WorkPoint) -> Option<Ellipsoi
             micro.join(", ")
         ),
     })
-}
-
-fn digits(value: f64) -> String {
-    let number = Number::computed(value).significant(3);
-    number.text()
 }
 
 /// Where the tip gives way: name and principal axes.
