@@ -3,7 +3,7 @@
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::study::{Cell, Table};
 use stiffarm::plan::zones::{MapRange, ZoneMap, Zones};
-use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::units::{rad_to_shortest_deg, rounded, with_minus};
 
 /// Ratio of the largest to the smallest value from which on a colour bar is
 /// logarithmic.
@@ -20,7 +20,9 @@ pub fn zones_figure(zones: &Zones) -> Figure {
         .held
         .iter()
         .enumerate()
-        .filter_map(|(j, q)| q.map(|q| format!("q{} = {}°", j + 1, (rad_to_shortest_deg(q) * 1e6).round() / 1e6)))
+        .filter_map(|(j, q)| {
+            q.map(|q| format!("q{} = {}°", j + 1, with_minus(rounded(rad_to_shortest_deg(q), 6).to_string())))
+        })
         .collect();
     Figure {
         id: "zones".into(),

@@ -3,6 +3,7 @@
 use nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 use stiffarm::model::robot::{DoubtAbout, Robot};
+use stiffarm::units::{m_to_mm, rounded};
 
 /// Reach that the example was made for, and the one from which on it fits as it is \[m\].
 const REACH: f64 = 3.0;
@@ -54,7 +55,7 @@ impl Example {
     pub(super) fn point(&self, xyz: [i32; 3]) -> String {
         let scaled = Vector3::from(xyz).map(|v| stepped(f64::from(v) * self.lengths, 5.0));
         let turned = Rotation3::from(self.turn) * scaled;
-        let [x, y, z] = [turned.x, turned.y, turned.z].map(|v| v.round() + 0.0);
+        let [x, y, z] = [turned.x, turned.y, turned.z].map(|v| rounded(v, 0));
         format!("[{x}, {y}, {z}]")
     }
 
@@ -117,7 +118,7 @@ pub(super) fn pendant(robot: &Robot) -> String {
     if *base == Isometry3::identity() {
         return String::new();
     }
-    let [x, y, z] = base.translation.vector.map(|v| (1e4 * v).round() / 10.0).into();
+    let [x, y, z] = base.translation.vector.map(|v| rounded(m_to_mm(v), 1)).into();
     let turn = match base.rotation.scaled_axis() {
         turn if turn.norm() == 0.0 => String::new(),
         turn => {

@@ -9,12 +9,12 @@ use std::f64::consts::PI;
 use stiffarm::error::Result;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::robot::{Controller, DhConvention, DhRobot, LinkCapsule, Robot};
-use stiffarm::units::{m_to_mm, rad_to_deg, rad_to_shortest_deg, roll_pitch_yaw};
+use stiffarm::units::{m_to_mm, rad_to_deg, rad_to_shortest_deg, roll_pitch_yaw, rounded};
 
 /// Decimals of angles \[deg\] and lengths \[mm\] of rows and frames: far below 1e-9 m at
 /// the flange, and above the rounding of the kinematics.
-const DEG_DECIMALS: f64 = 1e11;
-const MM_DECIMALS: f64 = 1e10;
+const DEG_DECIMALS: i32 = 11;
+const MM_DECIMALS: i32 = 10;
 /// Ends and radii of capsules are whole multiples of 1/100 mm.
 const CAPSULE_STEPS: f64 = 1e2;
 /// Cosine of the pitch below which roll and yaw are one.
@@ -204,7 +204,7 @@ fn turns(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
 
 /// Degrees of a turn, rounded; never −0, and 180 for −180.
 fn deg(rad: f64) -> f64 {
-    match (rad_to_deg(rad) * DEG_DECIMALS).round() / DEG_DECIMALS + 0.0 {
+    match rounded(rad_to_deg(rad), DEG_DECIMALS) {
         -180.0 => 180.0,
         degrees => degrees,
     }
@@ -212,5 +212,5 @@ fn deg(rad: f64) -> f64 {
 
 /// Millimetres, rounded; never −0.
 fn mm(m: f64) -> f64 {
-    (m_to_mm(m) * MM_DECIMALS).round() / MM_DECIMALS + 0.0
+    rounded(m_to_mm(m), MM_DECIMALS)
 }

@@ -3,14 +3,14 @@
 use super::grid::Table;
 use super::heading::Known;
 use super::line::line;
-use super::quantity::{Quantity, rounded};
+use super::quantity::Quantity;
 use nalgebra::{Isometry3, Translation3};
 use std::collections::HashMap;
 use stiffarm::error::Result;
 use stiffarm::model::cell::Columns;
 use stiffarm::model::pose::Convention;
 pub use stiffarm::model::pose::NamedPose;
-use stiffarm::units::m_to_mm;
+use stiffarm::units::{m_to_mm, rounded};
 
 /// Decimals of written positions \[mm\] and orientations: rounding of the
 /// kinematics stays out.

@@ -1,14 +1,14 @@
 //! Numbers as a page needs them: short, so that many postures stay a small file.
 
 use stiffarm::nalgebra::{Isometry3, Vector3};
+use stiffarm::units::{rounded, significant};
 
 /// A place or a direction, base axes unless said otherwise.
 pub type Triple = [f64; 3];
 
 /// A length to 1e-6 \[m\].
 pub(super) fn length(value: f64) -> f64 {
-    // Adding zero turns −0 into 0.
-    (value * 1e6).round() / 1e6 + 0.0
+    rounded(value, 6)
 }
 
 /// A place to 1e-6 \[m\].
@@ -18,10 +18,7 @@ pub(super) fn place(at: &Vector3<f64>) -> [f64; 3] {
 
 /// A number to 6 significant digits.
 pub(super) fn digits(value: f64) -> f64 {
-    if value == 0.0 || !value.is_finite() {
-        return value + 0.0;
-    }
-    format!("{value:.5e}").parse().unwrap_or(value)
+    significant(value, 6)
 }
 
 /// Each component to 6 significant digits.
@@ -31,7 +28,7 @@ pub(super) fn vector(v: &Vector3<f64>) -> [f64; 3] {
 
 /// A share or a component of a unit vector to 1e-7.
 pub(super) fn share(value: f64) -> f64 {
-    (value * 1e7).round() / 1e7 + 0.0
+    rounded(value, 7)
 }
 
 /// Position \[m\] and quaternion x, y, z, w.

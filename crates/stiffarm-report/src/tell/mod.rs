@@ -36,7 +36,7 @@ mod zones;
 
 use context::with_stopped;
 pub(crate) use context::{cell_line, quoted};
-pub use number::{Form, Number, Quantity, significant};
+pub use number::{Form, Number, Quantity};
 pub(crate) use stiffarm::findings::shown;
 pub use table::DataTable;
 pub use text::{Piece, Text, counted};

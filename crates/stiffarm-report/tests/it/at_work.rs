@@ -181,7 +181,7 @@ fn a_map_names_its_places() {
     assert_eq!(summary(&said), ["map"]);
     insta::assert_snapshot!(words_in(&said, "postures").join("\n"), @"
     Controller angles there, of the posture that bends least
-    place | q1 [deg] | q2 [deg] | q3 [deg] | q4 [deg] | q5 [deg] | q6 [deg]
+    place | q1 [°] | q2 [°] | q3 [°] | q4 [°] | q5 [°] | q6 [°]
     stiffest | 21.80 | −16.05 | −129.66 | 0.00 | 50.34 | −158.20
     softest | 13.71 | 20.99 | −128.22 | 0.00 | 51.78 | −166.29
     ");

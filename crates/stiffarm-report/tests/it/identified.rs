@@ -5,12 +5,13 @@ use crate::tell::suspected;
 use serde_json::{Value, json};
 use stiffarm::estimate::clamped::{ClampedSimulation, MotorMove, identify_clamped, simulate_clamped};
 use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::estimate::identify::{Fit, IdentifyOptions};
+use stiffarm::estimate::identify::{Fit, Identification, IdentifyOptions};
 use stiffarm::estimate::validate::{cross_validate, validate_with};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::stiffness::Model;
 use stiffarm_files::builtin;
 use stiffarm_files::result::SavedResult;
+use stiffarm_report::identified::residual_figure;
 use stiffarm_report::page::{Block, Outcome, Page, Piece, render_page};
 use stiffarm_report::report::{WithCell, report};
 use stiffarm_report::validated::validation_figure;
@@ -69,6 +70,21 @@ fn arrows_stand_at_the_measuring_points_and_are_the_residuals() {
 }
 
 #[test]
+fn readings_of_a_point_that_no_list_has_are_in_no_category() {
+    let cell = builtin::cell("comau").unwrap();
+    let fit = Fit::new(&cell, &measured(&cell, &group(&cell)), &IdentifyOptions::default()).unwrap();
+    let mut identification = fit.identification().unwrap().clone();
+    let shown = |identification: &Identification| -> Vec<usize> {
+        residual_figure(identification).panels[0].series.iter().map(|series| series.x.len()).collect()
+    };
+    let before = shown(&identification);
+    identification.postures[0].residuals[1].point = "elsewhere".into();
+    let after = shown(&identification);
+    assert_eq!(after[1], before[1] - 3);
+    assert_eq!((after[0], &after[2..]), (before[0], &before[2..]));
+}
+
+#[test]
 fn residuals_are_measured_minus_calculated() {
     let cell = builtin::cell("comau").unwrap();
     let measured = measured(&cell, &group(&cell));
@@ -107,6 +123,9 @@ fn validation_says_how_far_calculated_and_measured_differ() {
     ");
     assert_eq!(made.parts[0].outcome, Outcome::Serious);
     assert!(numbers_of_the_file(&made, &result) >= 100);
+    let arrows = made.parts[0].sections.iter().find(|section| section.id == "cell").unwrap();
+    let Some(Block::Text(arrows)) = arrows.blocks.first() else { panic!("{:?}", arrows.blocks) };
+    assert!(arrows.plain().contains("the one with the largest deviation is shown"), "{}", arrows.plain());
 
     let prior = IdentifiedCompliance::from_stiffness(&cell, cell.require_prior().unwrap()).unwrap();
     let validation = validate_with(&cell, &prior, &measured, Model::Equilibrium, None).unwrap();

@@ -2,6 +2,7 @@
 
 use stiffarm::findings::{Finding, Severity};
 use stiffarm_report::page::{Block, DataTable, Number, Outcome, Page, Part, Provenance, Section, Text, render_page};
+use stiffarm_report::tell::Quantity;
 use stiffarm_report::{Axis, Figure, Panel, Series, Style};
 
 const HOSTILE: &str = "</script><img src=x onerror=alert(1)>\"'&amp;\u{202e}\u{1b}[31m";
@@ -27,9 +28,9 @@ fn figure(id: &str, label: &str) -> Figure {
 
 fn part(name: &str) -> Part {
     let mut key = DataTable::new(format!("Key of {name}"), ["joint", "k [10⁶ N·m/rad]", "said"]);
-    let number = Number::new(942_757.625).mega().bare();
+    let number = Number::new(942_757.625).of(Quantity::STIFFNESS.bare());
     key.row(name, [number.decimals(3).into(), Text::new("").strong(name)]);
-    let missing = Number::new(None).mega();
+    let missing = Number::new(None).of(Quantity::STIFFNESS);
     key.row("joint 2", [missing.into(), Text::new("").code(name)]);
     Part {
         command: "identify".into(),
@@ -38,7 +39,7 @@ fn part(name: &str) -> Part {
         outcome: Outcome::Caution,
         verdict: [
             Text::from(name),
-            Text::new("It bends by ").number(Number::new(1.25e-4).mm().plus_minus()),
+            Text::new("It bends by ").number(Number::new(1.25e-4).of(Quantity::LENGTH).plus_minus()),
             Text::from("Measure on."),
         ],
         warnings: vec![

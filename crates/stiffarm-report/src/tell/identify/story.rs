@@ -63,7 +63,7 @@ pub(super) fn conclusion(options: &IdentifiedOptions, joints: &Joints<'_>, ident
         freed => format!(" With it these readings gave {}.", visible(&list(freed))),
     };
     let text = residual(certainty.words(freed), options, identified);
-    let mm = |length: Option<f64>| Number::new(length).mm().decimals(3);
+    let mm = |length: Option<f64>| Number::new(length).of(Quantity::LENGTH);
     match identified.elastic.as_ref().filter(|elastic| elastic.is_better()) {
         Some(elastic) => text
             .words(" A posture that took no part is missed by ")
@@ -317,6 +317,6 @@ pub(super) fn next(options: &IdentifiedOptions, joints: &Joints<'_>, identified:
 
 /// The angles of the next posture.
 pub(super) fn angles(text: Text, angles: &[f64]) -> Text {
-    let angles = angles.iter().map(|q| Number::degrees(*q).decimals(2));
+    let angles = angles.iter().map(|q| Number::degrees(*q).of(Quantity::ANGLE.bare()));
     text.words("(").numbers(angles).words(")°")
 }

@@ -2,7 +2,7 @@
 
 use super::super::postures::{FEW, name_of, posture_table};
 use super::super::worth::{Worth, index_number, worth_sections};
-use crate::tell::{Block, DataTable, Given, Number, Section, Telling, Text, Told, counted, with_stopped};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, counted, with_stopped};
 use stiffarm::ask::select::{Asked, Chosen};
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
@@ -29,7 +29,7 @@ impl Telling<Asked> for Chosen {
                 .words(format!(" No choice of as many candidates can be {side} "))
                 .number(index_number(index, selection.bound))
                 .words(": this one reaches ")
-                .number(Number::new(selection.efficiency).percent().decimals(1))
+                .number(Number::new(selection.efficiency).of(Quantity::SHARE))
                 .words(" of what is possible.");
         }
         if !selection.forbidden.is_empty() {

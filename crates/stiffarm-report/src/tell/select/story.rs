@@ -1,7 +1,7 @@
 //! The story of a plan in three sentences.
 
 use super::super::worth::{index_number, is_beyond_first_order, least_sure};
-use crate::tell::{Given, Number, Text};
+use crate::tell::{Given, Number, Quantity, Text};
 use stiffarm::Termination;
 use stiffarm::ask::select::{Asked, InTime, Mode, Plan};
 use stiffarm::findings::{Severity, codes, minutes, visible};
@@ -145,7 +145,7 @@ fn conclusion(context: &Given<'_>, plan: &Plan) -> Text {
             text.words(".")
         } else {
             text.words(": this one reaches ")
-                .number(Number::new(efficiency).percent().decimals(1))
+                .number(Number::new(efficiency).of(Quantity::SHARE))
                 .words(" of what is possible.")
         };
     }

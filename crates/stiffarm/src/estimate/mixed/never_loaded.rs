@@ -45,8 +45,8 @@ struct NeverLoaded {
     error: f64,
     /// The part of it from directions that no reading has loaded.
     untold: f64,
-    /// What each further load in the measured postures would leave, the best of them first; in words.
-    left: Vec<(String, f64)>,
+    /// The further load in the measured postures that is worth most, in words, and what it would leave.
+    best: Option<(String, f64)>,
     /// Where most of it is, in words.
     places: Vec<String>,
 }
@@ -67,7 +67,7 @@ pub(crate) fn never_loaded(cell: &Cell, saved: &Saved, work: &[WorkRows]) -> Res
     let Some(numbers) = numbers_of(cell, saved, (spread, doubt), work, &seen)? else {
         return Ok(never_turned(cell, saved, work, &seen));
     };
-    let remedy = match numbers.left.first() {
+    let remedy = match &numbers.best {
         Some((load, left)) if *left < (1.0 - HELPS) * numbers.error => {
             format!("{load} in the same postures would leave {}.", length(*left))
         }
@@ -114,22 +114,25 @@ fn numbers_of(
     // Of a point: three rows each.
     let rms = |sum: f64| (3.0 * sum / count as f64).sqrt();
     let places = places_of(cell, predictor, spread, doubt, &with, work, seen);
-    let mut left = Vec::new();
-    for (load, setup) in further_loads(cell, saved.largest_force.unwrap_or_default()) {
+    let loads = further_loads(cell, saved.largest_force.unwrap_or_default()).into_iter();
+    let left = loads.map(|(load, setup)| {
         // A rope whose anchor is where it pulls is no load.
-        let Ok(after) = after(spread, &setup, predictor, &saved.loads) else {
-            continue;
-        };
-        let sum = (&rows * after).dot(&rows) + other;
-        left.push((load, rms(sum)));
+        let after = after(spread, &setup, predictor, &saved.loads).ok();
+        (load, after.map(|after| rms((&rows * after).dot(&rows) + other)))
+    });
+    Ok(Some(NeverLoaded { error: rms(error), untold: rms(untold), best: best(left), places }))
+}
+
+/// The further load that is worth most by what each leaves, the weight first; `None` leaves what is no load.
+fn best(mut left: impl Iterator<Item = (String, Option<f64>)>) -> Option<(String, f64)> {
+    let weight = left.next().and_then(|(load, left)| Some((load, left?)));
+    let others = left.filter_map(|(load, left)| Some((load, left?)));
+    let other = others.min_by(|a, b| a.1.total_cmp(&b.1));
+    match (weight, other) {
+        (Some(weight), Some(other)) if other.1 < SIMPLER * weight.1 => Some(other),
+        (Some(weight), _) => Some(weight),
+        (None, other) => other,
     }
-    // The first is the weight.
-    if let Some(best) = (1..left.len()).min_by(|a, b| left[*a].1.total_cmp(&left[*b].1))
-        && left[best].1 < SIMPLER * left[0].1
-    {
-        left.swap(0, best);
-    }
-    Ok(Some(NeverLoaded { error: rms(error), untold: rms(untold), left, places }))
 }
 
 /// Columns d, each over the root of the variance of dᵀx, of the directions of which readings told less than half.
@@ -240,4 +243,20 @@ fn places_of(
         out.push(format!("{name}{}", loaded(*place, of_shift > of_turn, work, seen)));
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::best;
+
+    #[test]
+    fn ropes_are_held_against_the_weight_alone() {
+        let of = |left: [Option<f64>; 3]| best(["weight", "first", "second"].map(String::from).into_iter().zip(left));
+        let named = |name: &str, left: f64| Some((name.to_string(), left));
+        assert_eq!(of([Some(3.0), Some(2.9), Some(2.5)]), named("weight", 3.0));
+        assert_eq!(of([Some(3.0), Some(2.9), Some(2.0)]), named("second", 2.0));
+        // Without a weight the rope that leaves least is the best, however little less it leaves.
+        assert_eq!(of([None, Some(2.9), Some(2.8)]), named("second", 2.8));
+        assert_eq!(of([None, None, None]), None);
+    }
 }

@@ -7,6 +7,7 @@ use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::model::load::Load;
 use crate::model::observation::{PostureTerms, Setup, link_axes, on_first_axis};
+use crate::units::{m_to_mm, rounded};
 use nalgebra::{DMatrix, Matrix3, Rotation3, UnitVector3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
@@ -46,7 +47,7 @@ pub(super) fn further_loads(cell: &Cell, magnitude: f64) -> Vec<(String, Setup)>
         for quarters in 1..4 {
             let turn = Rotation3::from_axis_angle(&axis, f64::from(quarters) * FRAC_PI_2);
             let anchor = origin + turn * (anchor - origin);
-            let [x, y, z] = anchor.map(|v| (1e3 * v).round() + 0.0).into();
+            let [x, y, z] = anchor.map(|v| rounded(m_to_mm(v), 0)).into();
             let words = format!("The rope from an anchor at [{x}, {y}, {z}] mm");
             let load = Load::Rope { anchor, magnitude };
             let setup = Setup { load, ..cell.setup.clone() };
