@@ -13,7 +13,7 @@
 //! The date of the head is a constant, so that equal plans give equal bytes. CR LF, as the
 //! controller writes.
 
-use super::aims::Aim;
+use super::aims::MoveTarget;
 use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, PoseForm, Syntax, Tool};
@@ -136,7 +136,7 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
             return Err(line.wrong("The move does not end at rest (PL=0)."));
         }
         line.end()?;
-        reader.go(place.clone(), Aim::Label(place, label.to_string()));
+        reader.go(place.clone(), MoveTarget::Label(place, label.to_string()));
     } else {
         return Ok(false);
     }

@@ -6,7 +6,7 @@
 //! arc is three `MOVC`: a straight way to the first, then the arc through the second to the third; `FPT` at the third
 //! begins another one there.
 
-use super::aims::{Aim, External, Motion};
+use super::aims::{External, Motion, MoveTarget};
 use super::cursor::Cursor;
 use super::reader::{Reader, Section, leading};
 use stiffarm::error::Result;
@@ -101,9 +101,9 @@ fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
     let aim = if is_pose {
         let mut pose = reader.pose(numbers, line);
         (pose.frames, pose.external) = (reader.taken.clone(), external);
-        Aim::Pose(pose)
+        MoveTarget::Pose(pose)
     } else {
-        Aim::Angles(Vec::new(), external)
+        MoveTarget::Angles(Vec::new(), external)
     };
     reader.point(label, aim);
     Ok(())
@@ -119,14 +119,14 @@ fn movement<'a>(line: &mut Cursor<'a>, motion: Motion, reader: &mut Reader<'a>) 
         return Err(place.wrong_here(message));
     }
     let point = reader.aim_of(label).cloned();
-    let mut aim = point.unwrap_or_else(|| Aim::Label(place.clone(), label.to_string()));
+    let mut aim = point.unwrap_or_else(|| MoveTarget::Label(place.clone(), label.to_string()));
     // What carries the robot or the workpiece has positions of its own; those of the arm in pulses are its joints.
-    if let Aim::Pose(pose) = &mut aim {
+    if let MoveTarget::Pose(pose) = &mut aim {
         let mut others = line.clone();
-        while let Some(Aim::Angles(_, axes)) = others.identifier().ok().and_then(|other| reader.aim_of(other)) {
+        while let Some(MoveTarget::Angles(_, axes)) = others.identifier().ok().and_then(|other| reader.aim_of(other)) {
             pose.external.extend(axes.iter().cloned());
         }
-    } else if let Aim::Angles(_, axes) = &mut aim {
+    } else if let MoveTarget::Angles(_, axes) = &mut aim {
         axes.clear();
     }
     let rest = line.rest();

@@ -1,7 +1,7 @@
 //! Paths in KRL: moves, and which tool and base they take.
 
 use super::ProgramFile;
-use super::aims::{Aim, Motion};
+use super::aims::{Motion, MoveTarget};
 use super::cursor::{Cursor, lines};
 use super::flow::Procedures;
 use super::krl_points::{aggregate, aim, declaration};
@@ -120,7 +120,7 @@ fn stated<'a>(line: &mut Cursor<'a>, name: &str, reader: &mut Reader<'a>) -> Res
     if !line.passes("=") || !line.clone().passes("{") {
         return Ok(false);
     }
-    let Aim::Pose(pose) = aggregate(line, reader)? else {
+    let MoveTarget::Pose(pose) = aggregate(line, reader)? else {
         return Ok(false);
     };
     let is_whole = pose.numbers[..6].iter().all(Option::is_some) && !line.clone().passes(":");

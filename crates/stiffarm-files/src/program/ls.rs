@@ -9,7 +9,7 @@
 //!
 //! CR LF, as the controller writes.
 
-use super::aims::{Aim, External, OpenPoint};
+use super::aims::{External, MoveTarget, OpenPoint};
 use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax, Target, Tool};
@@ -211,7 +211,7 @@ fn statement<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
             return Err(line.wrong_here("The move does not end at rest (FINE)."));
         }
         line.expect(";")?;
-        reader.go(place.clone(), Aim::Label(place, label));
+        reader.go(place.clone(), MoveTarget::Label(place, label));
     } else {
         return Ok(false);
     }
@@ -239,7 +239,7 @@ fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
                     None => {
                         let mut pose = reader.pose(open.pose, &open.place);
                         pose.external = open.external;
-                        Ok(Aim::Pose(pose))
+                        Ok(MoveTarget::Pose(pose))
                     }
                     Some(at) => Err(POSE[at].to_string()),
                 }
@@ -247,7 +247,7 @@ fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
                 reader.complete(&open.values)
             };
             // It counts only where a move goes there: controllers keep points that were never taught.
-            let unset = |name| Aim::Unset(open.place, format!("{label} has no {name}."));
+            let unset = |name| MoveTarget::Unset(open.place, format!("{label} has no {name}."));
             reader.point(&label, aim.unwrap_or_else(unset));
         }
     } else if let Some(open) = &mut reader.open {

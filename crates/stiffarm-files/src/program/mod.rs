@@ -59,7 +59,7 @@ pub(crate) mod text;
 mod urscript;
 mod writer;
 
-pub(super) use aims::{Aim, External, Frames, Leg, Motion, Pose, Taken};
+pub(super) use aims::{ActiveFrame, External, Frames, Motion, MoveTarget, Pose, ProgramMove};
 pub use compare::{Difference, compare_moves, missing_stops};
 pub(super) use cursor::{Cursor, Number, lines};
 pub(super) use dialect::{Leads, PoseForm};
@@ -270,7 +270,7 @@ pub(super) fn read_legs<'a>(
     files: &'a [ProgramFile],
     language: Language,
     reader: &mut Reader<'a>,
-) -> Result<Vec<Leg<'a>>> {
+) -> Result<Vec<ProgramMove<'a>>> {
     if let Some(syntax) = &language.dialect().syntax {
         read::read_lines(files.iter().collect(), syntax, reader)?;
     }

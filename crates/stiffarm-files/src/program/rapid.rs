@@ -9,7 +9,7 @@
 //!
 //! CR LF: RobotStudio writes modules so.
 
-use super::aims::Aim;
+use super::aims::MoveTarget;
 use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax, Tool};
@@ -207,7 +207,7 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         let aim = if line.clone().passes("[") {
             target(line, reader)?
         } else {
-            Aim::Label(place.clone(), line.identifier()?.to_string())
+            MoveTarget::Label(place.clone(), line.identifier()?.to_string())
         };
         reader.go(place, aim);
         if !reader.is_path {
@@ -222,7 +222,7 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
 }
 
 /// `[[six angles],[six external axes]]`.
-fn target<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
+fn target<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<MoveTarget<'a>> {
     line.expect("[")?;
     line.expect("[")?;
     let mut values = line.list(6, |line, _| line.angle())?;
@@ -238,10 +238,10 @@ fn target<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
         arm.expect(if axis == 0 { "[" } else { "," })?;
         values.push(arm.angle()?);
     }
-    let Aim::Angles(q, _) = reader.angles(&values) else {
+    let MoveTarget::Angles(q, _) = reader.angles(&values) else {
         return Ok(reader.angles(&values));
     };
-    Ok(Aim::Angles(q, others))
+    Ok(MoveTarget::Angles(q, others))
 }
 
 /// What follows the target: a speed, `fine`, a tool.

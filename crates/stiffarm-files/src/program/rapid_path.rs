@@ -1,6 +1,6 @@
 //! Paths in RAPID: what moves, points and frames say.
 
-use super::aims::{Aim, External, Motion, Pose};
+use super::aims::{External, Motion, MoveTarget, Pose};
 use super::cursor::Cursor;
 use super::flow::Procedures;
 use super::rapid_statements::statements;
@@ -70,7 +70,7 @@ pub fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>, declares: bool) 
             let aim = if line.clone().passes("[") {
                 robtarget(line, reader)?
             } else {
-                Aim::Unset(line.clone(), format!("{label} is calculated: only stated positions are read."))
+                MoveTarget::Unset(line.clone(), format!("{label} is calculated: only stated positions are read."))
             };
             reader.point(label, aim);
         }
@@ -175,7 +175,7 @@ fn sets_frame<'a>(line: &Cursor<'a>, name: &str, reader: &mut Reader<'a>) -> Res
 }
 
 /// A robtarget, or the label of one.
-fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
+fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<MoveTarget<'a>> {
     if line.clone().passes("[") {
         return robtarget(line, reader);
     }
@@ -201,7 +201,7 @@ fn placed<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Box<Pose<'a>
 }
 
 /// `[[x,y,z],[q1,q2,q3,q4],[cf1,cf4,cf6,cfx],[eax_a…]]`.
-fn robtarget<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
+fn robtarget<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<MoveTarget<'a>> {
     let mut pose = placed(line, reader)?;
     line.expect(",")?;
     line.expect("[")?;
@@ -210,7 +210,7 @@ fn robtarget<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> 
     line.expect(",")?;
     pose.external = external(line, 0)?;
     line.expect("]")?;
-    Ok(Aim::Pose(pose))
+    Ok(MoveTarget::Pose(pose))
 }
 
 /// `[eax_a,eax_b,…]` from the axis `first` of the controller on; 9E9 stands for one that is not there.

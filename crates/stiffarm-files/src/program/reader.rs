@@ -1,6 +1,6 @@
 //! What the lines of a program have said so far.
 
-use super::aims::{Aim, Frames, Leg, Motion, OpenPoint, Pose, Remark, Taken};
+use super::aims::{ActiveFrame, Frames, Motion, MoveTarget, OpenPoint, Pose, ProgramMove, Remark};
 use super::cursor::{Cursor, Number};
 use super::{Move, MoveKind, Program, ProgramFile, ProgramOptions, Step, text};
 use std::collections::{HashMap, HashSet};
@@ -18,7 +18,7 @@ pub enum Section {
 
 enum Read<'a> {
     Wait(String),
-    Leg(Box<Leg<'a>>),
+    ProgramMove(Box<ProgramMove<'a>>),
 }
 
 /// What has been read so far.
@@ -37,7 +37,7 @@ pub struct Reader<'a> {
     pub section: Section,
     pub open: Option<OpenPoint<'a>>,
     /// An arc whose end is still to come: where its word stands, and its point on the way.
-    pub arc: Option<(Cursor<'a>, Aim<'a>)>,
+    pub arc: Option<(Cursor<'a>, MoveTarget<'a>)>,
     /// How many points of an arc have been said, where each is a move of its own; 4 where the third begins another.
     pub arc_points: u8,
     /// Whether the positions that come are poses.
@@ -62,7 +62,7 @@ pub struct Reader<'a> {
     axis_name: fn(usize) -> String,
     name: String,
     /// By their labels in capital letters.
-    points: HashMap<String, Aim<'a>>,
+    points: HashMap<String, MoveTarget<'a>>,
     steps: Vec<Read<'a>>,
     /// Kind and name of the next move.
     next: Option<(MoveKind, String)>,
@@ -153,14 +153,14 @@ impl<'a> Reader<'a> {
     }
 
     /// A joint move to the aim, whose word stands at `place`.
-    pub fn go(&mut self, place: Cursor<'a>, aim: Aim<'a>) {
+    pub fn go(&mut self, place: Cursor<'a>, aim: MoveTarget<'a>) {
         self.moves(place, Motion::Joint, None, aim);
     }
 
     /// A move.
-    pub fn moves(&mut self, place: Cursor<'a>, motion: Motion, via: Option<Aim<'a>>, aim: Aim<'a>) {
+    pub fn moves(&mut self, place: Cursor<'a>, motion: Motion, via: Option<MoveTarget<'a>>, aim: MoveTarget<'a>) {
         let (via, aim) = (via.map(|via| self.as_current(via)), self.as_current(aim));
-        self.steps.push(Read::Leg(Box::new(Leg {
+        self.steps.push(Read::ProgramMove(Box::new(ProgramMove {
             place,
             motion,
             via: via.map(Box::new),
@@ -174,19 +174,19 @@ impl<'a> Reader<'a> {
     }
 
     /// The point of this label as it is now.
-    pub fn aim_of(&self, label: &str) -> Option<&Aim<'a>> {
+    pub fn aim_of(&self, label: &str) -> Option<&MoveTarget<'a>> {
         self.points.get(&label.to_ascii_uppercase())
     }
 
     /// Of a path the point of this label as it is now: the program may set it to another later.
-    fn as_current(&mut self, aim: Aim<'a>) -> Aim<'a> {
+    fn as_current(&mut self, aim: MoveTarget<'a>) -> MoveTarget<'a> {
         match &aim {
-            Aim::Label(_, label) if self.is_path => {
+            MoveTarget::Label(_, label) if self.is_path => {
                 let label = label.to_ascii_uppercase();
                 match self.points.get(&label) {
                     Some(point) => {
                         let point = point.clone();
-                        if matches!(point, Aim::Pose(_)) {
+                        if matches!(point, MoveTarget::Pose(_)) {
                             self.named_points.insert(label);
                         }
                         point
@@ -200,14 +200,14 @@ impl<'a> Reader<'a> {
 
     /// The feed of the move given last \[m/s\].
     pub fn at_feed(&mut self, feed: Option<f64>) {
-        if let Some(Read::Leg(leg)) = self.steps.last_mut() {
+        if let Some(Read::ProgramMove(leg)) = self.steps.last_mut() {
             leg.feed = feed;
         }
     }
 
     /// The move given last takes these frames, those that come do not.
     pub fn in_frames(&mut self, frames: Frames<'a>) {
-        if let Some(Read::Leg(leg)) = self.steps.last_mut() {
+        if let Some(Read::ProgramMove(leg)) = self.steps.last_mut() {
             leg.frames = frames;
         }
     }
@@ -217,7 +217,7 @@ impl<'a> Reader<'a> {
         &mut self,
         line: &mut Cursor<'a>,
         motion: Motion,
-        aim: fn(&mut Cursor<'a>, &Self) -> Result<Aim<'a>>,
+        aim: fn(&mut Cursor<'a>, &Self) -> Result<MoveTarget<'a>>,
     ) -> Result<()> {
         let place = line.clone();
         let via = if motion == Motion::Circular {
@@ -237,7 +237,7 @@ impl<'a> Reader<'a> {
         let name = name.into();
         let factors = self.frames.get(&name.to_ascii_uppercase());
         let factors = factors.cloned().unwrap_or_default();
-        let taken = Taken { name, line, factors };
+        let taken = ActiveFrame { name, line, factors };
         let current = self.taken[number].take();
         let current = current.filter(|current| current.is_same(&taken));
         self.taken[number] = current.or_else(|| Some(Arc::new(taken)));
@@ -273,17 +273,17 @@ impl<'a> Reader<'a> {
     }
 
     /// A point.
-    pub fn point(&mut self, label: &str, aim: Aim<'a>) {
+    pub fn point(&mut self, label: &str, aim: MoveTarget<'a>) {
         self.points.insert(label.to_ascii_uppercase(), aim);
     }
 
     /// Joint angles of the controller's axes.
-    pub fn angles(&self, values: &[f64]) -> Aim<'a> {
-        Aim::Angles(self.options.to_cell(values), Vec::new())
+    pub fn angles(&self, values: &[f64]) -> MoveTarget<'a> {
+        MoveTarget::Angles(self.options.to_cell(values), Vec::new())
     }
 
     /// Angles in the order of the cell's joints, if all are there; else the name of the first that is not.
-    pub fn complete(&self, values: &[Option<f64>]) -> std::result::Result<Aim<'a>, String> {
+    pub fn complete(&self, values: &[Option<f64>]) -> std::result::Result<MoveTarget<'a>, String> {
         match values.iter().position(Option::is_none) {
             Some(axis) => Err((self.axis_name)(axis)),
             None => {
@@ -321,16 +321,16 @@ impl<'a> Reader<'a> {
         let steps = self.steps.into_iter().map(|step| {
             let mut leg = match step {
                 Read::Wait(text) => return Ok(Step::Wait(text)),
-                Read::Leg(leg) => *leg,
+                Read::ProgramMove(leg) => *leg,
             };
             let q = match leg.aim {
-                Aim::Angles(q, _) => q,
-                Aim::Pose(_) | Aim::Unset(..) => {
+                MoveTarget::Angles(q, _) => q,
+                MoveTarget::Pose(_) | MoveTarget::Unset(..) => {
                     return Err(leg.place.wrong_here("This goes to no joint position."));
                 }
-                Aim::Label(mut place, label) => match self.points.get(&label.to_ascii_uppercase()) {
-                    Some(Aim::Angles(q, _)) => q.clone(),
-                    Some(Aim::Unset(place, why)) => return Err(place.wrong(why.as_str())),
+                MoveTarget::Label(mut place, label) => match self.points.get(&label.to_ascii_uppercase()) {
+                    Some(MoveTarget::Angles(q, _)) => q.clone(),
+                    Some(MoveTarget::Unset(place, why)) => return Err(place.wrong(why.as_str())),
                     _ => return Err(place.wrong_here(format!("{missing} {label}."))),
                 },
             };
@@ -344,20 +344,20 @@ impl<'a> Reader<'a> {
     }
 
     /// The moves of a tool path, points in place of their labels.
-    pub fn legs(&mut self) -> Result<Vec<Leg<'a>>> {
+    pub fn legs(&mut self) -> Result<Vec<ProgramMove<'a>>> {
         self.check_closed()?;
         let (points, assigned, named) = (&self.points, &self.assigned, &mut self.named_points);
-        let mut resolved = |aim: Aim<'a>, motion: Motion| match aim {
-            Aim::Label(mut place, label) => match points.get(&label.to_ascii_uppercase()) {
-                Some(Aim::Unset(place, why)) => Err(place.wrong(why.as_str())),
+        let mut resolved = |aim: MoveTarget<'a>, motion: Motion| match aim {
+            MoveTarget::Label(mut place, label) => match points.get(&label.to_ascii_uppercase()) {
+                Some(MoveTarget::Unset(place, why)) => Err(place.wrong(why.as_str())),
                 Some(aim) => {
-                    if matches!(aim, Aim::Pose(_)) {
+                    if matches!(aim, MoveTarget::Pose(_)) {
                         named.insert(label.to_ascii_uppercase());
                     }
                     Ok(aim.clone())
                 }
                 // A position of the controller, as HOME: not of the path.
-                None if motion == Motion::Joint => Ok(Aim::Angles(Vec::new(), Vec::new())),
+                None if motion == Motion::Joint => Ok(MoveTarget::Angles(Vec::new(), Vec::new())),
                 None => {
                     let name = label.to_ascii_uppercase();
                     let message = if assigned.iter().any(|(_, set)| *set == name) {
@@ -368,16 +368,16 @@ impl<'a> Reader<'a> {
                     Err(place.wrong_here(message))
                 }
             },
-            Aim::Unset(place, why) => Err(place.wrong(why)),
+            MoveTarget::Unset(place, why) => Err(place.wrong(why)),
             aim => Ok(aim),
         };
         let legs = std::mem::take(&mut self.steps).into_iter();
         let legs = legs.filter_map(|step| match step {
             Read::Wait(_) => None,
-            Read::Leg(leg) => Some(*leg),
+            Read::ProgramMove(leg) => Some(*leg),
         });
         legs.map(|leg| {
-            Ok(Leg {
+            Ok(ProgramMove {
                 via: leg.via.map(|via| resolved(*via, leg.motion).map(Box::new)).transpose()?,
                 aim: resolved(leg.aim, leg.motion)?,
                 ..leg

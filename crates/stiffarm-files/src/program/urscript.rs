@@ -7,7 +7,7 @@
 //!
 //! LF: the controller runs Linux.
 
-use super::aims::{Aim, Motion};
+use super::aims::{Motion, MoveTarget};
 use super::characters::said;
 use super::cursor::{Cursor, lines};
 use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax};
@@ -173,15 +173,15 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         line.expect("(")?;
         let number = line.line_number();
         match aim(line, reader)? {
-            Aim::Pose(pose) => {
+            MoveTarget::Pose(pose) => {
                 reader.frames.insert("TCP".to_string(), vec![*pose]);
                 reader.takes(0, "TCP", number);
             }
-            Aim::Label(_, name) => {
+            MoveTarget::Label(_, name) => {
                 // A pose that has a name.
                 let aim = reader.aim_of(&name);
                 let factors = match aim {
-                    Some(Aim::Pose(pose)) => vec![(**pose).clone()],
+                    Some(MoveTarget::Pose(pose)) => vec![(**pose).clone()],
                     _ => Vec::new(),
                 };
                 reader.frames.insert(name.to_ascii_uppercase(), factors);
@@ -257,7 +257,7 @@ fn assigns<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
 }
 
 /// `p[x, y, z, rx, ry, rz]`, `[q1, …]`, or the name of a pose.
-fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
+fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<MoveTarget<'a>> {
     if line.passes("p[") {
         let mut numbers = [None; 7];
         for (at, number) in numbers.iter_mut().take(6).enumerate() {
@@ -267,7 +267,7 @@ fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
             *number = Some(line.placed()?);
         }
         line.expect("]")?;
-        return Ok(Aim::Pose(reader.pose(numbers, line)));
+        return Ok(MoveTarget::Pose(reader.pose(numbers, line)));
     }
     if line.passes("[") {
         let q = line.list(reader.joints, |line, _| line.number())?;

@@ -27,7 +27,7 @@ pub(super) enum Beside {
 
 /// What a row has to say.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Given<'a> {
+pub(super) struct RowContents<'a> {
     pub(super) station: Option<&'a str>,
     pub(super) wrench: Option<Wrench>,
     pub(super) load: Option<f64>,
@@ -53,7 +53,7 @@ struct Facts {
     of_displacements: bool,
     /// What its numbers are called where they are never below zero.
     size: Option<&'static str>,
-    get: for<'a> fn(&Given<'a>) -> Option<Field<'a>>,
+    get: for<'a> fn(&RowContents<'a>) -> Option<Field<'a>>,
     /// Takes it into a reading; `None` for what belongs to a posture or a state.
     set: Option<fn(&mut Reading, Vector3<f64>)>,
 }
@@ -157,12 +157,12 @@ impl Beside {
     }
 
     /// Whether a row says something of it.
-    pub(super) fn is_in(self, contents: &Given<'_>) -> bool {
+    pub(super) fn is_in(self, contents: &RowContents<'_>) -> bool {
         (self.facts().get)(contents).is_some()
     }
 
     /// What stands in its fields, empty where there is no value.
-    pub(super) fn texts(self, contents: &Given<'_>) -> Vec<String> {
+    pub(super) fn texts(self, contents: &RowContents<'_>) -> Vec<String> {
         let facts = self.facts();
         let unit = facts.quantity.units().first();
         let text = |value: f64| unit.map_or(value, |unit| unit.shortest(value)).to_string();

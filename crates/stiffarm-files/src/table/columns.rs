@@ -2,7 +2,7 @@
 
 use super::beside::Beside;
 use super::grid::{Column, Row, Table};
-use super::heading::Known;
+use super::heading::ColumnDefinition;
 use super::postures::angles;
 use super::values::Values;
 use nalgebra::Vector3;
@@ -41,12 +41,12 @@ impl MeasurementColumns {
             Values::Displacements => "a table of displacements has the columns posture, point, dx_mm, dy_mm, dz_mm",
         };
         let hint = hint.to_string() + &unmatched(table, cell, &values.definitions(joints));
-        let posture = heading.require(&Known::name("posture"), &hint)?;
+        let posture = heading.require(&ColumnDefinition::name("posture"), &hint)?;
         let state = match values {
-            Values::Positions => Some(heading.require(&Known::name("state"), &hint)?),
+            Values::Positions => Some(heading.require(&ColumnDefinition::name("state"), &hint)?),
             Values::Displacements => heading.get("state"),
         };
-        let point = heading.require(&Known::name("point"), &hint)?;
+        let point = heading.require(&ColumnDefinition::name("point"), &hint)?;
         let vector = heading.all(&values.components(), &hint)?;
         let mut beside: BTreeMap<Beside, Vec<Column>> = BTreeMap::new();
         for quantity in values.beside() {
@@ -80,7 +80,7 @@ impl MeasurementColumns {
             let hint = "give fx_n, fy_n, fz_n, or set load.kind to \"rope\", \"cylinder\" or \"weight\"";
             return fault(Some(load), Code::Conflict, message, hint);
         }
-        let angle_columns: Vec<Known> = Known::angles(joints).collect();
+        let angle_columns: Vec<ColumnDefinition> = ColumnDefinition::angles(joints).collect();
         let hint = format!("give the angles of all {joints} joints, or a posture file");
         let angles = heading.all_or_none(&angle_columns, &hint)?;
         if angles.is_none() && !has_postures {
@@ -292,7 +292,7 @@ impl MeasurementColumns {
 }
 
 /// Says which of the cell's foreign headings the table has not, for hints.
-fn unmatched(table: &Table<'_>, cell: &Cell, definitions: &[Known]) -> String {
+fn unmatched(table: &Table<'_>, cell: &Cell, definitions: &[ColumnDefinition]) -> String {
     let missing = |ours: &String| {
         // A path has columns that measurements have not.
         definitions.iter().any(|k| k.headings().any(|heading| heading == *ours))

@@ -1,7 +1,7 @@
 //! The columns of a measurement table that is written, and what stands in them.
 
-use super::beside::{Beside, Given};
-use super::heading::Known;
+use super::beside::{Beside, RowContents};
+use super::heading::ColumnDefinition;
 use super::postures::angle_names;
 use super::values::Values;
 use stiffarm::model::cell::Cell;
@@ -26,7 +26,7 @@ impl Layout {
     }
 
     pub(super) fn heading(&self, cell: &Cell) -> Vec<String> {
-        let names = ["posture", "state", "point"].map(Known::name);
+        let names = ["posture", "state", "point"].map(ColumnDefinition::name);
         let lengths = self.values.components();
         let beside = self.beside.iter().flat_map(|beside| beside.definitions());
         let definitions = names.into_iter().chain(lengths).chain(beside);
@@ -35,7 +35,7 @@ impl Layout {
     }
 
     /// The fields between lengths and angles, empty where there is no value.
-    pub(super) fn fields(&self, contents: &Given<'_>) -> impl Iterator<Item = String> {
+    pub(super) fn fields(&self, contents: &RowContents<'_>) -> impl Iterator<Item = String> {
         self.beside.iter().flat_map(|beside| beside.texts(contents))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::beside::Beside;
 use super::grid::Table;
-use super::heading::Known;
+use super::heading::ColumnDefinition;
 use super::quantity::Quantity;
 use nalgebra::{Vector3, Vector6};
 use stiffarm::error::{Code, Error, Result};
@@ -22,9 +22,9 @@ pub fn read_log(bytes: &[u8], file_name: &str, cell: &Cell, axes: Option<ForceAx
 
 fn read(table: &Table<'_>, axes: Option<ForceAxes>) -> Result<LoadLog> {
     let mut definitions = vec![
-        Known::of("along", Quantity::Length, "along"),
-        Known::of("time", Quantity::Time, "time"),
-        Known::of("power", Quantity::Power, "power"),
+        ColumnDefinition::of("along", Quantity::Length, "along"),
+        ColumnDefinition::of("time", Quantity::Time, "time"),
+        ColumnDefinition::of("power", Quantity::Power, "power"),
     ];
     definitions.extend(Beside::Force.definitions());
     definitions.extend(Beside::Moment.definitions());

@@ -1,6 +1,6 @@
 //! Writing of tables.
 
-use super::beside::{Beside, Given};
+use super::beside::{Beside, RowContents};
 use super::layout::Layout;
 use super::line::line;
 use super::postures::angle_names;
@@ -60,7 +60,7 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
             ];
             fields.extend(displacement.value.iter().map(|m| m_to_shortest_mm(*m).to_string()));
             let wrench = wrenches.as_ref().and_then(|wrenches| wrenches[g]);
-            let contents = Given { wrench, time: displacement.time, ..Given::default() };
+            let contents = RowContents { wrench, time: displacement.time, ..RowContents::default() };
             fields.extend(layout.fields(&contents));
             fields.extend(degrees(&group.posture.q));
             text += &line(&fields);
@@ -122,7 +122,7 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
     for row in begun.into_iter().chain(others) {
         let mut fields = vec![row.posture.clone(), row.state.clone(), row.point.clone()];
         fields.extend([""; 3].map(String::from));
-        fields.extend(layout.fields(&Given { station: row.station.as_deref(), ..Given::default() }));
+        fields.extend(layout.fields(&RowContents { station: row.station.as_deref(), ..RowContents::default() }));
         fields.resize(layout.heading(cell).len(), String::new());
         text += &line(&fields);
     }
@@ -130,10 +130,10 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
 }
 
 /// The readings of a posture, each with its state and what its row says beside.
-fn rows_of(posture: &PostureReadings) -> impl Iterator<Item = (&StateReadings, &Reading, Given<'_>)> {
+fn rows_of(posture: &PostureReadings) -> impl Iterator<Item = (&StateReadings, &Reading, RowContents<'_>)> {
     posture.states.iter().flat_map(move |state| {
         state.readings.iter().map(move |reading| {
-            let contents = Given {
+            let contents = RowContents {
                 station: posture.station.as_deref(),
                 wrench: state.wrench,
                 load: state.load,

@@ -108,7 +108,7 @@ pub struct Poses {
 /// A posture of a pose.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct FoundPosture {
+pub struct BranchPosture {
     /// The posture.
     #[serde(flatten)]
     pub posture: Described,
@@ -121,21 +121,21 @@ pub struct FoundPosture {
 /// Postures of one pose.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct FoundPose {
+pub struct PoseSolution {
     /// Its name.
     pub name: String,
     /// All its postures within the machine's limits, full turns included.
-    pub postures: Vec<FoundPosture>,
+    pub postures: Vec<BranchPosture>,
 }
 
 /// Postures of poses.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Found {
+pub struct PoseSolutions {
     /// `closed form` gives every posture, `numeric` those that a search finds.
     pub method: &'static str,
     /// The poses, in the order given.
-    pub poses: Vec<FoundPose>,
+    pub poses: Vec<PoseSolution>,
     /// Poses without a posture, and what to distrust about the robot of the catalogue.
     pub findings: Vec<Finding>,
 }
@@ -276,12 +276,12 @@ impl PoseKind {
     ///
     /// # Errors
     /// As [`held_postures`], for other reasons than that the pose is out of reach or limits.
-    pub fn postures_of(&self, cell: &Cell, poses: &[NamedPose]) -> Result<(Found, Vec<Posture>)> {
+    pub fn postures_of(&self, cell: &Cell, poses: &[NamedPose]) -> Result<(PoseSolutions, Vec<Posture>)> {
         let robot = &cell.setup.robot;
         let frame = self.frame_in(cell);
         let from_tip = cell.work.tip(&cell.setup.tool).inverse();
         let inverse = InverseKinematics::new(robot);
-        let mut result = Found {
+        let mut result = PoseSolutions {
             method: inverse.method().as_str(),
             poses: Vec::with_capacity(poses.len()),
             findings: self.doubts(cell),
@@ -311,7 +311,7 @@ impl PoseKind {
                         0 => format!("{}-{}", named.name, i + 1),
                         _ => format!("{}-{}.{}", named.name, i + 1, k + 1),
                     };
-                    postures.push(FoundPosture {
+                    postures.push(BranchPosture {
                         posture: describe(cell, name.clone(), q),
                         branch: i + 1,
                         is_singular: held.is_singular,
@@ -319,7 +319,7 @@ impl PoseKind {
                     all.push(Posture { name, q: q.clone() });
                 }
             }
-            result.poses.push(FoundPose { name: named.name.clone(), postures });
+            result.poses.push(PoseSolution { name: named.name.clone(), postures });
         }
         Ok((result, all))
     }

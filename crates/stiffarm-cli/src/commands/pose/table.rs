@@ -7,7 +7,7 @@ use crate::numbers::coarse_mm;
 use crate::screen::{columns, wrapped};
 use crate::table::{Align, Table, title};
 use nalgebra::Isometry3;
-use stiffarm::ask::pose::{Described, Found, FoundPosture, Pose, PoseFrame, Poses};
+use stiffarm::ask::pose::{BranchPosture, Described, Pose, PoseFrame, PoseSolutions, Poses};
 use stiffarm::findings::Finding;
 use stiffarm::model::pose::Convention;
 use stiffarm::units::{rad_to_deg, roll_pitch_yaw};
@@ -80,11 +80,11 @@ impl Job<'_> {
         table.to_string()
     }
 
-    pub(super) fn table_of_postures(&self, result: &Found) -> String {
+    pub(super) fn table_of_postures(&self, result: &PoseSolutions) -> String {
         let mut out = self.heading(&result.findings);
         out += &format!("inverse kinematics: {}\n", result.method);
         // One of each branch, with how many there are: the others have its name with a point.
-        let mut shown: Vec<&FoundPosture> = Vec::new();
+        let mut shown: Vec<&BranchPosture> = Vec::new();
         let mut turns: Vec<usize> = Vec::new();
         for pose in &result.poses {
             let mut last = None;

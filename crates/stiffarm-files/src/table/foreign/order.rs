@@ -2,7 +2,7 @@
 //! left out moves all that follow.
 
 use crate::table::grid::{Column, Row, Table};
-use crate::table::heading::{Known, stem};
+use crate::table::heading::{ColumnDefinition, stem};
 use crate::table::quantity::Quantity;
 use crate::table::rows::in_words;
 use nalgebra::Vector3;
@@ -66,7 +66,7 @@ impl<'o> Order<'o> {
     /// `None` where a number cannot be read: that has an error of its own.
     fn new(table: &'o Table<'o>, sheet: &'o Table<'o>, readings: &'o [Row<'o>], rows: &'o [Row<'o>]) -> Option<Self> {
         let column = |axis: &str| -> Option<Column> {
-            let definition = Known::of(axis, Quantity::Length, "position");
+            let definition = ColumnDefinition::of(axis, Quantity::Length, "position");
             let mut headings = table.headings.iter().enumerate();
             headings.find_map(|(at, heading)| definition.column(&heading.name, at).filter(|_| !heading.ignored))
         };

@@ -5,7 +5,7 @@ mod workbook;
 
 pub use workbook::write_sheet_workbook;
 
-use super::beside::{Beside, Given};
+use super::beside::{Beside, RowContents};
 use super::displacements::DEFAULT_STATE;
 use super::layout::Layout;
 use super::line::line;
@@ -128,10 +128,10 @@ impl Sheet {
     fn fields(&self, row: &SheetRow) -> Vec<String> {
         let mut fields = vec![row.posture.name.clone(), row.state.clone(), row.point.clone()];
         fields.extend([""; 3].map(String::from));
-        fields.extend(self.layout.fields(&Given {
+        fields.extend(self.layout.fields(&RowContents {
             station: row.station.as_deref(),
             load: row.load,
-            ..Given::default()
+            ..RowContents::default()
         }));
         fields.extend(degrees(&row.posture.q));
         fields

@@ -3,7 +3,7 @@
 use super::effect::{Drill, Feeds, Out};
 use super::words::Word;
 use super::{Block, State, known_position};
-use crate::tool_path::builder::Place;
+use crate::tool_path::builder::TipTarget;
 use crate::tool_path::{FAR_AWAY, FARTHEST, SPAN};
 use nalgebra::Vector3;
 use stiffarm::error::Result;
@@ -174,7 +174,7 @@ impl State<'_, '_> {
             if (end * unit).amax() > FARTHEST {
                 return Err(last.place.wrong(FAR_AWAY));
             }
-            let place = Place::Axis(end * unit, self.axis);
+            let place = TipTarget::Axis(end * unit, self.axis);
             if let Some(start) = before.filter(|_| !rapid) {
                 let start = place.at(start * unit);
                 // The correction is there from the beginning of the feed on, so that the hole is straight.

@@ -5,15 +5,15 @@ use super::super::worth::{UNSURE, Worth, is_beyond_first_order, joint_table, wor
 use super::{details, story};
 use crate::selection::{convergence_figure, price_figure};
 use crate::tell::{Block, Given, Section, Telling, Told, with_stopped};
-use stiffarm::ask::select::{Asked, Plan};
+use stiffarm::ask::select::{Plan, SelectResultOptions};
 use stiffarm::findings::Finding;
 use stiffarm::model::elastic::ElasticSource;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::Index;
 use stiffarm::{Result, Termination};
 
-impl Telling<Asked> for Plan {
-    fn told(&self, options: &Asked, context: &Given<'_>) -> Result<Told> {
+impl Telling<SelectResultOptions> for Plan {
+    fn told(&self, options: &SelectResultOptions, context: &Given<'_>) -> Result<Told> {
         let mut plan = self.clone();
         plan.evaluation.name =
             if plan.given_names.is_empty() { "the plan".to_string() } else { "given and new".to_string() };
@@ -151,7 +151,7 @@ fn search_section(plan: &Plan) -> Option<Section> {
     Some(if doubtful { section.in_summary() } else { section })
 }
 
-fn limit_section(options: &Asked, context: &Given<'_>, plan: &Plan) -> Option<Section> {
+fn limit_section(options: &SelectResultOptions, context: &Given<'_>, plan: &Plan) -> Option<Section> {
     let mut blocks = Vec::new();
     let priced = plan.prices.as_ref().filter(|prices| !prices.is_empty());
     if let Some(prices) = priced {

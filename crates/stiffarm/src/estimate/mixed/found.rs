@@ -3,7 +3,7 @@
 use super::doubt::doubt;
 use super::likelihood::{Likelihood, Sizes, Solved};
 use super::means::gathered;
-use super::sums::{Known, Rows};
+use super::sums::{PriorRows, Rows};
 use super::too_few;
 use crate::error::Result;
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};
@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// A mixed model with its sizes.
-pub(super) struct Found {
+pub(super) struct SizedModel {
     pub(super) effects: Vec<Effect>,
     pub(super) rows: Rows,
     pub(super) sizes: Sizes,
@@ -48,7 +48,7 @@ pub(super) fn likeliest(
     gamma: f64,
     left_out: &[usize],
     near: Option<&Sizes>,
-) -> Result<(ElasticSizing, Found)> {
+) -> Result<(ElasticSizing, SizedModel)> {
     let of = |sizing, near: Option<&Sizes>, sigma| {
         fit.control().check()?;
         let choice = Choice { sizing, structure: true, sigma };
@@ -90,7 +90,7 @@ pub(super) fn fit_choice(
     left_out: &[usize],
     choice: Choice,
     near: Option<&Sizes>,
-) -> Result<Found> {
+) -> Result<SizedModel> {
     let effects =
         fitted(&fit.cell().setup.robot, joint_give(fit, axes).as_slice(), choice.sizing, &fit.cell().known_elements);
     let prior = elements_prior(&fit.cell().known_elements, &effects, choice.sigma);
@@ -113,26 +113,26 @@ pub(super) fn fit_choice(
     };
     // The search may end a hair above what no effects at all give.
     let (sizes, value) = if without.value <= value { (none, without.value) } else { (sizes, value) };
-    Ok(Found { effects, rows, sizes, values: [value, without.value] })
+    Ok(SizedModel { effects, rows, sizes, values: [value, without.value] })
 }
 
 /// Rows of what is known of the effects, in units of their scales, where σ is `sigma`; none without.
-fn elements_prior(elements: &[KnownElement], effects: &[Effect], sigma: Option<f64>) -> Known {
+fn elements_prior(elements: &[KnownElement], effects: &[Effect], sigma: Option<f64>) -> PriorRows {
     let Some(sigma) = sigma.filter(|_| !elements.is_empty()) else {
-        return Known::nothing(effects.len());
+        return PriorRows::nothing(effects.len());
     };
     // They are the last, in their order.
     let (count, first) = (elements.len(), effects.len() - elements.len());
     let unit = |i: usize, j: usize| f64::from(u8::from(j == first + i));
     let read = elements.iter().map(|element| sigma * element.compliance / element.std);
-    Known {
+    PriorRows {
         rows: DMatrix::from_fn(count, effects.len(), |i, j| sigma * unit(i, j)),
         read: DVector::from_iterator(count, read),
         ratio: Some((WIDE / sigma).powi(2)),
     }
 }
 
-impl Found {
+impl SizedModel {
     /// σ of a displacement.
     fn sigma(&self, left_out: &[usize]) -> Option<f64> {
         let solved = Likelihood::new(&self.rows, left_out).solve(&self.sizes);
@@ -163,7 +163,7 @@ impl Found {
 
     /// The solution of the mixed-model equations of all postures but `left_out` in the effects' own units.
     pub(super) fn compliance(&self, fit: &Fit, left_out: &[usize]) -> Option<IdentifiedCompliance> {
-        let Found { effects, rows, sizes, .. } = self;
+        let SizedModel { effects, rows, sizes, .. } = self;
         let likelihood = Likelihood::new(rows, left_out);
         let plain = fit.solution();
         let fixed = rows.fixed;

@@ -35,7 +35,7 @@ pub(crate) mod internals {
 pub(crate) use never_loaded::never_loaded;
 pub(crate) use reproduced::Reproduced;
 pub use result::{ElasticElement, ElasticSize, GeneralSpring, MixedResult};
-pub(crate) use seen::Seen;
+pub(crate) use seen::ResidualMaker;
 pub(crate) use unlike::WorkRows;
 
 use crate::error::{Code, Error, Result};
@@ -48,7 +48,7 @@ use crate::model::load::Load;
 use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::numerics::information::scale_columns;
 use crate::numerics::jobs::in_order_watched;
-use found::{Choice, Found, fit_choice, likeliest, means, white};
+use found::{Choice, SizedModel, fit_choice, likeliest, means, white};
 use likelihood::Sizes;
 use means::scattered;
 use nalgebra::{DMatrix, DVector};
@@ -154,7 +154,7 @@ impl MixedFit {
         let (axes, gamma) = (&solution.values, solution.gamma);
         let (sizing, model) = likeliest(fit, &white, axes, gamma, &[], near)?;
         let compliance = model.compliance(fit, &[]).ok_or_else(|| too_few("the equations are singular"))?;
-        let Found { effects, rows, sizes, values } = model;
+        let SizedModel { effects, rows, sizes, values } = model;
         Ok(MixedFit {
             reproduced: OnceLock::new(),
             response: OnceLock::new(),

@@ -74,16 +74,16 @@ pub(super) struct RatioSums {
 
 /// What is known of random effects beside the readings: rows for them and what was read there, as sure as a displacement,
 /// and the variance ratio of the class that they belong to, the last.
-pub(super) struct Known {
+pub(super) struct PriorRows {
     pub(super) rows: DMatrix<f64>,
     pub(super) read: DVector<f64>,
     pub(super) ratio: Option<f64>,
 }
 
-impl Known {
+impl PriorRows {
     /// Nothing of so many.
     pub(super) fn nothing(effects: usize) -> Self {
-        Known { rows: DMatrix::zeros(0, effects), read: DVector::zeros(0), ratio: None }
+        PriorRows { rows: DMatrix::zeros(0, effects), read: DVector::zeros(0), ratio: None }
     }
 }
 
@@ -150,7 +150,7 @@ impl Rows {
         &self,
         scales: impl Iterator<Item = f64> + Clone,
         means: &[Range<usize>],
-        prior: &Known,
+        prior: &PriorRows,
     ) -> Self {
         let fixed = self.fixed;
         let means: Vec<_> = means.iter().map(|mean| fixed + mean.start..fixed + mean.end).collect();

@@ -5,7 +5,7 @@
 //! of each is how the wrench changes, six closed numbers.
 
 use super::facts::Quantity;
-use super::place::{Place, Valued};
+use super::place::{QuantityValue, Valued};
 use super::stated::Stated;
 use crate::error::Result;
 use crate::estimate::identify::known_displacement;
@@ -120,7 +120,7 @@ impl<'a> Answers<'a> {
         shown: &mut DVector<f64>,
         m: usize,
         terms: &PostureTerms,
-        (quantity, place): (Quantity, &Place),
+        (quantity, place): (Quantity, &QuantityValue),
     ) -> Result<()> {
         for (term, size) in self.stated.elements(m, quantity, place)? {
             *shown += term.column(terms) * size;
@@ -188,7 +188,7 @@ impl<'a> Answers<'a> {
         let is_simple = quantity == Quantity::Shift || quantity.terms(k).is_some() || quantity == Quantity::Sensor;
         (is_alone && is_simple).then(|| {
             let count = values[0].1.values.len();
-            self.shift(&[(quantity, Place::off(count, k, 1.0))])
+            self.shift(&[(quantity, QuantityValue::off(count, k, 1.0))])
         })
     }
 }
@@ -199,7 +199,7 @@ pub(crate) mod internals {
     use crate::error::Result;
     use crate::estimate::identify::{Experiment, Fit};
     use crate::estimate::quantity::facts::Quantity;
-    use crate::estimate::quantity::place::Place;
+    use crate::estimate::quantity::place::QuantityValue;
     use nalgebra::DVector;
 
     /// Name, default standard uncertainty and its unit of each quantity.
@@ -211,7 +211,7 @@ pub(crate) mod internals {
     }
 
     /// One number of a quantity off: what changes by the answers to unit wrenches, and in a cell that has it there.
-    pub struct Way {
+    pub struct QuantityResponse {
         /// Name of the quantity and of its number.
         pub name: String,
         /// By the answers.
@@ -228,7 +228,7 @@ pub(crate) mod internals {
     ///
     /// # Errors
     /// As `Answers::new`.
-    pub fn both_ways(fit: &Fit) -> Result<Vec<Way>> {
+    pub fn both_ways(fit: &Fit) -> Result<Vec<QuantityResponse>> {
         let stated = Stated::of(fit);
         let (system, values) = (fit.system(), &fit.solution().values);
         let answers = Answers::new(&stated, &system.extra, values.clone())?;
@@ -240,7 +240,7 @@ pub(crate) mod internals {
             }
             let names = quantity.parts(stated.cell());
             for (k, name) in names.iter().enumerate().take(quantity.dimension(names.len())) {
-                let at = |size: f64| vec![(quantity, Place::off(names.len(), k, size))];
+                let at = |size: f64| vec![(quantity, QuantityValue::off(names.len(), k, size))];
                 let missed = |size: f64| -> Result<DVector<f64>> {
                     let (cell, measured) = stated.changed(&at(size))?;
                     let other = Experiment::of(cell, measured)?;
@@ -248,7 +248,7 @@ pub(crate) mod internals {
                     Ok(&other.psi * values - &other.delta)
                 };
                 let (step, far) = (quantity.step(), 50.0 * quantity.step());
-                out.push(Way {
+                out.push(QuantityResponse {
                     name: format!("{} {name}", quantity.name()),
                     answer: answers.shift(&at(far))?,
                     cell: missed(far)? - missed(0.0)?,

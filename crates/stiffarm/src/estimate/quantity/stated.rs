@@ -1,7 +1,7 @@
 //! Measurements with what the cell states of them, and with any of its quantities at another value.
 
 use super::facts::Quantity;
-use super::place::{Place, Valued};
+use super::place::{QuantityValue, Valued};
 use crate::error::Result;
 use crate::estimate::identify::{Experiment, Fit, MeasuredSystem};
 use crate::measure::Measured;
@@ -190,7 +190,7 @@ impl<'a> Stated<'a> {
     ///
     /// # Errors
     /// Angles whose load has no sides.
-    pub fn elements(&self, m: usize, quantity: Quantity, place: &Place) -> Result<Vec<(ExtraTerm, f64)>> {
+    pub fn elements(&self, m: usize, quantity: Quantity, place: &QuantityValue) -> Result<Vec<(ExtraTerm, f64)>> {
         let mut out = Vec::new();
         for (i, size) in place.values.iter().enumerate() {
             let Some(term) = quantity.terms(i) else {
@@ -298,7 +298,7 @@ pub(crate) fn anchor(cell: &Cell, i: usize) -> Vector3<f64> {
 }
 
 /// Direction of gravity where the quantity has this value.
-pub(crate) fn gravity(stated: &Vector3<f64>, place: &Place) -> Vector3<f64> {
+pub(crate) fn gravity(stated: &Vector3<f64>, place: &QuantityValue) -> Vector3<f64> {
     let along = place.turn * stated;
     let least = along.iamin();
     let across = along.cross(&Vector3::ith(least, 1.0)).normalize();
@@ -306,7 +306,7 @@ pub(crate) fn gravity(stated: &Vector3<f64>, place: &Place) -> Vector3<f64> {
     (along + moved).normalize()
 }
 
-fn change_setup(setup: &mut Setup, quantity: Quantity, place: &Place) {
+fn change_setup(setup: &mut Setup, quantity: Quantity, place: &QuantityValue) {
     let loads: Vec<&mut Load> = match &mut setup.load {
         Load::Cases(cases) => cases.iter_mut().map(|case| &mut case.load).collect(),
         one => vec![one],

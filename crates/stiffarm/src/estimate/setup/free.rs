@@ -1,12 +1,12 @@
 //! Quantities of the set-up that are identified on purpose, together with the stiffness.
 
-use super::freed::At;
+use super::freed::QuantityFit;
 use super::{Freed, described, value};
 use crate::error::{Code, Error, Result, did_you_mean};
 use crate::estimate::elastic::ElasticChoice;
 use crate::estimate::identify::Fit;
 use crate::estimate::quantity::facts::Quantity;
-use crate::estimate::quantity::place::{Place, Valued};
+use crate::estimate::quantity::place::{QuantityValue, Valued};
 use crate::estimate::quantity::stated::Stated;
 use crate::measure::Measured;
 use nalgebra::Matrix3;
@@ -32,14 +32,14 @@ pub fn free(fit: &Fit, elastic: ElasticChoice) -> Result<Option<(Fit, Vec<Freed>
     }
     let stated = Stated::of(fit);
     let start = wanted(&stated, names)?;
-    let before = At::new(start.clone(), fit.clone(), false, None)?;
+    let before = QuantityFit::new(start.clone(), fit.clone(), false, None)?;
     let mut at = stated.refined(before);
     let is_mixed = elastic == ElasticChoice::Mixed;
     let mut all = value(fit, None);
     if is_mixed {
-        let granted = At::new(start, fit.clone(), true, None)?;
+        let granted = QuantityFit::new(start, fit.clone(), true, None)?;
         all = granted.value;
-        at = At::new(at.values, at.fit, true, granted.mixed.as_deref())?;
+        at = QuantityFit::new(at.values, at.fit, true, granted.mixed.as_deref())?;
         for _ in 0..SEARCHES {
             let next = stated.refined(at.clone());
             let fall = at.value - next.value;
@@ -100,7 +100,7 @@ fn wanted(stated: &Stated<'_>, names: &[String]) -> Result<Vec<Valued>> {
         let from = out.len();
         out.extend(quantities.map(|quantity| {
             let count = quantity.dimension(joints);
-            (*quantity, Place::new(Matrix3::identity(), vec![0.0; count]))
+            (*quantity, QuantityValue::new(Matrix3::identity(), vec![0.0; count]))
         }));
         if out.len() == from {
             let free_names: Vec<&str> =

@@ -20,7 +20,7 @@ const STILL: f64 = 1e-2;
 
 /// The experiment fitted with quantities at some values.
 #[derive(Clone)]
-pub(super) struct At {
+pub(super) struct QuantityFit {
     pub values: Vec<Valued>,
     pub fit: Fit,
     /// Springs beyond the axes, where they are granted.
@@ -69,7 +69,7 @@ impl Step {
     }
 }
 
-impl At {
+impl QuantityFit {
     /// How many numbers are free.
     pub(super) fn numbers(&self) -> usize {
         self.values.iter().map(|(_, place)| place.values.len()).sum()
@@ -82,7 +82,7 @@ impl At {
             true => carried_near(&fit, near)?.ok(),
             false => None,
         };
-        Ok(At { values, value: value(&fit, mixed.as_ref()), mixed: mixed.map(Arc::new), fit })
+        Ok(QuantityFit { values, value: value(&fit, mixed.as_ref()), mixed: mixed.map(Arc::new), fit })
     }
 }
 
@@ -120,10 +120,10 @@ impl<'a> Linear<'a> {
 
 impl Stated<'_> {
     /// The fit with quantities at these values; `None` where it cannot be had.
-    pub(super) fn at(&self, values: Vec<Valued>, is_mixed: bool, near: Option<&MixedFit>) -> Option<At> {
+    pub(super) fn at(&self, values: Vec<Valued>, is_mixed: bool, near: Option<&MixedFit>) -> Option<QuantityFit> {
         let (cell, measured) = self.changed(&values).ok()?;
         let fit = Fit::new(&cell, measured, self.fit.options()).ok()?;
-        let at = At::new(values, fit, is_mixed, near).ok()?;
+        let at = QuantityFit::new(values, fit, is_mixed, near).ok()?;
         at.value.is_finite().then_some(at)
     }
 
@@ -156,7 +156,7 @@ impl Stated<'_> {
         Some(Step { errors: DVector::from_iterator(count, errors), change, squares: [before, before - after] })
     }
 
-    fn step_of(&self, at: &At) -> Option<Step> {
+    fn step_of(&self, at: &QuantityFit) -> Option<Step> {
         let linear = Linear::new(self, &at.fit, at.mixed.as_deref())?;
         self.step(&at.values, &linear)
     }
@@ -168,12 +168,12 @@ impl Stated<'_> {
     }
 
     /// By how much it would fall with one more step from `at`.
-    pub(super) fn gain(&self, at: &At) -> f64 {
+    pub(super) fn gain(&self, at: &QuantityFit) -> f64 {
         self.step_of(at).map_or(0.0, |step| step.gain(&at.fit))
     }
 
     /// The values that suit the readings best near `start`.
-    pub(super) fn refined(&self, start: At) -> At {
+    pub(super) fn refined(&self, start: QuantityFit) -> QuantityFit {
         let is_mixed = start.mixed.is_some();
         let (steps, shorter) = if is_mixed { MIXED } else { AXES };
         let mut at = start;
@@ -204,7 +204,7 @@ impl Stated<'_> {
 
     /// Standard errors of the numbers of the quantities where they are, one after the other; `None` where the readings do
     /// not tell one.
-    pub(super) fn errors(&self, at: &At) -> Vec<Option<f64>> {
+    pub(super) fn errors(&self, at: &QuantityFit) -> Vec<Option<f64>> {
         let step = self.step_of(at);
         let errors = step.map(|step| step.errors);
         let one = |i: usize| Some(errors.as_ref()?[i]).filter(|error| error.is_finite());

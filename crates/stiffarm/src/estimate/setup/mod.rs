@@ -25,7 +25,7 @@ use crate::estimate::quantity::stated::Stated;
 use crate::findings::Finding;
 use crate::numerics::jobs::in_order;
 use crate::numerics::order::sort_by_number;
-use freed::{At, Linear, below_zero, value};
+use freed::{Linear, QuantityFit, below_zero, value};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
@@ -122,8 +122,8 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
         fit.control().check()?;
         Ok(freed_alone(&stated, &linear, *quantity, is_more))
     })?;
-    let mut alone: Vec<At> = alone.into_iter().flatten().collect();
-    let price = |at: &At| at.value + EACH * at.numbers() as f64;
+    let mut alone: Vec<QuantityFit> = alone.into_iter().flatten().collect();
+    let price = |at: &QuantityFit| at.value + EACH * at.numbers() as f64;
     sort_by_number(&mut alone, price);
     alone.truncate(TRIED);
     // Springs beyond the axes granted on both sides.
@@ -142,7 +142,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
     let before = value(&fit, mixed);
     let mut beside = in_order(&alone, |(_, at)| {
         fit.control().check()?;
-        let at = At::new(at.values.clone(), at.fit.clone(), grants, mixed)?;
+        let at = QuantityFit::new(at.values.clone(), at.fit.clone(), grants, mixed)?;
         let hope = before - at.value + stated.gain(&at);
         Ok(if hope > WORTH { stated.refined(at) } else { at })
     })?;
@@ -185,7 +185,7 @@ enum Word {
 }
 
 /// What the readings say of the best quantity; `None` where they are not clearly likelier with it where they want it.
-fn judged(fit: &Fit, best: &At, first: &Freed, grants: bool) -> Result<Option<Word>> {
+fn judged(fit: &Fit, best: &QuantityFit, first: &Freed, grants: bool) -> Result<Option<Word>> {
     let each = EACH * best.numbers() as f64;
     let is_strong = first.likelihood_ratio > REJECTED + each;
     let least = each + if is_strong { REJECTED } else { DOUBTED };
@@ -204,7 +204,7 @@ fn judged(fit: &Fit, best: &At, first: &Freed, grants: bool) -> Result<Option<Wo
 }
 
 /// What the readings ask for of each quantity at `at`, where −2 ln L was `before` with all as stated.
-fn described(stated: &Stated<'_>, at: &At, before: f64) -> Vec<Freed> {
+fn described(stated: &Stated<'_>, at: &QuantityFit, before: f64) -> Vec<Freed> {
     let (fit, cell) = (stated.fit, stated.cell());
     let mut errors = stated.errors(at).into_iter();
     let one = |(quantity, place): &Valued| Freed {
@@ -226,13 +226,13 @@ fn described(stated: &Stated<'_>, at: &At, before: f64) -> Vec<Freed> {
 
 /// A quantity freed beside the axes alone, whose fit with all as stated is `linear`; `None` where that is not worth a
 /// second look.
-fn freed_alone(stated: &Stated<'_>, linear: &Linear<'_>, quantity: Quantity, is_more: bool) -> Option<At> {
+fn freed_alone(stated: &Stated<'_>, linear: &Linear<'_>, quantity: Quantity, is_more: bool) -> Option<QuantityFit> {
     let mut places = stated.starts(quantity).into_iter();
     let as_stated = vec![(quantity, places.next()?)];
     let score = stated.score(&as_stated[0], linear);
-    let as_stated = At::new(as_stated, stated.fit.clone(), false, None).ok()?;
+    let as_stated = QuantityFit::new(as_stated, stated.fit.clone(), false, None).ok()?;
     let before = as_stated.value;
-    let mut starts: Vec<At> = Vec::new();
+    let mut starts: Vec<QuantityFit> = Vec::new();
     if is_more {
         starts.extend(places.filter_map(|place| stated.at(vec![(quantity, place)], false, None)));
         starts.retain(|at| at.value < before);
@@ -247,7 +247,7 @@ fn freed_alone(stated: &Stated<'_>, linear: &Linear<'_>, quantity: Quantity, is_
 
 /// Leaves out what springs beyond the axes explain as well: what helps the axes alone by little, and by the derivatives of
 /// the mixed model helps that no more. The dear fits beside them are spared.
-fn leave_out_swallowed(stated: &Stated<'_>, mixed: &MixedFit, alone: &mut Vec<At>) {
+fn leave_out_swallowed(stated: &Stated<'_>, mixed: &MixedFit, alone: &mut Vec<QuantityFit>) {
     let before = value(stated.fit, None);
     let mut linear = None;
     alone.retain(|at| {
@@ -286,7 +286,7 @@ fn is_within_stated(fit: &Fit, (quantity, place): &Valued, errors: &[Option<f64>
 }
 
 /// By how much −2 ln L falls without the posture that gains most, and its name: one bad posture is no set-up.
-fn without_worst(fit: &Fit, at: &At, grants: bool) -> Result<(f64, String)> {
+fn without_worst(fit: &Fit, at: &QuantityFit, grants: bool) -> Result<(f64, String)> {
     let squares = |fit: &Fit, block: usize| {
         let rows = fit.system().blocks[block].rows.clone();
         fit.residual().rows(rows.start, rows.len()).norm_squared()
@@ -299,7 +299,7 @@ fn without_worst(fit: &Fit, at: &At, grants: bool) -> Result<(f64, String)> {
     let value = |fit: &Fit| {
         let rows = fit.system().blocks[worst].rows.clone();
         match fit.filtered(|label| !rows.contains(&label.rows.start))? {
-            Some(fit) => Ok(At::new(at.values.clone(), fit, grants, at.mixed.as_deref())?.value),
+            Some(fit) => Ok(QuantityFit::new(at.values.clone(), fit, grants, at.mixed.as_deref())?.value),
             None => Ok(f64::INFINITY),
         }
     };

@@ -2,7 +2,7 @@
 
 use super::{Freed, Word};
 use crate::estimate::quantity::facts::{Numbers, Quantity};
-use crate::estimate::quantity::place::{Place, Valued};
+use crate::estimate::quantity::place::{QuantityValue, Valued};
 use crate::estimate::quantity::stated::{anchor, gravity, loading_point};
 use crate::findings::{Finding, codes, length, list, visible};
 use crate::model::cell::Cell;
@@ -63,7 +63,7 @@ fn down(cell: &Cell) -> Vector3<f64> {
 }
 
 /// What the readings ask for.
-pub(super) fn asked(cell: &Cell, quantity: Quantity, place: &Place) -> Vec<f64> {
+pub(super) fn asked(cell: &Cell, quantity: Quantity, place: &QuantityValue) -> Vec<f64> {
     let vector = |v: Vector3<f64>| v.iter().copied().collect();
     match quantity {
         Quantity::Anchor(i) => vector(anchor(cell, i) + place.vector()),

@@ -217,7 +217,7 @@ fn errors_of(believed: &Believed<'_>) -> Result<SystematicErrors> {
         statistical,
         findings: Vec::new(),
     };
-    systematic.findings = findings::findings(&systematic, findings::Seen::of(fit.measured()));
+    systematic.findings = findings::findings(&systematic, findings::ReadingReference::of(fit.measured()));
     if fit.cell().route.approach.is_some() {
         systematic.findings.push(findings::reached_from_load());
     }

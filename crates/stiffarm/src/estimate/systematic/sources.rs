@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::estimate::identify::{Experiment, MeasuredSystem};
 use crate::estimate::quantity::answer::Answers;
 use crate::estimate::quantity::facts::{self, Facts, Quantity};
-use crate::estimate::quantity::place::Place;
+use crate::estimate::quantity::place::QuantityValue;
 use crate::estimate::quantity::stated::Stated;
 use crate::model::observation::ExtraTerm;
 use nalgebra::DVector;
@@ -72,7 +72,7 @@ pub(super) fn sources(
             }
             parts.push(Part {
                 name,
-                shift: answers.shift(&[(quantity, Place::off(count, i, size))])?,
+                shift: answers.shift(&[(quantity, QuantityValue::off(count, i, size))])?,
                 at_work,
                 change: None,
             });

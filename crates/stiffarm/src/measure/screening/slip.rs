@@ -12,7 +12,7 @@ use crate::units::rad_to_deg;
 use nalgebra::{Isometry3, Matrix3};
 
 /// Posture and state of a row.
-pub(super) type Place = (usize, usize);
+pub(super) type StateIndex = (usize, usize);
 
 /// What undoes a slip: in rows of the table, then in the cell.
 #[derive(Debug, Clone)]
@@ -28,9 +28,9 @@ pub(super) enum Undo {
     /// A joint's angle as written, and as it is \[rad\].
     Angle(usize, [f64; 2]),
     /// Taken at the angles of another posture, by the row that stands for it \[rad\].
-    AnglesOf(Place, Vec<f64>),
+    AnglesOf(StateIndex, Vec<f64>),
     /// Likewise, and the other's rows belong here.
-    Exchange(Place, Vec<f64>),
+    Exchange(StateIndex, Vec<f64>),
     /// Load cases named in another order.
     Cases(Vec<usize>),
     /// Forces alone are this many times what is typed.
@@ -50,7 +50,7 @@ pub(super) enum Undo {
 pub(super) struct Slip {
     pub undo: Undo,
     /// The rows it is in; `None`: all, or the cell.
-    pub at: Option<Vec<Place>>,
+    pub at: Option<Vec<StateIndex>>,
     /// What speaks against it beforehand: slips that it takes at once, or how rare it is (logarithm).
     pub cost: f64,
 }
@@ -75,7 +75,7 @@ impl Slip {
     }
 
     /// The slip in these rows alone.
-    pub fn at(self, at: &[Place]) -> Self {
+    pub fn at(self, at: &[StateIndex]) -> Self {
         Slip { at: Some(at.to_vec()), ..self }
     }
 
@@ -199,7 +199,7 @@ impl Slip {
     }
 
     /// Misfit of one row with the slip undone in it; `None` without readings.
-    pub fn left(&self, work: &Work, transform: &Isometry3<f64>, at: Place) -> Option<f64> {
+    pub fn left(&self, work: &Work, transform: &Isometry3<f64>, at: StateIndex) -> Option<f64> {
         let mut state = work.sheet.at(at).clone();
         self.undo_in(&mut state, &work.cell);
         let pairs = state_pairs(&state.points, &work.predicted(&state.q));

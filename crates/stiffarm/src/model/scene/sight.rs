@@ -1,7 +1,7 @@
 //! Lines of sight from tracker stations to measuring points.
 
 use super::pairs::{Line, line_to_solid};
-use super::placed::Placed;
+use super::placed::PlacedParts;
 use super::slope::{Derivative, Slope, Touch};
 use super::work::Memory;
 use crate::model::kinematics::Frames;
@@ -73,7 +73,7 @@ pub struct SeenFrom {
 
 impl Sight {
     /// The station that sees most, and what it sees.
-    pub(super) fn seen(&self, points: &[Vector3<f64>], placed: &Placed<'_>) -> SeenFrom {
+    pub(super) fn seen(&self, points: &[Vector3<f64>], placed: &PlacedParts<'_>) -> SeenFrom {
         let mut best: Option<(SeenFrom, f64)> = None;
         for station in 0..self.stations.len() {
             let beams = self.beams(station, points, placed, &mut Memory::default(), CLEAR);
@@ -90,7 +90,7 @@ impl Sight {
     }
 
     /// What one station sees.
-    pub(super) fn seen_by(&self, station: usize, points: &[Vector3<f64>], placed: &Placed<'_>) -> SeenFrom {
+    pub(super) fn seen_by(&self, station: usize, points: &[Vector3<f64>], placed: &PlacedParts<'_>) -> SeenFrom {
         let beams = self.beams(station, points, placed, &mut Memory::default(), CLEAR);
         let seen = (0..points.len()).filter(|i| beams[*i].margin() >= 0.0);
         SeenFrom { station, points: seen.collect() }
@@ -101,7 +101,7 @@ impl Sight {
     pub(super) fn visit(
         &self,
         points: &[Vector3<f64>],
-        placed: &Placed<'_>,
+        placed: &PlacedParts<'_>,
         memory: &mut Memory,
         enough: f64,
         mut each: impl FnMut(f64, Derivative<'_>),
@@ -158,7 +158,7 @@ impl Sight {
         &self,
         station: usize,
         points: &[Vector3<f64>],
-        placed: &Placed<'_>,
+        placed: &PlacedParts<'_>,
         memory: &mut Memory,
         clear: f64,
     ) -> Vec<Beam> {
@@ -199,7 +199,7 @@ impl Sight {
         &self,
         point: &Vector3<f64>,
         station: &Vector3<f64>,
-        placed: &Placed<'_>,
+        placed: &PlacedParts<'_>,
         of_tool: bool,
         clear: f64,
     ) -> (f64, Option<Touch>) {

@@ -12,7 +12,7 @@
 //! want one smooth function. Neither allocates after the first call.
 
 use super::criterion::{Criterion, SOUND, Value};
-use super::inputs::{Given, Inputs, criterion, log_factor};
+use super::inputs::{FixedPostures, Inputs, criterion, log_factor};
 use super::kernel::Kernel;
 use super::kinds::Index;
 use super::minimax::{Minimax, Smoothed, log_sum};
@@ -29,7 +29,7 @@ pub struct IndexFunction {
     index: Index,
     kernel: Kernel,
     criterion: Criterion,
-    fixed_postures: Given,
+    fixed_postures: FixedPostures,
     /// Instead of the information, where the index is that of the mixed model.
     prediction: Option<Box<PredictionFunction>>,
     /// ln of what the value is multiplied by: σ, √m.
@@ -89,7 +89,7 @@ impl IndexFunction {
             Index::Prediction => Some(Box::new(PredictionFunction::new(cell, count, fixed_postures)?)),
             _ => None,
         };
-        let fixed_postures = Given::new(cell, wanted, fixed_postures)?;
+        let fixed_postures = FixedPostures::new(cell, wanted, fixed_postures)?;
         let kernel = Kernel::new(cell, wanted, count)?;
         let postures = count + fixed_postures.count;
         let std = cell.noise.displacement_std();
@@ -415,7 +415,7 @@ impl IndexFunction {
     }
 
     /// The given postures.
-    pub(crate) fn fixed_postures(&self) -> &Given {
+    pub(crate) fn fixed_postures(&self) -> &FixedPostures {
         &self.fixed_postures
     }
 

@@ -18,7 +18,7 @@ mod status;
 pub use crate::plan::zones::MapRange;
 pub use node::{MapNode, NodeValues};
 pub use options::{MOST_TURNS, MapOptions};
-pub use placed::{PlaceOptions, Placed, PlacedPoint, PlacementCandidate};
+pub use placed::{PlaceEvaluation, PlaceOptions, PlacedPoint, PlacementCandidate};
 pub use placement::{Placement, place};
 pub use result::{MapExtremes, StatusCounts, StiffnessMap};
 pub use status::Status;

@@ -1,6 +1,6 @@
 //! What bounds, limits and shapes of the cell leave of a way, and what keeping them costs.
 
-use super::{Search, Way, turned};
+use super::{PathPostures, Search, turned};
 use crate::error::Result;
 use crate::findings::{Finding, length, more};
 use crate::model::inverse::{Method, Outcome};
@@ -61,7 +61,7 @@ impl Search<'_> {
     }
 
     /// That the way which bends least was left, and what that cost; nothing where another bends alike.
-    pub(super) fn left(&self, first: &Way, missing: &[f64], taken: &Way) -> Option<Finding> {
+    pub(super) fn left(&self, first: &PathPostures, missing: &[f64], taken: &PathPostures) -> Option<Finding> {
         if taken.rms <= first.rms * (1.0 + ALIKE) {
             return None;
         }
@@ -81,7 +81,7 @@ impl Search<'_> {
         &self,
         poses: &[Isometry3<f64>],
         free: bool,
-        way: &Way,
+        way: &PathPostures,
         missing: &[f64],
     ) -> Result<Option<Finding>> {
         let mut lacking: Vec<Lacking> = missing

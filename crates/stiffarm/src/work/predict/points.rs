@@ -12,7 +12,7 @@ use crate::model::path::LoadedPosture;
 use crate::model::stiffness::Model;
 use crate::numerics::control::Control;
 use crate::work::at_work::forbidden;
-use crate::work::beyond_data::{Seen, beyond_data};
+use crate::work::beyond_data::{IdentifiedRange, beyond_data};
 use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -194,7 +194,7 @@ pub(crate) fn predict_on(
     out.findings.extend(implausible::load(arm.robot(), loads));
     let forces = postures.iter().map(|p| p.wrench.force.norm());
     let sizes = out.points.iter().map(|p| p.deflection_m).zip(forces);
-    let seen = Seen { displacement: options.measured_up_to, force: options.loaded_up_to };
+    let seen = IdentifiedRange { displacement: options.measured_up_to, force: options.loaded_up_to };
     let beyond = beyond_data("deflection", &sizes.collect::<Vec<_>>(), seen);
     out.findings.extend(beyond);
     out.findings.extend(forbidden(arm.at_work(), postures)?);

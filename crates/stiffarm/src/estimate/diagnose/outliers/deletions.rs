@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::estimate::diagnose::tails::f_tail;
 use crate::estimate::identify::{Fit, Whitened};
-use crate::estimate::mixed::Seen;
+use crate::estimate::mixed::ResidualMaker;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// A displacement with less than this share of its information left over is
@@ -34,9 +34,9 @@ impl Deletions {
     ///
     /// With P = V⁻¹ − V⁻¹Ψ(ΨᵀV⁻¹Ψ)⁻¹ΨᵀV⁻¹, V with the random effects where there are any, and q = P Δ, leaving the rows S out takes
     /// q_Sᵀ P_SS⁻¹ q_S off the squares (Cook & Weisberg 1982, ch. 2.2 for V = I).
-    pub(super) fn of(fit: &Fit, all: &Seen) -> Result<Self> {
+    pub(super) fn of(fit: &Fit, all: &ResidualMaker) -> Result<Self> {
         let system = fit.system();
-        let Seen { basis, residual, size, free, gamma } = all;
+        let ResidualMaker { basis, residual, size, free, gamma } = all;
         let (size, free, gamma) = (*size, *free, *gamma);
         let rows = system.delta.len();
         let whitened = fit.prepared().whitened();

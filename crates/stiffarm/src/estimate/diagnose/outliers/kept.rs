@@ -10,7 +10,7 @@ use crate::estimate::elastic::carried;
 use crate::estimate::identify::{
     Estimator, Fit, Fold, MeasuredSystem, RowLabel, Whitened, missed, prediction_error, rms, rounding,
 };
-use crate::estimate::mixed::{MixedFit, Seen};
+use crate::estimate::mixed::{MixedFit, ResidualMaker};
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 use std::cell::OnceCell;
@@ -26,7 +26,7 @@ const ODD: f64 = 0.05;
 const ROUNDING: f64 = 1e-11;
 
 /// The data at hand with their fit.
-pub(super) struct Kept<'a> {
+pub(super) struct FittedData<'a> {
     fit: Fit,
     /// The mixed model, where it predicts.
     mixed: Option<Cow<'a, MixedFit>>,
@@ -36,10 +36,10 @@ pub(super) struct Kept<'a> {
     deletions: OnceCell<Deletions>,
 }
 
-impl<'a> Kept<'a> {
+impl<'a> FittedData<'a> {
     pub(super) fn new(fit: Fit, mixed: Option<Cow<'a, MixedFit>>) -> Self {
         let two = fit.options().estimator == Estimator::TwoVariance;
-        Kept {
+        FittedData {
             shifts: two && !fit.solution().independent_rows,
             fit,
             mixed,
@@ -53,7 +53,7 @@ impl<'a> Kept<'a> {
     }
 
     /// The data without what `outlier` names; `None` where nothing is left.
-    pub(super) fn without(&self, outlier: &Outlier) -> Result<Option<Kept<'a>>> {
+    pub(super) fn without(&self, outlier: &Outlier) -> Result<Option<FittedData<'a>>> {
         let is = |name: &Option<String>, label_name: &str| name.as_deref().is_none_or(|n| n == label_name);
         let named = |label: &RowLabel| {
             let (m, point) = self.fit.experiment().behind(label);
@@ -66,12 +66,12 @@ impl<'a> Kept<'a> {
     }
 
     /// The rest of the data, in the same model if they carry it.
-    fn of(&self, fit: Fit) -> Result<Kept<'a>> {
+    fn of(&self, fit: Fit) -> Result<FittedData<'a>> {
         let mixed = match self.mixed {
             Some(_) => carried(&fit)?.ok().map(Cow::Owned),
             None => None,
         };
-        Ok(Kept::new(fit, mixed))
+        Ok(FittedData::new(fit, mixed))
     }
 
     /// True where the residuals are more than rounding.
@@ -137,7 +137,7 @@ impl<'a> Kept<'a> {
 
     /// The posture or the point as a whole, where `rest`, the data without one
     /// displacement of them, still contradict it.
-    fn whole(&self, rest: Kept<'a>, posture: &str, point: usize) -> Result<Option<Outlier>> {
+    fn whole(&self, rest: FittedData<'a>, posture: &str, point: usize) -> Result<Option<Outlier>> {
         if !rest.has_residuals() {
             return Ok(None);
         }
@@ -181,7 +181,7 @@ impl<'a> Kept<'a> {
         }
         let deletions = match self.mixed.as_deref() {
             Some(mixed) => Deletions::of(&self.fit, &mixed.seen()?)?,
-            None => Deletions::of(&self.fit, &Seen::of(&self.fit))?,
+            None => Deletions::of(&self.fit, &ResidualMaker::of(&self.fit))?,
         };
         Ok(self.deletions.get_or_init(|| deletions))
     }

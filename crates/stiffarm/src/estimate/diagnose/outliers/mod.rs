@@ -20,7 +20,7 @@ use crate::error::Result;
 use crate::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource};
 use crate::estimate::mixed::MixedFit;
 use crate::findings::{Finding, codes, length, length_with_error, list, probability};
-use kept::Kept;
+use kept::FittedData;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -132,8 +132,8 @@ pub(super) fn outliers_in(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Outlier
         ..fit.options().clone()
     };
     let mut rest = match mixed {
-        Some(mixed) => Kept::new(mixed.fit().clone(), Some(Cow::Borrowed(mixed))),
-        None => Kept::new(fit.with(&options)?, None),
+        Some(mixed) => FittedData::new(mixed.fit().clone(), Some(Cow::Borrowed(mixed))),
+        None => FittedData::new(fit.with(&options)?, None),
     };
     let mut out = Outliers {
         found: Vec::new(),

@@ -4,7 +4,7 @@
 //! everything fits with it and little fits without.
 
 use super::super::motion::Move;
-use super::super::slip::{Place, Rule, Settled, Slip, Undo, settle};
+use super::super::slip::{Rule, Settled, Slip, StateIndex, Undo, settle};
 use super::super::units::{LENGTHS, of_angles};
 use super::super::{Cause, Evidence, Work};
 use super::fit::{Fitted, clear_moves, fit, misfit_of};
@@ -117,11 +117,11 @@ pub(super) fn cases_of_postures(work: &mut Work, base_from_tracker: &Isometry3<f
         if !of_posture.clone().any(|s| s.misfit > limit) {
             continue;
         }
-        let places: Vec<Place> = of_posture.map(|s| s.at).collect();
+        let places: Vec<StateIndex> = of_posture.map(|s| s.at).collect();
         let left = |work: &Work| misfit_of(work, base_from_tracker, &places, fitted);
         let Some(before) = left(work) else { continue };
         let states = 0..work.sheet.postures[p].states.len();
-        let rows: Vec<Place> = states.map(|s| (p, s)).collect();
+        let rows: Vec<StateIndex> = states.map(|s| (p, s)).collect();
         let tried = orders(cases).into_iter().map(|order| {
             let slip = Slip::new(Undo::Cases(order)).at(&rows);
             let after = left(&work.without(&slip));

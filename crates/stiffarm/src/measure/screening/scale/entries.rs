@@ -4,7 +4,7 @@
 
 use super::super::motion::{Move, load_of};
 use super::super::sheet::{Posture, Sheet};
-use super::super::slip::{Place, Rule, Settled, Slip, Undo, settle};
+use super::super::slip::{Rule, Settled, Slip, StateIndex, Undo, settle};
 use super::super::units::{DISPLACEMENTS, ENTRIES, Unit};
 use super::super::{Cause, Evidence, Work};
 use super::evidence::number_in;
@@ -48,7 +48,7 @@ struct Entry {
 }
 
 impl Entry {
-    fn at(&self) -> impl Iterator<Item = Place> {
+    fn at(&self) -> impl Iterator<Item = StateIndex> {
         self.settled.slip.at.iter().flatten().copied()
     }
 }
@@ -71,7 +71,7 @@ pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, moves: 
             })
             .collect();
         // All states of a posture alike, then its reference, then each alone.
-        let mut groups: Vec<Vec<Place>> = Vec::new();
+        let mut groups: Vec<Vec<StateIndex>> = Vec::new();
         let by_wrench = posture_moves.iter().any(|i| {
             let one = &moves[*i];
             work.sheet.at((p, one.reference)).wrench.is_some()
@@ -95,7 +95,7 @@ pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, moves: 
             if !is_slip && !touched.iter().any(|i| open.contains(i)) {
                 continue;
             }
-            let states: Vec<Place> = touched.iter().map(|i| fitted.states[*i].at).collect();
+            let states: Vec<StateIndex> = touched.iter().map(|i| fitted.states[*i].at).collect();
             let entry = mended(work, base_from_tracker, &group, &states, fitted, pattern);
             if let Some(entry) = entry {
                 open.retain(|i| !touched.contains(i));
@@ -116,12 +116,12 @@ pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, moves: 
 fn mended(
     work: &Work,
     base_from_tracker: &Isometry3<f64>,
-    group: &[Place],
-    touched: &[Place],
+    group: &[StateIndex],
+    touched: &[StateIndex],
     fitted: &Fitted,
     pattern: Pattern,
 ) -> Option<Entry> {
-    let has_load = |at: &Place| {
+    let has_load = |at: &StateIndex| {
         let state = work.sheet.at(*at);
         state.load.is_some_and(|l| l != 0.0) || state.wrench.is_some()
     };
@@ -160,7 +160,7 @@ fn mended(
 
 /// What states of this name have in other postures, or else the name itself, says
 /// of the load typed for this state.
-fn pattern(sheet: &Sheet, at: Place) -> Pattern {
+fn pattern(sheet: &Sheet, at: StateIndex) -> Pattern {
     let state = sheet.at(at);
     let Some(load) = state.load.filter(|l| *l > 0.0) else {
         return Pattern::Open;
@@ -193,17 +193,17 @@ fn pattern(sheet: &Sheet, at: Place) -> Pattern {
 
 /// Where as many states are off as not, prior and names tell which.
 fn those_wrong(work: &Work, moves: &[Move], fitted: &Fitted, entries: Vec<Entry>) -> Vec<Entry> {
-    let flagged: Vec<Place> = entries.iter().flat_map(Entry::at).collect();
+    let flagged: Vec<StateIndex> = entries.iter().flat_map(Entry::at).collect();
     let unit = entries[0].unit;
     let alike = |e: &Entry| e.unit == unit && e.cause == Cause::LoadEntry;
     let all = moves.iter().map(|m| (m.posture, m.state));
-    let others: Vec<Place> = all.filter(|at| !flagged.contains(at)).collect();
+    let others: Vec<StateIndex> = all.filter(|at| !flagged.contains(at)).collect();
     let is_most = flagged.len() as f64 >= MANY * moves.len() as f64;
     if !entries.iter().all(alike) || others.is_empty() || !is_most {
         return entries;
     }
     // Names first: loads of these states agree with their names.
-    let agreeing = |at: &[Place]| {
+    let agreeing = |at: &[StateIndex]| {
         let matching = at.iter().filter(|at| {
             let state = work.sheet.at(**at);
             let number = number_in(&state.name);
@@ -223,7 +223,7 @@ fn those_wrong(work: &Work, moves: &[Move], fitted: &Fitted, entries: Vec<Entry>
     let Some(inverse) = inverse.filter(|_| flip) else {
         return entries;
     };
-    let turned = |at: Place| {
+    let turned = |at: StateIndex| {
         let mut out = entries[0].clone();
         out.unit = *inverse;
         out.settled.slip = Slip::new(Undo::Times(Cause::LoadEntry, *inverse)).at(&[at]);
@@ -243,7 +243,7 @@ fn report(work: &mut Work, entries: &[Entry]) {
         }
         done.push(key);
         let alike = entries.iter().filter(|e| (e.cause, e.unit.factor) == key);
-        let at: Vec<Place> = alike.clone().flat_map(Entry::at).collect();
+        let at: Vec<StateIndex> = alike.clone().flat_map(Entry::at).collect();
         let after = alike.map(|e| e.settled.after).fold(0.0, f64::max);
         let mut all = entry.settled.clone();
         all.slip = all.slip.at(&at);

@@ -6,7 +6,7 @@
 
 use super::super::Work;
 use super::super::motion::{Move, displacement, moves};
-use super::super::slip::Place;
+use super::super::slip::StateIndex;
 use super::class::{PRIOR_SPREAD, expected_stiffness};
 use crate::numerics::sample::median;
 use nalgebra::{DMatrix, DVector, Isometry3};
@@ -69,7 +69,12 @@ fn scaled(one: &Move, compliance: &DVector<f64>) -> Scaled {
 }
 
 /// Mean misfit of the displacements of the states `at`; `None` where one is not known.
-pub(super) fn misfit_of(work: &Work, base_from_tracker: &Isometry3<f64>, at: &[Place], fitted: &Fitted) -> Option<f64> {
+pub(super) fn misfit_of(
+    work: &Work,
+    base_from_tracker: &Isometry3<f64>,
+    at: &[StateIndex],
+    fitted: &Fitted,
+) -> Option<f64> {
     let mut sum = 0.0;
     for (p, s) in at {
         let reference = *work.sheet.postures[*p].references().first()?;

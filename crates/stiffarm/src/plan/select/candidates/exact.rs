@@ -10,7 +10,7 @@ use crate::numerics::order::order_by_number;
 const SAME: f64 = 1e-9;
 
 /// The best group, and what is known of all others.
-pub(super) struct Found {
+pub(super) struct BestGroup {
     /// ln of the index.
     pub(super) value: f64,
     /// Ascending.
@@ -42,7 +42,7 @@ pub(super) fn branch_and_bound<J: Bounded>(
     of: usize,
     affordable: u64,
     control: Control<'_>,
-    incumbent: &mut Found,
+    incumbent: &mut BestGroup,
 ) {
     let tangent = tangent.as_ref();
     incumbent.bound = tangent.map(|tangent| tangent.bound_of(count));
@@ -62,7 +62,7 @@ pub(super) fn branch_and_bound<J: Bounded>(
 impl<J: Bounded> Tree<'_, J> {
     /// All groups that go on from `chosen` with candidates from position `from` on;
     /// `sum` are the scores of those chosen.
-    fn branch(&mut self, chosen: &mut Vec<usize>, from: usize, sum: f64, incumbent: &mut Found) {
+    fn branch(&mut self, chosen: &mut Vec<usize>, from: usize, sum: f64, incumbent: &mut BestGroup) {
         let missing = self.count - chosen.len();
         if missing == 1 {
             self.judge.hold(chosen);

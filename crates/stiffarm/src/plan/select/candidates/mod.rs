@@ -23,7 +23,7 @@ use crate::plan::index::prediction::PredictionModel;
 use crate::plan::index::{GroupEvaluation, Index};
 use crate::plan::select::exchange::Exchange;
 use crate::plan::select::predicting::PredictionJudge;
-use exact::{Found, branch_and_bound};
+use exact::{BestGroup, branch_and_bound};
 use judge::{Bounded, InformationJudge};
 use rand::seq::index::sample;
 use serde::{Deserialize, Serialize};
@@ -231,7 +231,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn run<J: Bounded>(&self, judge: J) -> Result<Found> {
+    fn run<J: Bounded>(&self, judge: J) -> Result<BestGroup> {
         let all: Vec<usize> = (0..self.of).collect();
         let stop = || self.control.stopped();
         let exchange = Exchange { passes: PASSES, least: LEAST, repeats: false, stop: &stop };
@@ -248,7 +248,7 @@ impl Search<'_> {
             .into_iter()
             .reduce(|best, next| if next.0 < best.0 { next } else { best })
             .unwrap_or((f64::INFINITY, (0..self.count).collect()));
-        let mut incumbent = Found { value, chosen, exact: false, bound: None, compared: 0 };
+        let mut incumbent = BestGroup { value, chosen, exact: false, bound: None, compared: 0 };
         if self.options.bound && !self.control.stopped() {
             let mut judge = judge;
             let tangent = self.best_tangent(&mut judge);
