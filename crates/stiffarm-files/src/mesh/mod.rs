@@ -42,7 +42,7 @@ fn parse(bytes: &[u8], name: &str, scale: f64) -> Result<TriangleMesh> {
         }
     };
     kind.check_content(bytes)?;
-    let mut merged = Merged::default();
+    let mut merged = IndexedTriangles::default();
     match kind {
         Kind::Stl => {
             let triangles = stl::triangles(bytes).map_err(|why| kind.broken(&why))?;
@@ -158,13 +158,13 @@ impl Kind {
 
 /// Triangles with the corners that they share.
 #[derive(Default)]
-struct Merged {
+struct IndexedTriangles {
     vertices: Vec<Vector3<f64>>,
     triangles: Vec<[usize; 3]>,
     vertex_indices: HashMap<[u64; 3], usize>,
 }
 
-impl Merged {
+impl IndexedTriangles {
     fn add(&mut self, corners: [Vector3<f64>; 3]) {
         let triangle = corners.map(|p| {
             // Adding zero turns −0 into 0.

@@ -9,11 +9,11 @@
 //!
 //! CR LF, as the controller writes.
 
-use super::aims::{External, MoveTarget, OpenPoint};
 use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax, Target, Tool};
 use super::ls_path::{is_no_move, label, path_statement, point};
+use super::move_target::{External, MoveTarget, OpenPoint};
 use super::reader::{Reader, Section};
 use stiffarm::error::Result;
 use stiffarm::model::pose::Convention;
@@ -234,7 +234,7 @@ fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
     } else if line.passes("}") {
         if let Some(open) = reader.open.take() {
             let label = open.label;
-            let aim = if open.pose.iter().any(Option::is_some) {
+            let target = if open.pose.iter().any(Option::is_some) {
                 match open.pose.iter().take(6).position(Option::is_none) {
                     None => {
                         let mut pose = reader.pose(open.pose, &open.place);
@@ -248,7 +248,7 @@ fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
             };
             // It counts only where a move goes there: controllers keep points that were never taught.
             let unset = |name| MoveTarget::Unset(open.place, format!("{label} has no {name}."));
-            reader.point(&label, aim.unwrap_or_else(unset));
+            reader.point(&label, target.unwrap_or_else(unset));
         }
     } else if let Some(open) = &mut reader.open {
         fields(line, open, reader.is_path)?;

@@ -9,10 +9,10 @@
 //!
 //! CR LF: RobotStudio writes modules so.
 
-use super::aims::MoveTarget;
 use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax, Tool};
+use super::move_target::MoveTarget;
 use super::rapid_path::{self, PROCEDURES, external, speed};
 use super::reader::Reader;
 use stiffarm::error::Result;
@@ -184,9 +184,9 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
             return Ok(true);
         }
         line.expect(":=")?;
-        let aim = target(line, reader)?;
+        let target = target(line, reader)?;
         line.expect(";")?;
-        reader.point(label, aim);
+        reader.point(label, target);
     } else if declares && line.word("speeddata") {
         let label = line.identifier()?.to_ascii_uppercase();
         speed(line, label, reader);
@@ -204,12 +204,12 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
             line.expect(",")?;
         }
         let place = line.clone();
-        let aim = if line.clone().passes("[") {
+        let target = if line.clone().passes("[") {
             target(line, reader)?
         } else {
             MoveTarget::Label(place.clone(), line.identifier()?.to_string())
         };
-        reader.go(place, aim);
+        reader.go(place, target);
         if !reader.is_path {
             ends_at_rest(line)?;
         }

@@ -1,8 +1,8 @@
 //! Paths in RAPID: what moves, points and frames say.
 
-use super::aims::{External, Motion, MoveTarget, Pose};
 use super::cursor::Cursor;
 use super::flow::Procedures;
+use super::move_target::{External, Motion, MoveTarget, Pose};
 use super::rapid_statements::statements;
 use super::reader::{Reader, leading};
 use stiffarm::error::Result;
@@ -67,12 +67,12 @@ pub fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>, declares: bool) 
         let label = line.identifier()?;
         if line.clone().passes(":=") {
             line.expect(":=")?;
-            let aim = if line.clone().passes("[") {
+            let target = if line.clone().passes("[") {
                 robtarget(line, reader)?
             } else {
                 MoveTarget::Unset(line.clone(), format!("{label} is calculated: only stated positions are read."))
             };
-            reader.point(label, aim);
+            reader.point(label, target);
         }
     } else if declares && (line.word("tooldata") || line.word("wobjdata")) {
         let label = line.identifier()?.to_ascii_uppercase();
@@ -94,7 +94,7 @@ pub fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>, declares: bool) 
             line.expect("Conc")?;
             line.expect(",")?;
         }
-        reader.move_to(line, motion, aim)?;
+        reader.move_to(line, motion, move_target)?;
         move_ends(line, reader)?;
     } else {
         return instruction(line, reader);
@@ -123,7 +123,7 @@ fn instruction<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<boo
     if next.passes("\\") {
         let _ = next.word("Conc") && next.passes(",");
     }
-    let is_point = next.clone().identifier().is_ok_and(|label| reader.aim_of(label).is_some());
+    let is_point = next.clone().identifier().is_ok_and(|label| reader.target_of(label).is_some());
     if next.clone().passes("[[") || is_point {
         return Err(start.wrong(format!("{name} is a move that is not read here.")));
     }
@@ -175,7 +175,7 @@ fn sets_frame<'a>(line: &Cursor<'a>, name: &str, reader: &mut Reader<'a>) -> Res
 }
 
 /// A robtarget, or the label of one.
-fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<MoveTarget<'a>> {
+fn move_target<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<MoveTarget<'a>> {
     if line.clone().passes("[") {
         return robtarget(line, reader);
     }

@@ -1,7 +1,7 @@
 //! What the lines of a program have said so far.
 
-use super::aims::{ActiveFrame, Frames, Motion, MoveTarget, OpenPoint, Pose, ProgramMove, Remark};
 use super::cursor::{Cursor, Number};
+use super::move_target::{ActiveFrame, Frames, Motion, MoveTarget, OpenPoint, Pose, ProgramMove, Remark};
 use super::{Move, MoveKind, Program, ProgramFile, ProgramOptions, Step, text};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -16,7 +16,7 @@ pub enum Section {
     Points,
 }
 
-enum Read<'a> {
+enum ReadStatement<'a> {
     Wait(String),
     ProgramMove(Box<ProgramMove<'a>>),
 }
@@ -63,7 +63,7 @@ pub struct Reader<'a> {
     name: String,
     /// By their labels in capital letters.
     points: HashMap<String, MoveTarget<'a>>,
-    steps: Vec<Read<'a>>,
+    steps: Vec<ReadStatement<'a>>,
     /// Kind and name of the next move.
     next: Option<(MoveKind, String)>,
     /// What has been said since the last step.
@@ -149,22 +149,22 @@ impl<'a> Reader<'a> {
     /// The program waits for somebody.
     pub fn wait(&mut self) {
         let text = std::mem::take(&mut self.said).join(" ");
-        self.steps.push(Read::Wait(text));
+        self.steps.push(ReadStatement::Wait(text));
     }
 
-    /// A joint move to the aim, whose word stands at `place`.
-    pub fn go(&mut self, place: Cursor<'a>, aim: MoveTarget<'a>) {
-        self.moves(place, Motion::Joint, None, aim);
+    /// A joint move to the target, whose word stands at `place`.
+    pub fn go(&mut self, place: Cursor<'a>, target: MoveTarget<'a>) {
+        self.moves(place, Motion::Joint, None, target);
     }
 
     /// A move.
-    pub fn moves(&mut self, place: Cursor<'a>, motion: Motion, via: Option<MoveTarget<'a>>, aim: MoveTarget<'a>) {
-        let (via, aim) = (via.map(|via| self.as_current(via)), self.as_current(aim));
-        self.steps.push(Read::ProgramMove(Box::new(ProgramMove {
+    pub fn moves(&mut self, place: Cursor<'a>, motion: Motion, via: Option<MoveTarget<'a>>, target: MoveTarget<'a>) {
+        let (via, target) = (via.map(|via| self.as_current(via)), self.as_current(target));
+        self.steps.push(ReadStatement::ProgramMove(Box::new(ProgramMove {
             place,
             motion,
             via: via.map(Box::new),
-            aim,
+            target,
             feature: self.feature.clone(),
             feed: self.feed,
             frames: self.taken.clone(),
@@ -174,13 +174,13 @@ impl<'a> Reader<'a> {
     }
 
     /// The point of this label as it is now.
-    pub fn aim_of(&self, label: &str) -> Option<&MoveTarget<'a>> {
+    pub fn target_of(&self, label: &str) -> Option<&MoveTarget<'a>> {
         self.points.get(&label.to_ascii_uppercase())
     }
 
     /// Of a path the point of this label as it is now: the program may set it to another later.
-    fn as_current(&mut self, aim: MoveTarget<'a>) -> MoveTarget<'a> {
-        match &aim {
+    fn as_current(&mut self, target: MoveTarget<'a>) -> MoveTarget<'a> {
+        match &target {
             MoveTarget::Label(_, label) if self.is_path => {
                 let label = label.to_ascii_uppercase();
                 match self.points.get(&label) {
@@ -191,44 +191,44 @@ impl<'a> Reader<'a> {
                         }
                         point
                     }
-                    None => aim,
+                    None => target,
                 }
             }
-            _ => aim,
+            _ => target,
         }
     }
 
     /// The feed of the move given last \[m/s\].
     pub fn at_feed(&mut self, feed: Option<f64>) {
-        if let Some(Read::ProgramMove(leg)) = self.steps.last_mut() {
+        if let Some(ReadStatement::ProgramMove(leg)) = self.steps.last_mut() {
             leg.feed = feed;
         }
     }
 
     /// The move given last takes these frames, those that come do not.
     pub fn in_frames(&mut self, frames: Frames<'a>) {
-        if let Some(Read::ProgramMove(leg)) = self.steps.last_mut() {
+        if let Some(ReadStatement::ProgramMove(leg)) = self.steps.last_mut() {
             leg.frames = frames;
         }
     }
 
-    /// A move whose word has been read: to the aims that stand next.
+    /// A move whose word has been read: to the targets that stand next.
     pub fn move_to(
         &mut self,
         line: &mut Cursor<'a>,
         motion: Motion,
-        aim: fn(&mut Cursor<'a>, &Self) -> Result<MoveTarget<'a>>,
+        target: fn(&mut Cursor<'a>, &Self) -> Result<MoveTarget<'a>>,
     ) -> Result<()> {
         let place = line.clone();
         let via = if motion == Motion::Circular {
-            let via = aim(line, self)?;
+            let via = target(line, self)?;
             line.expect(",")?;
             Some(via)
         } else {
             None
         };
-        let aim = aim(line, self)?;
-        self.moves(place, motion, via, aim);
+        let target = target(line, self)?;
+        self.moves(place, motion, via, target);
         Ok(())
     }
 
@@ -273,8 +273,8 @@ impl<'a> Reader<'a> {
     }
 
     /// A point.
-    pub fn point(&mut self, label: &str, aim: MoveTarget<'a>) {
-        self.points.insert(label.to_ascii_uppercase(), aim);
+    pub fn point(&mut self, label: &str, target: MoveTarget<'a>) {
+        self.points.insert(label.to_ascii_uppercase(), target);
     }
 
     /// Joint angles of the controller's axes.
@@ -320,10 +320,10 @@ impl<'a> Reader<'a> {
         let mut moves = 0;
         let steps = self.steps.into_iter().map(|step| {
             let mut leg = match step {
-                Read::Wait(text) => return Ok(Step::Wait(text)),
-                Read::ProgramMove(leg) => *leg,
+                ReadStatement::Wait(text) => return Ok(Step::Wait(text)),
+                ReadStatement::ProgramMove(leg) => *leg,
             };
-            let q = match leg.aim {
+            let q = match leg.target {
                 MoveTarget::Angles(q, _) => q,
                 MoveTarget::Pose(_) | MoveTarget::Unset(..) => {
                     return Err(leg.place.wrong_here("This goes to no joint position."));
@@ -347,14 +347,14 @@ impl<'a> Reader<'a> {
     pub fn legs(&mut self) -> Result<Vec<ProgramMove<'a>>> {
         self.check_closed()?;
         let (points, assigned, named) = (&self.points, &self.assigned, &mut self.named_points);
-        let mut resolved = |aim: MoveTarget<'a>, motion: Motion| match aim {
+        let mut resolved = |target: MoveTarget<'a>, motion: Motion| match target {
             MoveTarget::Label(mut place, label) => match points.get(&label.to_ascii_uppercase()) {
                 Some(MoveTarget::Unset(place, why)) => Err(place.wrong(why.as_str())),
-                Some(aim) => {
-                    if matches!(aim, MoveTarget::Pose(_)) {
+                Some(target) => {
+                    if matches!(target, MoveTarget::Pose(_)) {
                         named.insert(label.to_ascii_uppercase());
                     }
-                    Ok(aim.clone())
+                    Ok(target.clone())
                 }
                 // A position of the controller, as HOME: not of the path.
                 None if motion == Motion::Joint => Ok(MoveTarget::Angles(Vec::new(), Vec::new())),
@@ -369,17 +369,17 @@ impl<'a> Reader<'a> {
                 }
             },
             MoveTarget::Unset(place, why) => Err(place.wrong(why)),
-            aim => Ok(aim),
+            target => Ok(target),
         };
         let legs = std::mem::take(&mut self.steps).into_iter();
         let legs = legs.filter_map(|step| match step {
-            Read::Wait(_) => None,
-            Read::ProgramMove(leg) => Some(*leg),
+            ReadStatement::Wait(_) => None,
+            ReadStatement::ProgramMove(leg) => Some(*leg),
         });
         legs.map(|leg| {
             Ok(ProgramMove {
                 via: leg.via.map(|via| resolved(*via, leg.motion).map(Box::new)).transpose()?,
-                aim: resolved(leg.aim, leg.motion)?,
+                target: resolved(leg.target, leg.motion)?,
                 ..leg
             })
         })

@@ -121,7 +121,7 @@ struct Walk<'a, 'b, 'c> {
 impl<'a> Walk<'a, '_, '_> {
     fn leg(&mut self, leg: ProgramMove<'a>) -> Result<()> {
         let line = leg.place.line_number();
-        let (to, via) = match (leg.aim, leg.via.map(|via| *via)) {
+        let (to, via) = match (leg.target, leg.via.map(|via| *via)) {
             (MoveTarget::Pose(to), None) => (to, None),
             (MoveTarget::Pose(to), Some(MoveTarget::Pose(via))) => (to, Some(via)),
             (MoveTarget::Angles(_, external), None) if leg.motion == Motion::Joint => {

@@ -2,7 +2,7 @@
 
 use super::divided::{Divided, Piece, pieces};
 use super::numbers::{bends, decimals_of, near};
-use super::targets::{SAME, SAME_PLACE, Turned, is_same, placed};
+use super::targets::{SAME, SAME_PLACE, TargetOrientation, is_same, placed};
 use super::{Form, Kind, Orientation, Slot, TOLERANCE, ToolPath};
 use crate::program::fixed;
 use nalgebra::Vector3;
@@ -210,7 +210,7 @@ impl Writer<'_> {
     fn aim(
         &mut self,
         slots: std::ops::Range<usize>,
-        (from, was): (Vector3<f64>, Turned),
+        (from, was): (Vector3<f64>, TargetOrientation),
         commanded: &PathPoint,
     ) -> Result<()> {
         let form = &self.path.form;

@@ -52,7 +52,7 @@ pub(super) struct ChainLink<'a> {
 }
 
 /// What a joint follows: itself, or another one.
-struct Follows<'a> {
+struct JointDrive<'a> {
     drive: &'a Joint,
     multiplier: f64,
     offset: f64,
@@ -146,7 +146,7 @@ fn placed<'a>(groups: &[Group<'a>], links: Vec<(&'a str, Isometry3<f64>)>) -> Ve
 
 /// Adds a joint to the axis before it, where it is the same and one of the two
 /// follows another joint, or as an axis of its own.
-fn add<'a>(groups: &mut Vec<Group<'a>>, joint: &'a Joint, axis: JointAxis, follows: &Follows<'a>, link: usize) {
+fn add<'a>(groups: &mut Vec<Group<'a>>, joint: &'a Joint, axis: JointAxis, follows: &JointDrive<'a>, link: usize) {
     let last = groups.last_mut();
     let one = last.filter(|group| {
         let apart = (axis.point - group.axis.point).cross(&group.axis.direction);
@@ -258,8 +258,8 @@ fn direction(source: &Source<'_>, joint: &Joint) -> Result<UnitVector3<f64>> {
 }
 
 /// What a joint follows, through joints that follow others themselves.
-fn follows<'a>(tree: &Tree<'a>, joint: &'a Joint) -> Result<Follows<'a>> {
-    let mut follows = Follows { drive: joint, multiplier: 1.0, offset: 0.0, is_mimic: false };
+fn follows<'a>(tree: &Tree<'a>, joint: &'a Joint) -> Result<JointDrive<'a>> {
+    let mut follows = JointDrive { drive: joint, multiplier: 1.0, offset: 0.0, is_mimic: false };
     let error = |code, message| tree.source.error_at("joint", &joint.name, code, message);
     for _ in 0..=tree.robot.joints.len() {
         let Some(mimic) = &follows.drive.mimic else {

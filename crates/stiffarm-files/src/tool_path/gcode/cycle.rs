@@ -1,6 +1,6 @@
 //! Drilling cycles, as LinuxCNC's interpreter drives them (G98 and G99, L, G91; ISO 6983-1 names them).
 
-use super::effect::{Drill, Feeds, Out};
+use super::effect::{Drill, Feeds, Retract};
 use super::words::Word;
 use super::{Block, State, known_position};
 use crate::tool_path::builder::TipTarget;
@@ -124,9 +124,9 @@ impl State<'_, '_> {
                 }
             }
             match drill.out {
-                Out::Rapid => {}
-                Out::FeedToR => _ = to(&mut at, over(r), false),
-                Out::Feed => _ = to(&mut at, over(clear), false),
+                Retract::Rapid => {}
+                Retract::FeedToR => _ = to(&mut at, over(r), false),
+                Retract::Feed => _ = to(&mut at, over(clear), false),
             }
             to(&mut at, over(clear), true);
         }

@@ -26,7 +26,7 @@ use nalgebra::{UnitVector3, Vector3};
 use stiffarm::error::Result;
 use stiffarm::findings::Severity;
 pub use table::page;
-use words::{Beside, Word, axis_component, words_of};
+use words::{BlockMarks, Word, axis_component, words_of};
 
 struct State<'b, 'c> {
     builder: &'b mut Builder<'c>,
@@ -56,7 +56,7 @@ struct State<'b, 'c> {
 /// The words of a block and what stands around them.
 struct Block<'a, 'w> {
     words: &'w [Word<'a>],
-    beside: &'w Beside,
+    beside: &'w BlockMarks,
     file: &'a ProgramFile,
 }
 

@@ -2,7 +2,7 @@
 //! each posture moves the estimates.
 
 use super::assumptions::Assumptions;
-use super::others::LeaveOutSolver;
+use super::leave_out_solver::LeaveOutSolver;
 use super::rms;
 use super::solve::{Prepared, Solution};
 use super::system::MeasuredSystem;

@@ -59,10 +59,10 @@ pub(super) fn further_loads(cell: &Cell, magnitude: f64) -> Vec<(String, Setup)>
 /// What a place carries at work and what it carried in the readings, in words; nothing where these do not differ much.
 pub(super) fn loaded(place: Option<usize>, by_force: bool, work: &[WorkRows], seen: &[PostureTerms]) -> String {
     let work = work.iter().map(|point| &point.terms);
-    let Some(unlike) = Unlike::new(place, by_force, work, seen.iter()) else {
+    let Some(unlike) = LoadDifference::new(place, by_force, work, seen.iter()) else {
         return String::new();
     };
-    let Unlike { now, then, .. } = unlike;
+    let LoadDifference { now, then, .. } = unlike;
     if now < NEVER * then {
         return String::new();
     }
@@ -79,8 +79,8 @@ pub(super) fn loaded(place: Option<usize>, by_force: bool, work: &[WorkRows], se
 /// it gives there from elsewhere, and its bands cannot know better.
 pub(super) fn never_turned(cell: &Cell, saved: &Saved, work: &[WorkRows], seen: &[PostureTerms]) -> Option<Finding> {
     let at_work = || work.iter().map(|point| &point.terms);
-    let unlike = Unlike::new(None, false, at_work(), seen.iter())?;
-    let Unlike { now, then, all, .. } = unlike;
+    let unlike = LoadDifference::new(None, false, at_work(), seen.iter())?;
+    let LoadDifference { now, then, all, .. } = unlike;
     if now <= NOT_AT_ALL * then || now < NOTABLE * all {
         return None;
     }
@@ -106,7 +106,7 @@ pub(super) fn never_turned(cell: &Cell, saved: &Saved, work: &[WorkRows], seen: 
 }
 
 /// The axis in which loads at a place at work differ most from those of the readings, RMS \[N or N·m\].
-struct Unlike {
+struct LoadDifference {
     by_force: bool,
     place: Option<usize>,
     /// In axes of the place.
@@ -117,7 +117,7 @@ struct Unlike {
     all: f64,
 }
 
-impl Unlike {
+impl LoadDifference {
     /// `None` without any load.
     fn new<'a>(
         place: Option<usize>,
@@ -134,7 +134,7 @@ impl Unlike {
         let most = eigen.eigenvectors.column(eigen.eigenvalues.imax());
         let direction = (inverse.transpose() * most).try_normalize(0.0)?;
         let along = |m: &Matrix3<f64>| direction.dot(&(m * direction)).max(0.0).sqrt();
-        Some(Unlike {
+        Some(LoadDifference {
             by_force,
             place,
             direction,

@@ -5,8 +5,8 @@
 //! of each is how the wrench changes, six closed numbers.
 
 use super::facts::Quantity;
-use super::place::{QuantityValue, Valued};
 use super::stated::Stated;
+use super::value::{QuantityAtValue, QuantityValue};
 use crate::error::Result;
 use crate::estimate::identify::known_displacement;
 use crate::model::instruments::Mount;
@@ -76,7 +76,7 @@ impl<'a> Answers<'a> {
     ///
     /// # Errors
     /// As [`Stated::changed`].
-    pub fn shift(&self, values: &[Valued]) -> Result<DVector<f64>> {
+    pub fn shift(&self, values: &[QuantityAtValue]) -> Result<DVector<f64>> {
         let (stated, system) = (self.stated, self.stated.system);
         let setup = stated.setup(values);
         let mut out = DVector::zeros(system.delta.len());
@@ -160,7 +160,7 @@ impl<'a> Answers<'a> {
     ///
     /// # Errors
     /// As [`shift`](Self::shift).
-    pub fn slope(&self, values: &[Valued], which: usize, k: usize) -> Result<DVector<f64>> {
+    pub fn slope(&self, values: &[QuantityAtValue], which: usize, k: usize) -> Result<DVector<f64>> {
         let (quantity, place) = &values[which];
         if let Some(simple) = self.simple_slope(values, *quantity, k) {
             return simple;
@@ -183,7 +183,7 @@ impl<'a> Answers<'a> {
     }
 
     /// Where the change is in proportion to the number: of an element, or a shift, by itself.
-    fn simple_slope(&self, values: &[Valued], quantity: Quantity, k: usize) -> Option<Result<DVector<f64>>> {
+    fn simple_slope(&self, values: &[QuantityAtValue], quantity: Quantity, k: usize) -> Option<Result<DVector<f64>>> {
         let is_alone = values.len() == 1;
         let is_simple = quantity == Quantity::Shift || quantity.terms(k).is_some() || quantity == Quantity::Sensor;
         (is_alone && is_simple).then(|| {
@@ -199,7 +199,7 @@ pub(crate) mod internals {
     use crate::error::Result;
     use crate::estimate::identify::{Experiment, Fit};
     use crate::estimate::quantity::facts::Quantity;
-    use crate::estimate::quantity::place::QuantityValue;
+    use crate::estimate::quantity::value::QuantityValue;
     use nalgebra::DVector;
 
     /// Name, default standard uncertainty and its unit of each quantity.

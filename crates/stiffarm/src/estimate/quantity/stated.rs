@@ -1,7 +1,7 @@
 //! Measurements with what the cell states of them, and with any of its quantities at another value.
 
 use super::facts::Quantity;
-use super::place::{QuantityValue, Valued};
+use super::value::{QuantityAtValue, QuantityValue};
 use crate::error::Result;
 use crate::estimate::identify::{Experiment, Fit, MeasuredSystem};
 use crate::measure::Measured;
@@ -130,7 +130,7 @@ impl<'a> Stated<'a> {
     }
 
     /// The set-up with quantities at these values.
-    pub fn setup(&self, values: &[Valued]) -> Setup {
+    pub fn setup(&self, values: &[QuantityAtValue]) -> Setup {
         let mut setup = self.cell().setup.clone();
         for (quantity, place) in values {
             change_setup(&mut setup, *quantity, place);
@@ -142,7 +142,7 @@ impl<'a> Stated<'a> {
     ///
     /// # Errors
     /// A load that has no direction there.
-    pub fn changed(&self, values: &[Valued]) -> Result<(Cell, Measured)> {
+    pub fn changed(&self, values: &[QuantityAtValue]) -> Result<(Cell, Measured)> {
         let mut cell = self.cell().clone();
         cell.setup = self.setup(values);
         let postures = 0..self.origins.len();
@@ -161,7 +161,7 @@ impl<'a> Stated<'a> {
     ///
     /// # Errors
     /// As [`changed`](Self::changed).
-    pub fn posture(&self, setup: &Setup, m: usize, values: &[Valued]) -> Result<MeasuredPosture> {
+    pub fn posture(&self, setup: &Setup, m: usize, values: &[QuantityAtValue]) -> Result<MeasuredPosture> {
         let mut posture = self.experiment.postures()[m].clone();
         let Some(terms) = self.experiment.terms(m) else {
             return Ok(posture);
@@ -224,7 +224,12 @@ impl<'a> Stated<'a> {
     ///
     /// # Errors
     /// A state that is under none of the loads.
-    pub fn wrench(&self, setup: &Setup, m: usize, values: &[Valued]) -> Result<Option<(Wrench, Vector3<f64>)>> {
+    pub fn wrench(
+        &self,
+        setup: &Setup,
+        m: usize,
+        values: &[QuantityAtValue],
+    ) -> Result<Option<(Wrench, Vector3<f64>)>> {
         let posture = &self.experiment.postures()[m];
         let Some(terms) = self.experiment.terms(m) else {
             return Ok(None);
@@ -346,7 +351,7 @@ fn change_setup(setup: &mut Setup, quantity: Quantity, place: &QuantityValue) {
     }
 }
 
-fn change_angles(q: &mut [f64], values: &[Valued]) {
+fn change_angles(q: &mut [f64], values: &[QuantityAtValue]) {
     for (quantity, place) in values {
         match quantity {
             Quantity::Angle(j) => q[*j] = place.turn[(0, 0)] * q[*j] + place.values[0],

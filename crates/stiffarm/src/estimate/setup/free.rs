@@ -6,8 +6,8 @@ use crate::error::{Code, Error, Result, did_you_mean};
 use crate::estimate::elastic::ElasticChoice;
 use crate::estimate::identify::Fit;
 use crate::estimate::quantity::facts::Quantity;
-use crate::estimate::quantity::place::{QuantityValue, Valued};
 use crate::estimate::quantity::stated::Stated;
+use crate::estimate::quantity::value::{QuantityAtValue, QuantityValue};
 use crate::measure::Measured;
 use nalgebra::Matrix3;
 
@@ -69,11 +69,11 @@ pub fn free(fit: &Fit, elastic: ElasticChoice) -> Result<Option<(Fit, Vec<Freed>
 }
 
 /// What the names mean here, as stated.
-fn wanted(stated: &Stated<'_>, names: &[String]) -> Result<Vec<Valued>> {
+fn wanted(stated: &Stated<'_>, names: &[String]) -> Result<Vec<QuantityAtValue>> {
     let cell = stated.cell();
     let here = stated.quantities();
     let joints = cell.setup.robot.joint_count();
-    let mut out: Vec<Valued> = Vec::new();
+    let mut out: Vec<QuantityAtValue> = Vec::new();
     for (i, name) in names.iter().enumerate() {
         let refused = |code, message: String| Error::new(code, message).key("free");
         if names[..i].contains(name) {

@@ -5,8 +5,8 @@ use crate::estimate::elastic::carried_near;
 use crate::estimate::identify::{Fit, Response};
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::quantity::answer::Answers;
-use crate::estimate::quantity::place::Valued;
 use crate::estimate::quantity::stated::Stated;
+use crate::estimate::quantity::value::QuantityAtValue;
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -21,7 +21,7 @@ const STILL: f64 = 1e-2;
 /// The experiment fitted with quantities at some values.
 #[derive(Clone)]
 pub(super) struct QuantityFit {
-    pub values: Vec<Valued>,
+    pub values: Vec<QuantityAtValue>,
     pub fit: Fit,
     /// Springs beyond the axes, where they are granted.
     pub mixed: Option<Arc<MixedFit>>,
@@ -77,7 +77,7 @@ impl QuantityFit {
 
     /// The fit as it is, with springs beyond the axes where the readings carry these and `is_mixed` grants them, looked for
     /// near those of `near`.
-    pub(super) fn new(values: Vec<Valued>, fit: Fit, is_mixed: bool, near: Option<&MixedFit>) -> Result<Self> {
+    pub(super) fn new(values: Vec<QuantityAtValue>, fit: Fit, is_mixed: bool, near: Option<&MixedFit>) -> Result<Self> {
         let mixed = match is_mixed {
             true => carried_near(&fit, near)?.ok(),
             false => None,
@@ -120,7 +120,12 @@ impl<'a> Linear<'a> {
 
 impl Stated<'_> {
     /// The fit with quantities at these values; `None` where it cannot be had.
-    pub(super) fn at(&self, values: Vec<Valued>, is_mixed: bool, near: Option<&MixedFit>) -> Option<QuantityFit> {
+    pub(super) fn at(
+        &self,
+        values: Vec<QuantityAtValue>,
+        is_mixed: bool,
+        near: Option<&MixedFit>,
+    ) -> Option<QuantityFit> {
         let (cell, measured) = self.changed(&values).ok()?;
         let fit = Fit::new(&cell, measured, self.fit.options()).ok()?;
         let at = QuantityFit::new(values, fit, is_mixed, near).ok()?;
@@ -128,7 +133,7 @@ impl Stated<'_> {
     }
 
     /// One step of least squares from `values`, where the fit is `linear`.
-    fn step(&self, values: &[Valued], linear: &Linear<'_>) -> Option<Step> {
+    fn step(&self, values: &[QuantityAtValue], linear: &Linear<'_>) -> Option<Step> {
         let response = &linear.response;
         let mut columns = Vec::new();
         for (which, (_, place)) in values.iter().enumerate() {
@@ -162,7 +167,7 @@ impl Stated<'_> {
     }
 
     /// By how much −2 ln L of a fit with everything as stated would fall with the quantity freed, by the derivatives there.
-    pub(super) fn score(&self, stated: &Valued, linear: &Linear<'_>) -> f64 {
+    pub(super) fn score(&self, stated: &QuantityAtValue, linear: &Linear<'_>) -> f64 {
         let step = self.step(std::slice::from_ref(stated), linear);
         step.map_or(0.0, |step| step.gain(linear.fit))
     }
@@ -213,7 +218,7 @@ impl Stated<'_> {
 }
 
 /// The share of a step that no quantity takes farther than it may.
-fn longest_share(values: &[Valued], change: &DVector<f64>) -> f64 {
+fn longest_share(values: &[QuantityAtValue], change: &DVector<f64>) -> f64 {
     let (mut share, mut from) = (1.0_f64, 0);
     for (quantity, place) in values {
         let count = place.values.len();
@@ -223,7 +228,7 @@ fn longest_share(values: &[Valued], change: &DVector<f64>) -> f64 {
     share
 }
 
-fn moved(values: &[Valued], change: &DVector<f64>, share: f64) -> Vec<Valued> {
+fn moved(values: &[QuantityAtValue], change: &DVector<f64>, share: f64) -> Vec<QuantityAtValue> {
     let mut out = values.to_vec();
     let mut from = 0;
     for (_, place) in &mut out {

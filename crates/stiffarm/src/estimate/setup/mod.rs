@@ -20,8 +20,8 @@ use crate::estimate::elastic::{FEWEST_POSTURES, carried};
 use crate::estimate::identify::{Fit, IdentifyOptions, rms};
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::quantity::facts::Quantity;
-use crate::estimate::quantity::place::Valued;
 use crate::estimate::quantity::stated::Stated;
+use crate::estimate::quantity::value::QuantityAtValue;
 use crate::findings::Finding;
 use crate::numerics::jobs::in_order;
 use crate::numerics::order::sort_by_number;
@@ -207,7 +207,7 @@ fn judged(fit: &Fit, best: &QuantityFit, first: &Freed, grants: bool) -> Result<
 fn described(stated: &Stated<'_>, at: &QuantityFit, before: f64) -> Vec<Freed> {
     let (fit, cell) = (stated.fit, stated.cell());
     let mut errors = stated.errors(at).into_iter();
-    let one = |(quantity, place): &Valued| Freed {
+    let one = |(quantity, place): &QuantityAtValue| Freed {
         words: String::new(),
         name: quantity.name().to_string(),
         key: words::key(cell, *quantity),
@@ -268,7 +268,7 @@ fn leave_out_swallowed(stated: &Stated<'_>, mixed: &MixedFit, alone: &mut Vec<Qu
 
 /// Whether the quantity lies within what the cell states of it, or what is assumed: then the total ± has it. A force along
 /// the load is known as well as its scale.
-fn is_within_stated(fit: &Fit, (quantity, place): &Valued, errors: &[Option<f64>]) -> bool {
+fn is_within_stated(fit: &Fit, (quantity, place): &QuantityAtValue, errors: &[Option<f64>]) -> bool {
     let uncertainty = &fit.cell().uncertainty;
     let size = match quantity {
         Quantity::Offset => {

@@ -1,8 +1,8 @@
 //! From which values a quantity is looked for: the stated one, and the slips that people make of it.
 
 use crate::estimate::quantity::facts::Quantity;
-use crate::estimate::quantity::place::QuantityValue;
 use crate::estimate::quantity::stated::{Stated, anchor, loading_point};
+use crate::estimate::quantity::value::QuantityValue;
 use crate::numerics::arrangements::signed_axes;
 use nalgebra::{Matrix3, Vector3};
 

@@ -2,8 +2,8 @@
 
 use super::{Freed, Word};
 use crate::estimate::quantity::facts::{Numbers, Quantity};
-use crate::estimate::quantity::place::{QuantityValue, Valued};
 use crate::estimate::quantity::stated::{anchor, gravity, loading_point};
+use crate::estimate::quantity::value::{QuantityAtValue, QuantityValue};
 use crate::findings::{Finding, codes, length, list, visible};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
@@ -131,7 +131,7 @@ fn bare_mm(values: &[f64]) -> String {
 }
 
 /// What the readings ask for, in words.
-pub(super) fn wanted(cell: &Cell, (quantity, place): &Valued, freed: &Freed) -> String {
+pub(super) fn wanted(cell: &Cell, (quantity, place): &QuantityAtValue, freed: &Freed) -> String {
     let key = &freed.key;
     let errors = freed.standard_error.iter().map(|e| e.unwrap_or(0.0));
     let (values, errors): (_, &Vec<f64>) = (&freed.asked, &errors.collect());

@@ -26,7 +26,7 @@
 //! Given w, A and b are w times as large, and the likelihood above times the density of w
 //! weighs once more. What is the common errors' and what is noise is so found together.
 
-use super::believed::Believed;
+use super::predicting_model::PredictingModel;
 use super::preload;
 use super::sources::Source;
 use crate::error::Result;
@@ -63,7 +63,7 @@ pub(super) struct Parts {
 ///
 /// # Errors
 /// A decomposition that fails; stopped.
-pub(super) fn parts(believed: &Believed<'_>, sources: &[Source]) -> Result<Parts> {
+pub(super) fn parts(believed: &PredictingModel<'_>, sources: &[Source]) -> Result<Parts> {
     let (fit, response) = (believed.fit, &believed.response);
     let shifts = sources.iter().flat_map(|source| &source.parts);
     let (mut changes, mut left) = (Vec::new(), Vec::new());

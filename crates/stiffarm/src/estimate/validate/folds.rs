@@ -30,7 +30,7 @@ pub fn cross_validate(fit: &Fit, count: usize, tolerance_m: Option<f64>) -> Resu
     };
     let count = folds.len();
     let rounding = rounding(system);
-    let folds = folds.iter().map(|fold| Left {
+    let folds = folds.iter().map(|fold| FoldPrediction {
         out: &fold.left_out,
         predictor: Some(IdentifiedCompliance::from_solution(system, &fold.solution, confidence)),
         sees: Box::new(move |b| prediction_error(system, b, &fold.solution, rounding).is_some()),
@@ -50,7 +50,7 @@ pub fn cross_validate_mixed(mixed: &MixedFit, count: usize, tolerance_m: Option<
         None => mixed.folds_of(count)?,
     };
     let count = folds.len();
-    let folds = folds.iter().map(|fold| Left {
+    let folds = folds.iter().map(|fold| FoldPrediction {
         out: &fold.left_out,
         predictor: fold.compliance.clone(),
         sees: Box::new(|_| true),
@@ -104,7 +104,7 @@ fn together(fit: &Fit, count: usize) -> Result<Option<Vec<Vec<usize>>>> {
 }
 
 /// A fold with what predicts it.
-struct Left<'a> {
+struct FoldPrediction<'a> {
     /// The postures left out (indices of blocks).
     out: &'a [usize],
     predictor: Option<IdentifiedCompliance>,
@@ -116,7 +116,7 @@ fn gathered<'a>(
     fit: &Fit,
     system: &MeasuredSystem,
     count: usize,
-    folds: impl Iterator<Item = Left<'a>>,
+    folds: impl Iterator<Item = FoldPrediction<'a>>,
     tolerance_m: Option<f64>,
 ) -> Result<Validation> {
     check_tolerance(tolerance_m)?;

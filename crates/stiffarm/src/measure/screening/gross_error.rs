@@ -26,7 +26,7 @@ const BELOW: f64 = 2.0;
 const ABOVE: f64 = 4.0;
 
 /// The point that strays, and by how much \[m\].
-type Named = (usize, f64);
+type StrayPoint = (usize, f64);
 
 /// Names the stray reading of each doubtful state, or all that it can be.
 pub(super) fn settle(work: &mut Work, frame: Option<&Frame>) {
@@ -38,7 +38,7 @@ pub(super) fn settle(work: &mut Work, frame: Option<&Frame>) {
     let shape = mean_shape(work);
     let motions = frame.map_or_else(Vec::new, |f| moves(work, &f.base_from_tracker));
     let motion = Motion::new(work, &motions);
-    let named: Vec<Option<Named>> = doubtful
+    let named: Vec<Option<StrayPoint>> = doubtful
         .iter()
         .map(|at| {
             let by_motion = motion.as_ref().and_then(|m| m.name(work, &motions, *at));
@@ -109,7 +109,7 @@ impl Motion {
     }
 
     /// The one candidate without which the others move as expected.
-    fn name(&self, work: &Work, motions: &[Move], at: (usize, usize)) -> Option<Named> {
+    fn name(&self, work: &Work, motions: &[Move], at: (usize, usize)) -> Option<StrayPoint> {
         let candidates = &work.sheet.at(at).doubtful;
         for one in motions.iter().filter(|m| m.is_of(at)) {
             if !work.sheet.at(one.other_than(at)).doubtful.is_empty() {
@@ -147,7 +147,7 @@ impl Motion {
 
 /// An unloaded state: the candidate without which the others lie where the
 /// kinematic model has them.
-fn by_position(work: &Work, at: (usize, usize)) -> Option<Named> {
+fn by_position(work: &Work, at: (usize, usize)) -> Option<StrayPoint> {
     let state = work.sheet.at(at);
     if state.role == Role::Loaded {
         return None;

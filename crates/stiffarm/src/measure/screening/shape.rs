@@ -143,7 +143,7 @@ fn rigid_degrees(points: usize) -> usize {
 }
 
 /// A state whose shape disagrees.
-struct Odd {
+struct OddShape {
     at: (usize, usize),
     /// Points without which the rest fits.
     candidates: Vec<usize>,
@@ -212,14 +212,14 @@ pub(super) fn strays(work: &mut Work, last: bool) -> usize {
         }
         let rest = exceeded_by(alarm, rigid_degrees(seen.len() - 1)) * allowance;
         let fits = |a: &usize| misfit(state, Some(*a), scale).0 <= rest;
-        odd.push(Odd { at, candidates: seen.into_iter().filter(fits).collect(), off });
+        odd.push(OddShape { at, candidates: seen.into_iter().filter(fits).collect(), off });
     }
     report(work, &shape, &odd, last, states.len());
     states.len()
 }
 
-fn report(work: &mut Work, shape: &[Option<Vector3<f64>>], odd: &[Odd], last: bool, states: usize) {
-    let unexplained: Vec<&Odd> = odd.iter().filter(|o| o.candidates.is_empty()).collect();
+fn report(work: &mut Work, shape: &[Option<Vector3<f64>>], odd: &[OddShape], last: bool, states: usize) {
+    let unexplained: Vec<&OddShape> = odd.iter().filter(|o| o.candidates.is_empty()).collect();
     if last && !unexplained.is_empty() {
         let off = unexplained.iter().map(|o| o.off).fold(0.0, f64::max);
         let many = unexplained.len() >= 3 && unexplained.len() as f64 > UNSTEADY * states as f64;

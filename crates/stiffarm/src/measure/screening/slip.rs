@@ -316,7 +316,7 @@ impl Rule {
 
 /// What was settled on.
 #[derive(Debug, Clone)]
-pub(super) struct Settled {
+pub(super) struct SettledSlip {
     pub slip: Slip,
     /// What undoing it leaves.
     pub after: f64,
@@ -325,7 +325,7 @@ pub(super) struct Settled {
 }
 
 /// The likeliest of the slips that explain alike; beside each stands what undoing it leaves. `None` where no slip is believed.
-pub(super) fn settle(tried: impl IntoIterator<Item = (Slip, Option<f64>)>, rule: &Rule) -> Option<Settled> {
+pub(super) fn settle(tried: impl IntoIterator<Item = (Slip, Option<f64>)>, rule: &Rule) -> Option<SettledSlip> {
     let believed = tried.into_iter().filter_map(|(slip, after)| {
         let after = after.filter(|after| *after <= rule.most)?;
         Some((slip, after))
@@ -343,10 +343,10 @@ pub(super) fn settle(tried: impl IntoIterator<Item = (Slip, Option<f64>)>, rule:
     let (slip, after) = all.next()?;
     let others = all.map(|(other, _)| other);
     let others = others.filter(|other| other.cost <= slip.cost + rule.beside);
-    Some(Settled { others: others.collect(), slip, after })
+    Some(SettledSlip { others: others.collect(), slip, after })
 }
 
-impl Settled {
+impl SettledSlip {
     /// What is said of it: the likeliest slip, and the others in words.
     pub fn suspicion(&self, work: &Work) -> Suspicion {
         let phrase = |slip: &Slip| words::cause(&work.cell, &slip.suspicion(work));

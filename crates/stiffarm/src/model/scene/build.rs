@@ -1,7 +1,7 @@
 //! From parts and rules to the pairs that are kept apart.
 
 use super::pairs::Pair;
-use super::placed::{PlacedParts, Shapes};
+use super::placed_parts::{PlacedParts, Shapes};
 use super::{Carrier, DisplacementLimits, Part, RopeRules, Scene, Sight, TorqueLimits};
 use crate::error::{Code, Error, Result};
 use crate::model::kinematics::Frames;

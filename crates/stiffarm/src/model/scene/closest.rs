@@ -1,7 +1,7 @@
 //! The two parts that come nearest to each other at a posture, and where.
 
 use super::Scene;
-use super::placed::PlacedParts;
+use super::placed_parts::PlacedParts;
 use super::work::Work;
 use crate::model::observation::PostureTerms;
 use nalgebra::Vector3;

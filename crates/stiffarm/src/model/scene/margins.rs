@@ -1,7 +1,7 @@
 //! All margins of one posture, in a fixed order: pairs of parts, rope against parts, the rope's
 //! cone, beams (two per measuring point), torques, smallest and largest displacement.
 
-use super::placed::PlacedParts;
+use super::placed_parts::PlacedParts;
 use super::rope::{cone_margin, rope_to_solid};
 use super::sight::{SeenFrom, Station};
 use super::slope::{Derivative, Slope};

@@ -1,6 +1,6 @@
 //! Pairs of parts and the distance between them.
 
-use super::placed::{Bounded, PlacedParts};
+use super::placed_parts::{Bounded, PlacedParts};
 use super::slope::Touch;
 use crate::model::shape::{Capsule, Nearest, Solid, between, nearest_within};
 

@@ -1,7 +1,7 @@
 //! Lines of sight from tracker stations to measuring points.
 
 use super::pairs::{Line, line_to_solid};
-use super::placed::PlacedParts;
+use super::placed_parts::PlacedParts;
 use super::slope::{Derivative, Slope, Touch};
 use super::work::Memory;
 use crate::model::kinematics::Frames;

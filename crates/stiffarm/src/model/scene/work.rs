@@ -7,7 +7,7 @@
 
 use super::Scene;
 use super::displacement::DisplacementWork;
-use super::placed::Shapes;
+use super::placed_parts::Shapes;
 use crate::model::kinematics::Frames;
 use crate::model::observation::Setup;
 

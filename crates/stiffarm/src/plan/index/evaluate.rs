@@ -1,6 +1,6 @@
 //! All indices and the expected errors of one group of postures.
 
-use super::drop_one::{Each, relative_errors, rms};
+use super::drop_one::{DropTerms, relative_errors, rms};
 use super::kinds::Index;
 use super::prediction::PredictionModel;
 use crate::error::{Code, Error, Result};
@@ -269,7 +269,7 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
     let rho = cell.noise.common_weight(m);
     let (mut psi, mut whitened) = (Stack::new(n, MOST_ROWS), Stack::new(n, MOST_ROWS));
     let mut predicting = prediction.map(|model| (model, model.stack()));
-    let mut each = Each::new(cell, count * setup.cases().len() * 3 * m > MOST_ROWS);
+    let mut each = DropTerms::new(cell, count * setup.cases().len() * 3 * m > MOST_ROWS);
     let mut k_jn = Vec::with_capacity(count);
     for states in postures {
         let states = states?;

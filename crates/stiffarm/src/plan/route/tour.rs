@@ -1,11 +1,11 @@
 //! The order of a route, with the ways that it needs.
 
 use super::approach::{Approach, approach};
-use super::found::{Route, RouteMove, RouteOptions};
 use super::moves::Moves;
 use super::nearest::nearest;
 use super::places::Places;
-use super::way::ViaPath;
+use super::planned_route::{Route, RouteMove, RouteOptions};
+use super::via_path::ViaPath;
 use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::model::inverse::largest_change;

@@ -1,6 +1,6 @@
 //! Groups of candidates judged by the index `prediction`.
 
-use crate::plan::index::prediction::{Equations, Held, PredictionModel, Rows};
+use crate::plan::index::prediction::{Equations, GroupCovariance, PredictionModel, Rows};
 use crate::plan::select::exchange::Judge;
 use nalgebra::DMatrix;
 use std::f64::consts::{PI, TAU};
@@ -90,7 +90,7 @@ impl PredictionJudge {
         }
         let mut equations = self.equations();
         equations.add(&rows);
-        let held = Held::new(&equations, &self.targets)?;
+        let held = GroupCovariance::new(&equations, &self.targets)?;
         let seen = held.seen(&self.all);
         let score = |range: &Range<usize>| seen.rows(range.start, range.len()).norm_squared();
         Some((held.error, self.of.iter().map(score).collect()))
@@ -111,7 +111,7 @@ impl PredictionJudge {
     }
 
     fn count(&mut self, equations: &Equations) {
-        let held = Held::new(equations, &self.targets);
+        let held = GroupCovariance::new(equations, &self.targets);
         self.gains = held.and_then(|held| Some((held.gains(&self.all, &self.of)?, held.error)));
     }
 }

@@ -7,7 +7,7 @@
 mod follow;
 mod node;
 mod options;
-mod placed;
+mod place_evaluation;
 mod placement;
 mod prepared;
 mod reach;
@@ -18,7 +18,7 @@ mod status;
 pub use crate::plan::zones::MapRange;
 pub use node::{MapNode, NodeValues};
 pub use options::{MOST_TURNS, MapOptions};
-pub use placed::{PlaceEvaluation, PlaceOptions, PlacedPoint, PlacementCandidate};
+pub use place_evaluation::{PlaceEvaluation, PlaceOptions, PlacedPoint, PlacementCandidate};
 pub use placement::{Placement, place};
 pub use result::{MapExtremes, StatusCounts, StiffnessMap};
 pub use status::Status;

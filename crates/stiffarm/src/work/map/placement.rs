@@ -2,7 +2,7 @@
 //! the arm least.
 
 use super::options::{check_turns, grid};
-use super::placed::{PlaceEvaluation, PlaceOptions, PlacementCandidate};
+use super::place_evaluation::{PlaceEvaluation, PlaceOptions, PlacementCandidate};
 use super::result::{no_band, place_words, stopped, unknown_limits};
 use super::search::{Part, Search, WorkpiecePlace};
 use super::status::Status;

@@ -2,7 +2,7 @@
 
 use super::follow::{Stopped, follow};
 use super::options::turns;
-use super::placed::{PlaceEvaluation, PlaceOptions, PlacedPoint, PlacementCandidate};
+use super::place_evaluation::{PlaceEvaluation, PlaceOptions, PlacedPoint, PlacementCandidate};
 use super::prepared::Prepared;
 use super::reach::{Reach, Refusal, is_better};
 use super::status::Status;
@@ -47,7 +47,7 @@ pub(super) struct Search<'a> {
 }
 
 /// What goes along the path at a place.
-struct Along {
+struct PathAtPlace {
     turn: f64,
     path: Vec<Vec<f64>>,
     wrenches: Vec<Wrench>,
@@ -97,9 +97,9 @@ impl<'a> Search<'a> {
         place: &WorkpiecePlace,
         part: Part,
         control: Control<'_>,
-    ) -> Result<std::result::Result<Along, Stopped>> {
+    ) -> Result<std::result::Result<PathAtPlace, Stopped>> {
         let workpiece = self.workpiece(place);
-        let mut best: Option<((f64, f64), Along)> = None;
+        let mut best: Option<((f64, f64), PathAtPlace)> = None;
         let mut farthest: Option<Stopped> = None;
         let mut stop = |stopped: Stopped| {
             let farther = |f: &Stopped| stopped.at > f.at;
@@ -134,7 +134,7 @@ impl<'a> Search<'a> {
                 let strains = path.iter().map(|q| self.reach.strain(q));
                 let strain = strains.fold(0.0, f64::max);
                 if best.as_ref().is_none_or(|(than, _)| is_better(size, strain, *than)) {
-                    let along = Along { turn: *turn, path, wrenches: wrenches.clone(), sizes };
+                    let along = PathAtPlace { turn: *turn, path, wrenches: wrenches.clone(), sizes };
                     best = Some(((size, strain), along));
                 }
             }

@@ -13,7 +13,7 @@
 
 mod findings;
 mod free_turn;
-mod kept;
+mod shortfall;
 mod tracks;
 mod turned_round;
 

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 const EXACT: f64 = 1e-9;
 
 /// One displacement against all others.
-pub(super) struct Deleted {
+pub(super) struct DeletionResidual {
     /// Measured minus predicted \[m\].
     pub(super) deviation: Vector3<f64>,
     /// Its standard errors \[m\].
@@ -23,7 +23,7 @@ pub(super) struct Deleted {
 /// What each part of the data does to the fit.
 pub(super) struct Deletions {
     /// Each displacement; `None` for one that the fit meets exactly whatever it is.
-    pub(super) displacements: Vec<Option<Deleted>>,
+    pub(super) displacements: Vec<Option<DeletionResidual>>,
     /// Probability of each measuring point's residuals by the fit to the others.
     pub(super) points: Vec<Option<f64>>,
 }
@@ -42,7 +42,7 @@ impl Deletions {
         let whitened = fit.prepared().whitened();
         let mut displacements = Vec::with_capacity(rows / 3);
         let of_tool = fit.cell().setup.tool.point_count();
-        let mut points = vec![OfPoint::new(basis.ncols()); of_tool];
+        let mut points = vec![PointDeletion::new(basis.ncols()); of_tool];
         for (b, block) in system.blocks.iter().enumerate() {
             fit.control().check()?;
             let (from, count) = (block.rows.start, block.rows.len());
@@ -66,7 +66,7 @@ impl Deletions {
                     let explained = q.dot(&deviation);
                     let left = (size - explained).max(f64::EPSILON * size);
                     let variance = left / (free - 3) as f64;
-                    Some(Deleted {
+                    Some(DeletionResidual {
                         deviation,
                         error: inverse.diagonal().map(|v| (v * variance).max(0.0).sqrt()),
                         p_value: f_tail(explained / 3.0 / variance, 3, free - 3)?,
@@ -86,7 +86,7 @@ impl Deletions {
 /// with D posture by posture, so that
 /// P_SS⁻¹ = D⁻¹ + D⁻¹K (I − KᵀD⁻¹K)⁻¹ KᵀD⁻¹.
 #[derive(Clone)]
-struct OfPoint {
+struct PointDeletion {
     /// Rows.
     rows: usize,
     /// KᵀD⁻¹K.
@@ -99,9 +99,15 @@ struct OfPoint {
     singular: bool,
 }
 
-impl OfPoint {
+impl PointDeletion {
     fn new(rank: usize) -> Self {
-        OfPoint { rows: 0, seen: DMatrix::zeros(rank, rank), moved: DVector::zeros(rank), size: 0.0, singular: false }
+        PointDeletion {
+            rows: 0,
+            seen: DMatrix::zeros(rank, rank),
+            moved: DVector::zeros(rank),
+            size: 0.0,
+            singular: false,
+        }
     }
 
     /// Adds a posture: the point's columns of V^(−1/2), its rows of K and of q.

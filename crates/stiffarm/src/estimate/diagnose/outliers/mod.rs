@@ -13,14 +13,14 @@
 //! point) is named instead.
 
 mod deletions;
-mod kept;
+mod fitted_data;
 
 use super::noise::{NoiseTest, noise_test};
 use crate::error::Result;
 use crate::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource};
 use crate::estimate::mixed::MixedFit;
 use crate::findings::{Finding, codes, length, length_with_error, list, probability};
-use kept::FittedData;
+use fitted_data::FittedData;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;

@@ -4,7 +4,7 @@
 //! everything fits with it and little fits without.
 
 use super::super::motion::Move;
-use super::super::slip::{Rule, Settled, Slip, StateIndex, Undo, settle};
+use super::super::slip::{Rule, SettledSlip, Slip, StateIndex, Undo, settle};
 use super::super::units::{LENGTHS, of_angles};
 use super::super::{Cause, Evidence, Work};
 use super::fit::{Fitted, clear_moves, fit, misfit_of};
@@ -97,7 +97,7 @@ fn best_of(
 }
 
 /// Says what readings under load show, and goes on without it.
-fn note(work: &mut Work, settled: Settled, before: f64) -> Undo {
+fn note(work: &mut Work, settled: SettledSlip, before: f64) -> Undo {
     let mut out = settled.slip.suspicion(work);
     out.misfits = Some([before, settled.after]);
     out.evidence = Some(Evidence::Readings);

@@ -4,7 +4,7 @@
 
 use super::super::motion::{Move, load_of};
 use super::super::sheet::{Posture, Sheet};
-use super::super::slip::{Rule, Settled, Slip, StateIndex, Undo, settle};
+use super::super::slip::{Rule, SettledSlip, Slip, StateIndex, Undo, settle};
 use super::super::units::{DISPLACEMENTS, ENTRIES, Unit};
 use super::super::{Cause, Evidence, Work};
 use super::evidence::number_in;
@@ -43,7 +43,7 @@ enum Pattern {
 struct Entry {
     cause: Cause,
     unit: Unit,
-    settled: Settled,
+    settled: SettledSlip,
     before: f64,
 }
 

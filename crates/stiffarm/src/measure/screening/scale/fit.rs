@@ -25,7 +25,7 @@ const ROUNDS: usize = 10;
 
 /// One load state against the fit.
 #[derive(Debug, Clone)]
-pub(super) struct Scaled {
+pub(super) struct StateScale {
     /// Posture and state.
     pub at: (usize, usize),
     /// Size over what the fit gives, along the latter; below zero against it.
@@ -44,7 +44,7 @@ pub(super) struct Fitted {
     pub common: f64,
     pub common_std: f64,
     /// The states, in the order of the moves.
-    pub states: Vec<Scaled>,
+    pub states: Vec<StateScale>,
     /// Median misfit.
     pub level: f64,
 }
@@ -58,10 +58,10 @@ impl Fitted {
 }
 
 /// How far `one` is from what `compliance` gives.
-fn scaled(one: &Move, compliance: &DVector<f64>) -> Scaled {
+fn scaled(one: &Move, compliance: &DVector<f64>) -> StateScale {
     let (measured, expected) = (&one.shift - &one.series_shift, &one.block * compliance);
     let (measured_size, size) = (measured.norm(), expected.norm());
-    Scaled {
+    StateScale {
         at: (one.posture, one.state),
         ratio: measured.dot(&expected) / (size * size).max(f64::MIN_POSITIVE),
         misfit: (measured - expected).norm() / measured_size.max(size).max(f64::MIN_POSITIVE),
@@ -133,7 +133,7 @@ pub(super) fn fit(work: &Work, all: &[Move]) -> Option<Fitted> {
         let covariance = information.clone().try_inverse()?;
         let ratio: DVector<f64> = (&covariance * right).map(|x| x.max(0.02 * common));
         let compliance = ratio.component_mul(&expected);
-        let states: Vec<Scaled> = all.iter().map(|one| scaled(one, &compliance)).collect();
+        let states: Vec<StateScale> = all.iter().map(|one| scaled(one, &compliance)).collect();
         weights = states
             .iter()
             .map(|s| if s.ratio > 0.05 { weight(s.ratio.ln(), HALF[1]) } else { weight(3.0, HALF[1]) })

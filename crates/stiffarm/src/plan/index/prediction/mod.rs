@@ -15,7 +15,7 @@ mod work;
 
 pub(crate) use function::PredictionFunction;
 use posterior::Posterior;
-pub(crate) use posterior::{Equations, Held, Rows};
+pub(crate) use posterior::{Equations, GroupCovariance, Rows};
 pub(crate) use work::work_of;
 
 use crate::error::{Code, Error, Result};

@@ -18,7 +18,7 @@ const RANKED_BY: usize = 2000;
 const ALIKE: f64 = 1e-6;
 
 /// A point of a way with what is missing there, in the unit of [`Search::missing`].
-struct Lacking {
+struct Shortfall {
     point: usize,
     missing: f64,
 }
@@ -84,11 +84,11 @@ impl Search<'_> {
         way: &PathPostures,
         missing: &[f64],
     ) -> Result<Option<Finding>> {
-        let mut lacking: Vec<Lacking> = missing
+        let mut lacking: Vec<Shortfall> = missing
             .iter()
             .enumerate()
             .filter(|(_, missing)| **missing > 0.0)
-            .map(|(point, missing)| Lacking { point, missing: *missing })
+            .map(|(point, missing)| Shortfall { point, missing: *missing })
             .collect();
         lacking.sort_by(|a, b| b.missing.total_cmp(&a.missing));
         lacking.truncate(LOOKED_AT);

@@ -37,4 +37,4 @@ impl QuantityValue {
 }
 
 /// A quantity at a value.
-pub(crate) type Valued = (Quantity, QuantityValue);
+pub(crate) type QuantityAtValue = (Quantity, QuantityValue);

@@ -84,7 +84,7 @@ pub struct ProgramMove<'a> {
     pub motion: Motion,
     /// Of an arc the point on the way.
     pub via: Option<Box<MoveTarget<'a>>>,
-    pub aim: MoveTarget<'a>,
+    pub target: MoveTarget<'a>,
     /// Name of the procedure that it stands in.
     pub feature: Option<Arc<str>>,
     /// Feed \[m/s\], where the program states it.
