@@ -7,7 +7,7 @@ use stiffarm::work::map::{MapNode, MapRange, NodeValues, Status, StiffnessMap};
 
 /// Ratio of the largest to the smallest value from which on a colour bar is
 /// logarithmic.
-const WIDE: f64 = 10.0;
+const LOGARITHMIC_RATIO: f64 = 10.0;
 /// Most planes of a box.
 const PLANES: usize = 9;
 /// Most strokes along the longer side of a plane.
@@ -82,27 +82,31 @@ pub fn map_figure(map: &StiffnessMap) -> Figure {
     Figure { id: "map".into(), title: title(map), caption: caption(map), columns, panels }
 }
 
-fn quantities(map: &StiffnessMap) -> [Quantity; 3] {
-    let scaled = |label: &str, unit: &str, range: Option<MapRange>| match range {
-        Some(r) if r.smallest > 0.0 && r.largest > WIDE * r.smallest => Axis::log(label, unit),
+/// The colour bar of such a range.
+pub(crate) fn ranged_axis(label: &str, unit: &str, range: Option<MapRange>) -> Axis {
+    match range {
+        Some(r) if r.smallest > 0.0 && r.largest > LOGARITHMIC_RATIO * r.smallest => Axis::log(label, unit),
         _ => Axis::linear(label, unit),
-    };
+    }
+}
+
+fn quantities(map: &StiffnessMap) -> [Quantity; 3] {
     [
         Quantity {
             title: "deflection under the load".into(),
-            axis: scaled("deflection per newton", "µm/N", map.deflection_per_newton_m),
+            axis: ranged_axis("deflection per newton", "µm/N", map.deflection_per_newton_m),
             value: |v| Some(1e6 * v.deflection_per_newton_m),
             small_is_good: true,
         },
         Quantity {
             title: format!("stiffness along {}", direction_words(map)),
-            axis: scaled("stiffness", "N/µm", map.stiffness_n_per_m),
+            axis: ranged_axis("stiffness", "N/µm", map.stiffness_n_per_m),
             value: |v| v.stiffness_n_per_m.map(|k| 1e-6 * k),
             small_is_good: false,
         },
         Quantity {
             title: "softest direction".into(),
-            axis: scaled("stiffness along it", "N/µm", map.softest_n_per_m),
+            axis: ranged_axis("stiffness along it", "N/µm", map.softest_n_per_m),
             value: |v| v.softest.stiffness_n_per_m.map(|k| 1e-6 * k),
             small_is_good: false,
         },

@@ -10,8 +10,8 @@ use std::path::Path;
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::model::shape::TriangleMesh;
 
-/// A mesh of a robot or a tool is not larger than this \[m\].
-const LARGEST: f64 = 20.0;
+/// No shape of a robot or a tool is larger \[m\].
+pub(crate) const LARGEST_EXTENT: f64 = 20.0;
 
 const KINDS: &str = "give a triangle mesh as .stl, .obj or .dae";
 
@@ -67,7 +67,7 @@ fn parse(bytes: &[u8], name: &str, scale: f64) -> Result<TriangleMesh> {
         _ => e.hint("export the mesh again"),
     })?;
     let across = mesh.extent().amax();
-    if scale == 1.0 && across > LARGEST {
+    if scale == 1.0 && across > LARGEST_EXTENT {
         return Err(Error::invalid(format!("The mesh is {} m across: probably its unit is mm.", grouped(across)))
             .hint("give `unit = \"mm\"`"));
     }

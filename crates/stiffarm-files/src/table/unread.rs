@@ -9,13 +9,13 @@ use std::collections::BTreeMap;
 use stiffarm::error::{Code, Result};
 
 /// Readings that far from the tracker's origin are no zeros of a dial \[m\].
-const FAR: f64 = 0.1;
+const FAR_FROM_TRACKER: f64 = 0.1;
 
 /// Readings of one point in one posture differ by less \[m\] …
-const NEAR: f64 = 0.01;
+const SAME_POINT_DISTANCE: f64 = 0.01;
 
 /// … and by less than this part of the coordinate, so that a power of ten is no chance.
-const NEAR_PART: f64 = 0.3;
+const SAME_POINT_SHARE: f64 = 0.3;
 
 /// By so much more a distance must stray from the usual one, as a logarithm, to be the wrong one.
 const CLEARLY: f64 = 0.5;
@@ -104,8 +104,9 @@ fn zeros(table: &Table<'_>, columns: &MeasurementColumns, read: &[PositionRow<'_
     for one in read.iter().filter(|one| !is_zero(one)) {
         distances.entry(one.of.1).or_default().push(one.position.norm());
     }
-    let far =
-        distances.into_iter().filter(|(_, point_distances)| median(point_distances.clone()).is_some_and(|d| d > FAR));
+    let far = distances
+        .into_iter()
+        .filter(|(_, point_distances)| median(point_distances.clone()).is_some_and(|d| d > FAR_FROM_TRACKER));
     let far: Vec<&str> = far.map(|(point, _)| point).collect();
     let is_lost = |one: &&PositionRow<'_>| is_zero(one) && far.contains(&one.of.1);
     let lost: Vec<&PositionRow<'_>> = read.iter().filter(is_lost).collect();
@@ -131,8 +132,8 @@ fn tens(one: &PositionRow<'_>, others: &[&PositionRow<'_>], usual: f64) -> Optio
     let mut corrected = one.position;
     for k in 0..3 {
         let other = median(others.iter().map(|other| other.position[k]).collect())?;
-        let (value, tolerance) = (one.position[k], NEAR.min(NEAR_PART * other.abs()));
-        if (value - other).abs() <= NEAR {
+        let (value, tolerance) = (one.position[k], SAME_POINT_DISTANCE.min(SAME_POINT_SHARE * other.abs()));
+        if (value - other).abs() <= SAME_POINT_DISTANCE {
             continue;
         }
         let power = (value / other).abs().log10().round();
@@ -149,7 +150,7 @@ fn tens(one: &PositionRow<'_>, others: &[&PositionRow<'_>], usual: f64) -> Optio
     // other of the table does.
     let near = |other: &&PositionRow<'_>| {
         let first = others.first();
-        first.is_some_and(|first| (other.position - first.position).norm() < 2.0 * NEAR)
+        first.is_some_and(|first| (other.position - first.position).norm() < 2.0 * SAME_POINT_DISTANCE)
     };
     let agree = others.len() > 1 && others.iter().all(near);
     let apart = |position: &Vector3<f64>| (position.norm() / usual).ln().abs();

@@ -102,7 +102,7 @@ struct Frame<'a> {
 }
 
 /// So much may the same place of an external axis differ, in the program's unit: what is rounded.
-const SAME_PLACE: f64 = 1e-3;
+const SAME_EXTERNAL_AXIS: f64 = 1e-3;
 
 struct Walk<'a, 'b, 'c> {
     builder: &'b mut Builder<'c>,
@@ -169,7 +169,7 @@ impl<'a> Walk<'a, '_, '_> {
         self.stand(pose.external.clone(), line);
         for (name, axis) in &mut self.external {
             let stands = *axis.stands.get_or_insert(axis.now);
-            if (axis.now - stands).abs() > SAME_PLACE {
+            if (axis.now - stands).abs() > SAME_EXTERNAL_AXIS {
                 let moved = pose.external.iter().find(|external| external.name == *name);
                 let cursor = moved.map_or(place, |external| &external.place);
                 let message = format!(

@@ -6,8 +6,8 @@ use stiffarm::error::{Code, Error, Result};
 use stiffarm::model::path::{PathPoint, PathTarget};
 
 /// Orientations nearer than this are the same \[rad\], positions \[m\]: what is left of products of rotations.
-pub(super) const SAME: f64 = 1e-9;
-pub(super) const SAME_PLACE: f64 = 1e-10;
+pub(super) const SAME_ORIENTATION: f64 = 1e-9;
+pub(super) const SAME_POSITION: f64 = 1e-10;
 
 /// Whether two points are the same but for rounding.
 pub(super) fn is_same(form: &Form, a: &PathPoint, b: &PathPoint) -> bool {
@@ -15,10 +15,10 @@ pub(super) fn is_same(form: &Form, a: &PathPoint, b: &PathPoint) -> bool {
         return false;
     };
     let is_turned = match (&was, &is) {
-        (TargetOrientation::Rotation(was), TargetOrientation::Rotation(is)) => was.angle_to(is) >= SAME,
-        _ => was.axis().angle(&is.axis()) >= SAME,
+        (TargetOrientation::Rotation(was), TargetOrientation::Rotation(is)) => was.angle_to(is) >= SAME_ORIENTATION,
+        _ => was.axis().angle(&is.axis()) >= SAME_ORIENTATION,
     };
-    (to - from).norm() < SAME_PLACE && !is_turned
+    (to - from).norm() < SAME_POSITION && !is_turned
 }
 
 /// The orientation of a target in the frame of the program.

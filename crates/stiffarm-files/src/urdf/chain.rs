@@ -22,7 +22,7 @@ use stiffarm::findings::Finding;
 use stiffarm::model::robot::{JointAxis, MOST_JOINTS};
 
 /// Axes are one where directions \[rad\] and places \[m\] differ by no more than rounding.
-const SAME: f64 = 1e-10;
+const SAME_AXIS: f64 = 1e-10;
 
 /// A chain as axes moved by the controller's joints.
 pub(super) struct Chain<'a> {
@@ -151,7 +151,7 @@ fn add<'a>(groups: &mut Vec<Group<'a>>, joint: &'a Joint, axis: JointAxis, follo
     let one = last.filter(|group| {
         let apart = (axis.point - group.axis.point).cross(&group.axis.direction);
         let turned = axis.direction.cross(&group.axis.direction);
-        (group.has_mimic || follows.is_mimic) && apart.norm() <= SAME && turned.norm() <= SAME
+        (group.has_mimic || follows.is_mimic) && apart.norm() <= SAME_AXIS && turned.norm() <= SAME_AXIS
     });
     let Some(group) = one else {
         groups.push(Group {

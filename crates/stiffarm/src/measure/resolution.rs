@@ -24,7 +24,7 @@ const EXACT: f64 = 1e-5;
 const MEANT: f64 = 0.03;
 
 /// … and below this part it adds a twentieth to the noise at most.
-const SMALL: f64 = 0.32;
+const COARSE_SHARE: f64 = 0.32;
 
 /// What the step of a table's readings adds to the noise.
 pub(super) struct Resolution {
@@ -68,7 +68,7 @@ impl Resolution {
             length(tracker_std),
         );
         let advice = " Export the readings with all their digits.";
-        let is_coarse = std >= SMALL * tracker_std;
+        let is_coarse = std >= COARSE_SHARE * tracker_std;
         let finding = if !is_coarse {
             Finding::note(codes::READING_RESOLUTION, "readings", sentence)
         } else {

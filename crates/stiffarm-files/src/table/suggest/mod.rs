@@ -8,7 +8,7 @@ use crate::table::quantity::Quantity;
 use words::{HeadingMeaning, said, stem, words};
 
 /// Headings that a hint lists before it is cut.
-const MOST: usize = 12;
+const MOST_HEADINGS: usize = 12;
 
 /// Names that a column of its own may hold.
 const OURS: [&str; 3] = ["posture", "state", "point"];
@@ -37,7 +37,7 @@ pub(in crate::table) fn suggestion(headings: &[Heading], is_known: impl Fn(&str)
             None => rest.push(format!("\"{}\"", heading.shown)),
         }
     }
-    if keys.is_empty() || keys.len() + rest.len() > MOST {
+    if keys.is_empty() || keys.len() + rest.len() > MOST_HEADINGS {
         return None;
     }
     // Where posture and state have columns, a name is that of the point.

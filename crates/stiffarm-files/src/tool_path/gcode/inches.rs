@@ -14,7 +14,7 @@ use stiffarm::model::process::Process;
 use stiffarm::units::m_to_mm;
 
 /// Largest side of a path that may be in inches \[units\].
-const SMALL: f64 = 50.0;
+const LARGEST_SPAN: f64 = 50.0;
 /// Most that the tool is lifted above what it cuts there \[units\].
 const LIFTED: f64 = 2.5;
 /// Fastest feed of such a program \[units/min\].
@@ -83,7 +83,7 @@ impl State<'_, '_> {
         let span = high - low;
         let lifted = self.builder.points.iter().map(|p| place(p).z - high.z);
         let across = span.x.max(span.y);
-        if span.max() > SMALL || across == 0.0 || lifted.fold(0.0, f64::max) > LIFTED {
+        if span.max() > LARGEST_SPAN || across == 0.0 || lifted.fold(0.0, f64::max) > LIFTED {
             return;
         }
         let (cutter, own_spindle) = match &self.builder.cell.work.process {

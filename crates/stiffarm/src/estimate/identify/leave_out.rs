@@ -113,6 +113,9 @@ pub(super) fn fold_without(
     Ok(Fold { left_out, solution })
 }
 
+/// Residuals below this share of the displacements are rounding.
+pub(crate) const RESIDUAL_ROUNDING: f64 = 1e-11;
+
 /// Norm below which a column of Ψ is rounding.
 pub(crate) fn rounding(system: &MeasuredSystem) -> f64 {
     let norms = system.psi.column_iter().map(|c| c.norm());

@@ -7,6 +7,7 @@
 //! variance of s x. What a further load leaves is the covariance after its rows, C − C Xᵀ(V + X C Xᵀ)⁻¹X C, the
 //! sizes held: it needs no reading.
 
+use super::doubt::MOST_SWEEPS;
 use super::means::scattered;
 use super::unlike::{WorkRows, further_loads, loaded, never_turned};
 use crate::error::Result;
@@ -18,14 +19,15 @@ use crate::model::cell::Cell;
 use crate::model::elastic::ElasticClass;
 use crate::model::load::Wrench;
 use crate::model::observation::{PostureTerms, Setup, places};
+use crate::model::posture::is_same_posture;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Share of a direction's prior variance that is left where readings told nothing of it.
 const UNTOLD: f64 = 0.5;
 /// Share of an error's variance from such directions beyond which they rule it.
-const RULES: f64 = 0.5;
+const RULING_SHARE: f64 = 0.5;
 /// Errors below this share of the deflections are no reason to measure again.
-const LARGE: f64 = 0.01;
+const LARGE_ERROR_SHARE: f64 = 0.01;
 /// Share of the error that a further load has to take away to be worth a word.
 const HELPS: f64 = 0.25;
 /// A weight is simpler to hang than another load is to make: others have to leave less than this share of what it leaves.
@@ -34,10 +36,6 @@ const SIMPLER: f64 = 0.8;
 const MOST_PLACES: usize = 2;
 /// A second place is named where it has this share of the first.
 const AS_MUCH: f64 = 0.5;
-/// Sweeps after which eigenvalues are given up.
-const MOST_SWEEPS: usize = 1000;
-/// Angles nearer to each other are those of one posture \[rad\].
-const SAME: f64 = 1e-3;
 
 /// What the sentence says in numbers, RMS over the points \[m\].
 struct NeverLoaded {
@@ -108,7 +106,7 @@ fn numbers_of(
     let with = &rows * &spread.covariance;
     let untold = (&with * untold_directions(spread, doubt)).norm_squared();
     let error = with.dot(&rows) + other;
-    if untold <= RULES * error || error <= LARGE * LARGE * squares {
+    if untold <= RULING_SHARE * error || error <= LARGE_ERROR_SHARE * LARGE_ERROR_SHARE * squares {
         return Ok(None);
     }
     // Of a point: three rows each.
@@ -174,9 +172,8 @@ fn seen(cell: &Cell, loads: &[SeenLoad]) -> Result<Vec<PostureTerms>> {
 /// Covariance of the unknowns after each of the postures was measured under the load of `setup`.
 fn after(spread: &Spread, setup: &Setup, predictor: &IdentifiedCompliance, loads: &[SeenLoad]) -> Result<DMatrix<f64>> {
     let mut covariance = spread.covariance.clone();
-    let is_same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME);
     for (i, load) in loads.iter().enumerate() {
-        if loads[..i].iter().any(|other| is_same(&other.q, &load.q)) {
+        if loads[..i].iter().any(|other| is_same_posture(&other.q, &load.q)) {
             continue;
         }
         let terms = PostureTerms::new(setup, &load.q, None)?;

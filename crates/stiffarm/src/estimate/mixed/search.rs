@@ -20,7 +20,7 @@ const NOTHING: f64 = 1e-4;
 /// A class of this curvature is something: −2 ln L_R would rise by about as much without it.
 const TOLD: f64 = 0.1;
 /// No step changes a logarithm by more.
-const FAR: f64 = 3.0;
+const LARGEST_STEP: f64 = 3.0;
 /// Least curvature that a step counts on: with a class that vanishes so do slope and curvature.
 const FLAT: f64 = 1e-4;
 /// Steps at most, and times that one is halved.
@@ -179,7 +179,7 @@ impl Search<'_, '_> {
         });
         let slope = DVector::from_fn(free.len(), |i, _| -at.gradient[free[i]]);
         let newton = curvature.cholesky()?.solve(&slope);
-        let shorter = (FAR / newton.amax()).min(1.0);
+        let shorter = (LARGEST_STEP / newton.amax()).min(1.0);
         for (i, value) in free.iter().zip(&newton) {
             step[*i] = value * shorter;
         }

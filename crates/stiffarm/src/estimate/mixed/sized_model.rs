@@ -8,7 +8,7 @@ use super::too_few;
 use crate::error::Result;
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};
 use crate::estimate::freedom::SizeDoubt;
-use crate::estimate::identify::Fit;
+use crate::estimate::identify::{Fit, RESIDUAL_ROUNDING};
 use crate::model::elastic::{Effect, ElasticClass, ElasticSizing, KnownElement, fitted, terms};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -57,7 +57,7 @@ pub(super) fn likeliest(
     let alike = of(ElasticSizing::Alike, near, None)?;
     let by_joint = of(ElasticSizing::ByJoint, Some(&alike.sizes), None)?;
     // As likely with entries that are alike is no reason to take others.
-    let (sizing, likelier) = match by_joint.values[0] < alike.values[0] - SAME {
+    let (sizing, likelier) = match by_joint.values[0] < alike.values[0] - SAME_LIKELIHOOD {
         true => (ElasticSizing::ByJoint, by_joint),
         false => (ElasticSizing::Alike, alike),
     };
@@ -96,7 +96,7 @@ pub(super) fn fit_choice(
     let prior = elements_prior(&fit.cell().known_elements, &effects, choice.sigma);
     let scales = effects.iter().map(|effect| effect.scale);
     let rows = white.of_effects(scales, &means(&effects), &prior);
-    if rows.rest() <= ROUNDING * fit.white().norm() {
+    if rows.rest() <= RESIDUAL_ROUNDING * fit.white().norm() {
         return Err(too_few("the joint axes leave nothing of the displacements"));
     }
     let likelihood = Likelihood::new(&rows, left_out);
@@ -128,7 +128,7 @@ fn elements_prior(elements: &[KnownElement], effects: &[Effect], sigma: Option<f
     PriorRows {
         rows: DMatrix::from_fn(count, effects.len(), |i, j| sigma * unit(i, j)),
         read: DVector::from_iterator(count, read),
-        ratio: Some((WIDE / sigma).powi(2)),
+        ratio: Some((UNKNOWN_ELEMENT_STDS / sigma).powi(2)),
     }
 }
 
@@ -223,11 +223,9 @@ fn size_doubt(
 }
 
 /// Standard deviation of what a drawing knows before it says so, in its standard uncertainties: any.
-const WIDE: f64 = 1e3;
+const UNKNOWN_ELEMENT_STDS: f64 = 1e3;
 /// Differences of −2 ln L_R below this are none.
-const SAME: f64 = 1e-6;
-/// Residuals below this share of the displacements are rounding.
-const ROUNDING: f64 = 1e-11;
+const SAME_LIKELIHOOD: f64 = 1e-6;
 
 /// Compliance of each joint as the axes alone have it, for what is sized by it.
 fn joint_give(fit: &Fit, axes: &DVector<f64>) -> DVector<f64> {

@@ -1,6 +1,6 @@
 //! Quantities of the set-up that are identified on purpose, together with the stiffness.
 
-use super::freed::QuantityFit;
+use super::freed::{QuantityFit, SETTLED_LIKELIHOOD};
 use super::{Freed, described, value};
 use crate::error::{Code, Error, Result, did_you_mean};
 use crate::estimate::elastic::ElasticChoice;
@@ -13,8 +13,6 @@ use nalgebra::Matrix3;
 
 /// Most searches beside the springs beyond the axes: each is one step of least squares.
 const SEARCHES: usize = 8;
-/// Change of −2 ln L that ends them.
-const STILL: f64 = 1e-2;
 /// A number whose standard error reaches this share of what a quantity can be is not told \[m; rad\], of a force \[N\].
 const UNTOLD: f64 = 0.3;
 const UNTOLD_FORCE: f64 = 1e3;
@@ -44,7 +42,7 @@ pub fn free(fit: &Fit, elastic: ElasticChoice) -> Result<Option<(Fit, Vec<Freed>
             let next = stated.refined(at.clone());
             let fall = at.value - next.value;
             at = next;
-            if fall < STILL {
+            if fall < SETTLED_LIKELIHOOD {
                 break;
             }
         }

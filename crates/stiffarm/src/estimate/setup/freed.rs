@@ -15,8 +15,8 @@ use std::sync::Arc;
 /// model with springs beyond them, which begins where the axes end.
 const AXES: (usize, usize) = (15, 4);
 const MIXED: (usize, usize) = (1, 2);
-/// Change of −2 ln L that ends the search.
-const STILL: f64 = 1e-2;
+/// Change of −2 ln L that ends a search.
+pub(super) const SETTLED_LIKELIHOOD: f64 = 1e-2;
 
 /// The experiment fitted with quantities at some values.
 #[derive(Clone)]
@@ -200,7 +200,7 @@ impl Stated<'_> {
             let Some(next) = better else { return at };
             let fall = at.value - next.value;
             at = next;
-            if fall < STILL {
+            if fall < SETTLED_LIKELIHOOD {
                 break;
             }
         }

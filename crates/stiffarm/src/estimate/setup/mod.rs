@@ -47,9 +47,9 @@ const FOLLOWED: usize = 2;
 /// Quantities that are tried beside springs beyond the axes.
 const TRIED: usize = 3;
 /// Standard uncertainties, of cell and readings together, within which a quantity may lie.
-const WIDE: f64 = 3.0;
+const PLAUSIBLE_STDS: f64 = 3.0;
 /// Explanations whose −2 ln L lies within this of the best explain as well.
-const ALIKE: f64 = 10.0;
+const ALIKE_LIKELIHOOD_RATIO: f64 = 10.0;
 
 /// A quantity of the set-up that the readings want elsewhere.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -160,7 +160,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
         Some(word) => {
             let others = freed.iter().zip(&beside).skip(1);
             let alike = others
-                .filter(|(other, _)| first.likelihood_ratio - other.likelihood_ratio < ALIKE)
+                .filter(|(other, _)| first.likelihood_ratio - other.likelihood_ratio < ALIKE_LIKELIHOOD_RATIO)
                 .map(|(_, at)| at.values[0].0);
             let alike: Vec<Quantity> = alike.collect();
             Some(words::finding(fit.cell(), quantity, first, &alike, &word))
@@ -282,7 +282,7 @@ fn is_within_stated(fit: &Fit, (quantity, place): &QuantityAtValue, errors: &[Op
     let mut both = place.values.iter().zip(errors);
     size > 0.0
         && place.turn == Matrix3::identity()
-        && both.all(|(value, error)| value.abs() <= WIDE * size.hypot(error.unwrap_or(0.0)))
+        && both.all(|(value, error)| value.abs() <= PLAUSIBLE_STDS * size.hypot(error.unwrap_or(0.0)))
 }
 
 /// By how much −2 ln L falls without the posture that gains most, and its name: one bad posture is no set-up.

@@ -7,11 +7,9 @@ use crate::estimate::quantity::value::{QuantityAtValue, QuantityValue};
 use crate::findings::{Finding, codes, length, list, visible};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
-use crate::units::{m_to_mm, rad_to_deg};
+use crate::units::{STANDARD_GRAVITY, m_to_mm, rad_to_deg};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
-/// Standard gravity \[m/s²\].
-const GRAVITY: f64 = 9.806_65;
 /// Standard errors of what is printed behind ±.
 const COVERAGE: f64 = 2.0;
 
@@ -158,7 +156,7 @@ pub(super) fn wanted(cell: &Cell, (quantity, place): &QuantityAtValue, freed: &F
             let force = place.vector();
             let vertical = force.dot(cell.setup.robot.gravity_direction());
             let mass = if vertical > 0.9 * force.norm() {
-                format!(", the weight of {:.1} kg", vertical / GRAVITY)
+                format!(", the weight of {:.1} kg", vertical / STANDARD_GRAVITY)
             } else {
                 String::new()
             };

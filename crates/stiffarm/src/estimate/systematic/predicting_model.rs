@@ -44,7 +44,7 @@ pub(super) struct PredictingModel<'a> {
 }
 
 /// Two models whose joints differ by less than this share are one.
-const SAME: f64 = 1e-6;
+const SAME_JOINTS_SHARE: f64 = 1e-6;
 
 impl<'a> PredictingModel<'a> {
     /// # Errors
@@ -115,7 +115,7 @@ impl<'a> PredictingModel<'a> {
         }
         let joints = reproduced.of(&compliance.values);
         let alone = mixed.springs_alone()?;
-        let is_seen = reproduced.of(&alone).amax() > SAME * joints.amax();
+        let is_seen = reproduced.of(&alone).amax() > SAME_JOINTS_SHARE * joints.amax();
         Ok(PredictingModel {
             fit: mixed.fit(),
             values: &compliance.values,

@@ -59,7 +59,7 @@ pub fn cross_validate_mixed(mixed: &MixedFit, count: usize, tolerance_m: Option<
 }
 
 /// Postures nearer than this in every joint are one and the same to a validation \[rad\].
-const NEAR: f64 = 5.0 * std::f64::consts::PI / 180.0;
+const SAME_POSTURE_ANGLE: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
 /// The postures of each of `count` folds (indices of blocks), where some of them are so near each other that they have to
 /// be left out together.
@@ -74,7 +74,7 @@ fn together(fit: &Fit, count: usize) -> Result<Option<Vec<Vec<usize>>>> {
     };
     let is_near = |a: usize, b: usize| {
         let both = angles(a).zip(angles(b));
-        both.is_some_and(|(a, b)| a.iter().zip(b).all(|(a, b)| (a - b).abs() < NEAR))
+        both.is_some_and(|(a, b)| a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME_POSTURE_ANGLE))
     };
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for b in 0..system.blocks.len() {

@@ -17,14 +17,20 @@ use nalgebra::Isometry3;
 const UNKNOWNS: usize = 6;
 const SURPLUS: usize = 6;
 /// Misfit below which a frame of its own does not matter to Ψ \[m\].
-const SMALL: f64 = 5e-4;
+const SMALL_MISFIT: f64 = 5e-4;
 /// Postures of the short runs that say how well the model can fit.
 const SHORT: usize = 3;
 /// A posture belongs to the run that it fits better by this factor.
 const BETTER: f64 = 2.0;
 /// When a posture is none of its run.
-const AGREEMENT: Agreement =
-    Agreement { factor: 10.0, floor: SMALL, floor_few: SMALL, many: 0, most: |count| count / 2 + 1, least: 1 };
+const AGREEMENT: Agreement = Agreement {
+    factor: 10.0,
+    floor: SMALL_MISFIT,
+    floor_few: SMALL_MISFIT,
+    many: 0,
+    most: |count| count / 2 + 1,
+    least: 1,
+};
 
 /// A run of items that one frame fits.
 struct Run {
@@ -110,7 +116,7 @@ impl Order {
     /// All items in runs; `None` where too many fit none.
     fn runs(&self) -> Option<Vec<Run>> {
         let count = self.at.len();
-        let allowed = (BELIEVED * self.level()?).clamp(SMALL, PLAUSIBLE);
+        let allowed = (BELIEVED * self.level()?).clamp(SMALL_MISFIT, PLAUSIBLE);
         let (mut runs, mut strays, mut first) = (Vec::new(), 0, 0);
         while first < count {
             let ends = self.shortest(first).map_or(count + 1, |end| end)..=count;
@@ -182,7 +188,7 @@ impl Order {
             return false;
         };
         let total = self.pairs.iter().map(Vec::len).sum::<usize>() as f64;
-        one > total * (SMALL / BELIEVED).powi(2)
+        one > total * (SMALL_MISFIT / BELIEVED).powi(2)
             && (1..count).any(|b| {
                 let both = square(0, b).zip(square(b, count));
                 self.is_enough(0, b)
@@ -201,7 +207,7 @@ pub(super) fn explain(work: &mut Work, stated_transform: Option<&Isometry3<f64>>
     }
     let runs = order.runs()?;
     let [before, after] = order.misfits(&runs)?;
-    if before < (BELIEVED * after).max(SMALL) {
+    if before < (BELIEVED * after).max(SMALL_MISFIT) {
         return None;
     }
     let of_states = runs_of_states(work, &order, &runs);

@@ -4,7 +4,7 @@
 use super::frame::{rms, state_pairs};
 use super::sheet::{Sheet, State};
 use super::units::Unit;
-use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, rigid, tool, words};
+use super::{ALIKE_MISFIT_RATIO, BELIEVED, Cause, FITTED, Suspicion, Work, rigid, tool, words};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
 use crate::numerics::order::sort_by_number;
@@ -310,7 +310,11 @@ pub(super) struct Rule {
 impl Rule {
     /// Where points are held against the kinematic model: believed by a fifth of `before`, and `most` at most.
     pub fn of_places(work: &Work, before: f64, most: f64) -> Self {
-        Rule { most: most.min(before / BELIEVED), alike: [ALIKE, FITTED * work.sheet.typical_std()], beside: 0.0 }
+        Rule {
+            most: most.min(before / BELIEVED),
+            alike: [ALIKE_MISFIT_RATIO, FITTED * work.sheet.typical_std()],
+            beside: 0.0,
+        }
     }
 }
 

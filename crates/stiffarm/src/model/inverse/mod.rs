@@ -49,9 +49,9 @@ const SLACK: f64 = 1e-10;
 /// Residual that a posture may leave (of the size, rad).
 const ACCEPTED: f64 = 1e-9;
 /// Postures nearer than this, full turns aside, are one \[rad\].
-const SAME: f64 = 1e-7;
+const SAME_ANGLE: f64 = 1e-7;
 /// Condition number of the scaled Jacobian of a singular posture.
-const SINGULAR: f64 = 1e6;
+const SINGULAR_CONDITION: f64 = 1e6;
 /// Iterations along one branch.
 const STEPS_OF_A_BRANCH: usize = 50;
 
@@ -267,7 +267,7 @@ impl InverseKinematics {
                 continue;
             };
             let branch = self.branch(&self.turns.controller_angles(&theta), condition);
-            let is_same = |b: &Branch| self.turns.alike(&b.q, &branch.q, SAME);
+            let is_same = |b: &Branch| self.turns.alike(&b.q, &branch.q, SAME_ANGLE);
             if !branches.iter().any(is_same) {
                 branches.push(branch);
             }
@@ -282,7 +282,7 @@ impl InverseKinematics {
 
     fn branch(&self, q: &[f64], condition: f64) -> Branch {
         let q = self.turns.to_middle(q);
-        Branch { within_limits: self.turns.contain(&q), singular: condition > SINGULAR, q, condition }
+        Branch { within_limits: self.turns.contain(&q), singular: condition > SINGULAR_CONDITION, q, condition }
     }
 
     /// A Newton step where formulas leave more than rounding; the condition

@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 /// Points that are looked at for one distance.
 const STEPS: usize = 100;
 /// Upper and lower bound of a distance this near to each other are one \[m\].
-const SAME: f64 = 1e-14;
+const DISTANCE_TOLERANCE: f64 = 1e-14;
 /// Layers that are tried, and how near the last of them leaves a touch \[m\].
 const LAYERS: usize = 40;
 const TOUCH: f64 = 1e-8;
@@ -134,14 +134,14 @@ fn minkowski(first: &Solid, layer: f64, second: &Solid, enough: f64) -> Minkowsk
             return MinkowskiDistance::Enough;
         }
         let repeated = simplex.corners.iter().any(|(c, _)| c.apart == apart);
-        if repeated || most - least <= SAME * (1.0 + least.abs()) {
+        if repeated || most - least <= DISTANCE_TOLERANCE * (1.0 + least.abs()) {
             break;
         }
         let Some(next) = simplex.with(Corner { point, apart }) else {
             return MinkowskiDistance::Overlap;
         };
         let norm = next.nearest.norm();
-        if norm <= SAME {
+        if norm <= DISTANCE_TOLERANCE {
             return MinkowskiDistance::Overlap;
         }
         if norm >= most {

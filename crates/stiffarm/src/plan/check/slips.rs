@@ -4,9 +4,9 @@ use super::beside_arm::longest_tool;
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
 use crate::model::elastic::{ElasticClass, ElasticSizes};
-use crate::model::implausible::{GRAVITY, NEAR_TOOL, payload_weight, tool_in_metres};
+use crate::model::implausible::{LARGEST_FORCE, NEAR_TOOL, payload_weight, tool_in_metres};
 use crate::model::load::Load;
-use crate::units::{m_to_mm, rad_to_deg};
+use crate::units::{STANDARD_GRAVITY, m_to_mm, rad_to_deg};
 use nalgebra::Vector3;
 
 /// Farthest plausible tool point \[m\].
@@ -17,8 +17,6 @@ const FAR_ANCHOR: f64 = 20.0;
 const SHORT: f64 = 0.02;
 /// Smallest force that deflects an industrial robot measurably \[N\].
 const SMALL_FORCE: f64 = 1.0;
-/// Largest plausible force where the payload is unknown \[N\].
-const LARGE_FORCE: f64 = 2e4;
 /// What is so many times beyond plausible is no caution any more.
 const SERIOUS: f64 = 10.0;
 /// Plausible joint stiffness of an industrial robot \[N·m/rad\].
@@ -218,11 +216,11 @@ fn load(cell: &Cell, load: &Load, slips: &mut Slips<'_>) {
             key,
             format!(
                 "The load of {force:.0} N is more than the weight of the robot's payload, {:.0} kg or {weight:.0} N.",
-                weight / GRAVITY
+                weight / STANDARD_GRAVITY
             ),
         ),
-        None if force > LARGE_FORCE => slips.add_beyond(
-            force / LARGE_FORCE,
+        None if force > LARGEST_FORCE => slips.add_beyond(
+            force / LARGEST_FORCE,
             key,
             format!("The load of {force:.0} N is beyond the payload of industrial robots."),
         ),

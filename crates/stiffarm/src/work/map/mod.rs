@@ -62,7 +62,7 @@ use reach::Reach;
 /// ```
 ///
 /// # Errors
-/// A grid that is no grid, or larger than [`MapOptions::MOST`]; a load without
+/// A grid that is no grid, or larger than [`MapOptions::MOST_NODES`]; a load without
 /// force; an unknown without positive value; a load that buckles the arm. Stopped,
 /// it gives the nodes that were computed.
 pub fn stiffness_map(

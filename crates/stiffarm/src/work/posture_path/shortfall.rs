@@ -15,7 +15,7 @@ const LOOKED_AT: usize = 400;
 /// Most points by which one of several ways is chosen.
 const RANKED_BY: usize = 2000;
 /// Ways that differ by less bend alike, as flipped wrists do.
-const ALIKE: f64 = 1e-6;
+const ALIKE_RMS_SHARE: f64 = 1e-6;
 
 /// A point of a way with what is missing there, in the unit of [`Search::missing`].
 struct Shortfall {
@@ -62,7 +62,7 @@ impl Search<'_> {
 
     /// That the way which bends least was left, and what that cost; nothing where another bends alike.
     pub(super) fn left(&self, first: &PathPostures, missing: &[f64], taken: &PathPostures) -> Option<Finding> {
-        if taken.rms <= first.rms * (1.0 + ALIKE) {
+        if taken.rms <= first.rms * (1.0 + ALIKE_RMS_SHARE) {
             return None;
         }
         let sentence = format!(

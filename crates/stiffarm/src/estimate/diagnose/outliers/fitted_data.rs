@@ -8,7 +8,8 @@ use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::diagnose::tails::{LEVEL, f_tail};
 use crate::estimate::elastic::carried;
 use crate::estimate::identify::{
-    Estimator, Fit, Fold, MeasuredSystem, RowLabel, Whitened, missed, prediction_error, rms, rounding,
+    Estimator, Fit, Fold, MeasuredSystem, RESIDUAL_ROUNDING, RowLabel, Whitened, missed, prediction_error, rms,
+    rounding,
 };
 use crate::estimate::mixed::{MixedFit, ResidualMaker};
 use nalgebra::{DMatrix, DVector};
@@ -22,8 +23,6 @@ const FAMILY: f64 = LEVEL / 3.0;
 const SHARE: f64 = 1.0 / 3.0;
 /// A displacement looks odd below this probability.
 const ODD: f64 = 0.05;
-/// Residuals below this share of the displacements are rounding.
-const ROUNDING: f64 = 1e-11;
 
 /// The data at hand with their fit.
 pub(super) struct FittedData<'a> {
@@ -77,7 +76,7 @@ impl<'a> FittedData<'a> {
     /// True where the residuals are more than rounding.
     fn has_residuals(&self) -> bool {
         let s = self.fit.solution().residual_std.unwrap_or(0.0);
-        s > ROUNDING * rms(self.fit.system().delta.as_slice())
+        s > RESIDUAL_ROUNDING * rms(self.fit.system().delta.as_slice())
     }
 
     /// What fits worst, if anything does not fit.

@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// Outliers after which the search ends: beyond, the model is at fault.
-const MOST: usize = 5;
+const MOST_OUTLIERS: usize = 5;
 
 /// What does not fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -144,7 +144,7 @@ pub(super) fn outliers_in(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Outlier
     };
     let mut nothing_left = false;
     while let Some(outlier) = rest.worst()? {
-        if out.found.len() == MOST {
+        if out.found.len() == MOST_OUTLIERS {
             out.more = true;
             break;
         }
@@ -173,7 +173,7 @@ impl Outliers {
         // Naming each would blame readings for what the model does.
         let worst: Vec<String> = self.found.iter().map(Outlier::subject).collect();
         let message = format!(
-            "More than {MOST} parts of the data contradict the rest (first {}): the model or the set-up is at fault rather \
+            "More than {MOST_OUTLIERS} parts of the data contradict the rest (first {}): the model or the set-up is at fault rather \
              than single readings.",
             list(&worst)
         );

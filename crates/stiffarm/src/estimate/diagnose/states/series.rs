@@ -2,12 +2,10 @@
 //! curves through them.
 
 use crate::error::Result;
-use crate::estimate::identify::{Block, Covariance, Fit, RowLabel};
+use crate::estimate::identify::{ALIKE_TORQUE_COSINE, Block, Covariance, Fit, RowLabel};
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 
-/// States whose joint torques point this much alike belong to one line.
-const ALIKE: f64 = 0.9;
 /// Loads that differ by less, relative to the largest, are equal.
 const EQUAL: f64 = 0.05;
 
@@ -54,7 +52,7 @@ pub(super) fn series(fit: &Fit, block: &Block) -> Result<Option<Series>> {
     // Of several load cases the states of one: others pull from elsewhere, however alike
     // their torques.
     let case = |s: usize| cell.setup.load.case_of(&measured[states[s]].state).ok();
-    let alike = |t: &DVector<f64>| t.dot(leader) > ALIKE * t.norm() * leader.norm();
+    let alike = |t: &DVector<f64>| t.dot(leader) > ALIKE_TORQUE_COSINE * t.norm() * leader.norm();
     let of_case: Vec<usize> = (0..states.len()).filter(|&s| alike(&torques[s]) && case(s) == case(first)).collect();
     let point_of = |l: &RowLabel| measured[l.measured].displacements[l.displacement].point;
     let has = |state: usize, point: usize| labels.iter().any(|l| l.measured == state && point_of(l) == point);

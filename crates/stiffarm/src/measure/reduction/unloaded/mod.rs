@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 
 /// Residual above which the model as a whole is in doubt \[m\]: calibrated or
 /// not, an industrial arm is better than this.
-const LARGE: f64 = 3e-3;
+const LARGE_RESIDUAL: f64 = 3e-3;
 /// A given transform whose residual is so many times that of the best one is wrong.
 const WORSE: f64 = 3.0;
 
@@ -271,7 +271,7 @@ fn check_own(summary: &UnloadedRegistration, findings: &mut Vec<Finding>) {
             ),
         ));
     }
-    if summary.rms_m > LARGE {
+    if summary.rms_m > LARGE_RESIDUAL {
         findings.push(Finding::caution(
             codes::REGISTRATION_RESIDUAL,
             "registration",

@@ -19,7 +19,7 @@ const NAMED: f64 = 5.0;
 /// How much rarer it is that cell and table have the same slip (logarithm).
 const BOTH: f64 = 1.0;
 /// Explanations this much below the best are not named (logarithm of a likelihood).
-const ALIKE: f64 = 7.5;
+const ALIKE_LOG_LIKELIHOOD: f64 = 7.5;
 /// What the file itself must add to make a finding serious.
 const CONFIRMED: f64 = 3.0;
 /// Ratio to prior or class that no robot explains (logarithm of 20).
@@ -100,7 +100,7 @@ pub(super) fn check(work: &Work, moves: &[Move], fitted: &Fitted) -> Option<Susp
     let mut all: Vec<Explanation> = all.into_iter().map(|slip| judge(Some(slip))).collect();
     all.retain(|e| e.all > sound.all);
     sort_by_number(&mut all, |a| -a.all);
-    let limit = all.first()?.all - ALIKE;
+    let limit = all.first()?.all - ALIKE_LOG_LIKELIHOOD;
     all.retain(|e| e.all >= limit);
     let best = all.remove(0);
     let mut out = best.suspicion(work)?;

@@ -19,9 +19,9 @@ const OFF: [f64; 2] = [0.5, 2.5];
 const SETTLED: [f64; 2] = [0.3, 2.5];
 const FALLEN: f64 = 0.4;
 /// Misfits that are alike.
-const ALIKE: f64 = 0.04;
+const ALIKE_MISFIT: f64 = 0.04;
 /// Relative distance of two typed loads that are the same but for a factor.
-const SAME: f64 = 0.01;
+const SAME_LOAD: f64 = 0.01;
 /// Postures in which a state of the same name shows what its load is.
 const PATTERN: usize = 3;
 /// Share of the states beyond which it is not they that are wrong.
@@ -135,10 +135,10 @@ fn mended(
         units.extend(DISPLACEMENTS.map(|unit| (Cause::DisplacementUnits, unit)));
     }
     let settled = SETTLED[0].max(SETTLED[1] * fitted.level);
-    let mut rule = Rule { most: settled.min(FALLEN * before), alike: [1.0, ALIKE], beside: f64::MAX };
+    let mut rule = Rule { most: settled.min(FALLEN * before), alike: [1.0, ALIKE_MISFIT], beside: f64::MAX };
     // What states of this name have elsewhere, or the name itself says, decides.
     if let Pattern::Times(factor) = pattern {
-        units.retain(|(cause, u)| *cause == Cause::LoadEntry && (u.factor / factor - 1.0).abs() < SAME);
+        units.retain(|(cause, u)| *cause == Cause::LoadEntry && (u.factor / factor - 1.0).abs() < SAME_LOAD);
         rule.most = 0.9 * before;
     }
     // Numbers of a sensor, and all of a posture, are not typed one by one.
@@ -173,7 +173,7 @@ fn pattern(sheet: &Sheet, at: StateIndex) -> Pattern {
     let others: Vec<f64> = others.filter_map(|p| of_name(&sheet.postures[p])).collect();
     let usual = if others.len() >= PATTERN {
         let middle = median(&others);
-        let alike = others.iter().filter(|l| (*l / middle - 1.0).abs() < SAME);
+        let alike = others.iter().filter(|l| (*l / middle - 1.0).abs() < SAME_LOAD);
         (alike.count() * 4 > others.len() * 3).then_some(middle)
     } else {
         number_in(&state.name)
@@ -181,7 +181,7 @@ fn pattern(sheet: &Sheet, at: StateIndex) -> Pattern {
     let Some(factor) = usual.map(|usual| usual / load) else {
         return Pattern::Open;
     };
-    let near = |f: f64| (f / factor - 1.0).abs() < SAME;
+    let near = |f: f64| (f / factor - 1.0).abs() < SAME_LOAD;
     if near(1.0) {
         Pattern::Same
     } else if ENTRIES.iter().any(|u| near(u.factor)) {
@@ -208,7 +208,7 @@ fn those_wrong(work: &Work, moves: &[Move], fitted: &Fitted, entries: Vec<Entry>
             let state = work.sheet.at(**at);
             let number = number_in(&state.name);
             let load = load_of(work, state);
-            number.zip(load).is_some_and(|(n, l)| (l / n - 1.0).abs() < SAME)
+            number.zip(load).is_some_and(|(n, l)| (l / n - 1.0).abs() < SAME_LOAD)
         });
         matching.count() as f64 / at.len().max(1) as f64
     };

@@ -31,8 +31,8 @@ use tangent::{Tangent, moved};
 
 /// Passes of an exchange; it ends when nothing improves.
 const PASSES: usize = 30;
-/// Relative improvement below which a swap is not worth it.
-const LEAST: f64 = 1e-9;
+/// Groups must be better by this in ln(index) to count as better.
+const LEAST_IMPROVEMENT: f64 = 1e-9;
 /// Steps towards the best mixture.
 const STEPS: usize = 200;
 
@@ -234,7 +234,7 @@ impl Search<'_> {
     fn run<J: Bounded>(&self, judge: J) -> Result<BestGroup> {
         let all: Vec<usize> = (0..self.of).collect();
         let stop = || self.control.stopped();
-        let exchange = Exchange { passes: PASSES, least: LEAST, repeats: false, stop: &stop };
+        let exchange = Exchange { passes: PASSES, least: LEAST_IMPROVEMENT, repeats: false, stop: &stop };
         let starts: Vec<u64> = (0..self.options.starts.max(1) as u64).collect();
         let ends = in_order(&starts, |(_, start)| {
             let mut judge = judge.clone();
