@@ -13,7 +13,7 @@ const FORCE: f64 = 500.0;
 /// Joint stiffness of a robot that the example fits as it is \[N·m/rad\].
 const PRIOR: [f64; 6] = [950e3, 3000e3, 900e3, 250e3, 200e3, 150e3];
 /// Share of the payload's weight that the rope may pull with.
-const SHARE: f64 = 0.5;
+const PAYLOAD_SHARE: f64 = 0.5;
 /// Columns that a comment takes.
 const COLUMNS: usize = 88;
 
@@ -33,7 +33,7 @@ impl Example {
             _ => 1.0,
         };
         let forces = match payload {
-            Some(kg) => (SHARE * kg * STANDARD_GRAVITY / FORCE).min(1.0),
+            Some(kg) => (PAYLOAD_SHARE * kg * STANDARD_GRAVITY / FORCE).min(1.0),
             None => lengths * lengths,
         };
         let flange_turn = robot.flange().rotation.inverse();

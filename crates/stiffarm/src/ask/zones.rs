@@ -38,7 +38,7 @@ impl Default for ZonesOptions {
 pub struct ZonesResultOptions {
     /// What was asked.
     #[serde(flatten)]
-    pub asked: ZonesOptions,
+    pub zones: ZonesOptions,
     /// L of Eq. (20) \[m\].
     pub characteristic_length_m: Option<f64>,
 }
@@ -52,6 +52,6 @@ impl ZonesOptions {
 
     /// What a result in this cell says of them.
     pub fn in_cell(&self, cell: &Cell) -> ZonesResultOptions {
-        ZonesResultOptions { asked: self.clone(), characteristic_length_m: cell.characteristic_length }
+        ZonesResultOptions { zones: self.clone(), characteristic_length_m: cell.characteristic_length }
     }
 }

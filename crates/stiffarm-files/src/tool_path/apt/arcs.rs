@@ -16,10 +16,10 @@ use stiffarm::error::Result;
 use stiffarm::findings::Severity;
 
 /// Cosine of the angle up to which two moves are tangent.
-const TANGENT: f64 = 0.999;
+const TANGENT_COSINE: f64 = 0.999;
 
 /// Shorter moves are rounded too much to have a direction \[m\].
-const SHORT: f64 = 0.1e-3;
+const SHORTEST_MOVE: f64 = 0.1e-3;
 
 /// What is stated before the statement that ends an arc.
 pub(super) enum Pending {
@@ -47,9 +47,9 @@ pub(super) struct Arcs {
 
 /// 1 where a move goes on in this direction, −1 where it goes back.
 fn join(tangent: Vector3<f64>, way: Option<Vector3<f64>>) -> i32 {
-    let way = way.filter(|way| way.norm() > SHORT);
+    let way = way.filter(|way| way.norm() > SHORTEST_MOVE);
     let along = way.map_or(0.0, |way| tangent.dot(&way) / way.norm());
-    i32::from(along > TANGENT) - i32::from(along < -TANGENT)
+    i32::from(along > TANGENT_COSINE) - i32::from(along < -TANGENT_COSINE)
 }
 
 impl Arcs {

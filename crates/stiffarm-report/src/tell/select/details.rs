@@ -74,7 +74,7 @@ pub(super) fn price_table(plan: &Plan, prices: &[LimitPrice]) -> DataTable {
 /// The load that was chosen together with the postures, as lines of the cell file.
 pub(super) fn load_section(options: &SelectResultOptions, plan: &Plan) -> Option<Section> {
     let load = plan.selection.load.as_ref()?;
-    let select_options = &options.asked;
+    let select_options = &options.select;
     // A tenth of a millimetre is finer than anybody rigs a rope.
     let point = |m: [f64; 3]| {
         let digits = m.map(|m| coarse(m).digits());

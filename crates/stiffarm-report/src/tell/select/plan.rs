@@ -64,8 +64,8 @@ impl Telling<SelectResultOptions> for Plan {
             (true, _) => format!("Plan of {}", story::counted(&plan)),
         };
         let optional_parts = [
-            ("sensitivity", options.asked.sensitivity, plan.sensitivity.is_some()),
-            ("prices", options.asked.prices, plan.prices.is_some()),
+            ("sensitivity", options.select.sensitivity, plan.sensitivity.is_some()),
+            ("prices", options.select.prices, plan.prices.is_some()),
         ];
         // What was asked for and is not there, with nothing that says why.
         let left_out = optional_parts.into_iter().filter(|(_, wanted, there)| *wanted && !there);
@@ -161,7 +161,7 @@ fn limit_section(options: &SelectResultOptions, context: &Given<'_>, plan: &Plan
             "Each row is a search of its own; a difference of a few tenths of a per cent may be its luck.".into(),
         ));
     }
-    if plan.prices.is_none() && options.asked.prices {
+    if plan.prices.is_none() && options.select.prices {
         blocks.push(Block::Text("What each limit costs is not known: the search was stopped before.".into()));
     }
     let limits = &plan.selection.limits;

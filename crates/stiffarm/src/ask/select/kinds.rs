@@ -36,14 +36,14 @@ pub struct SelectResultOptions {
     pub mode: Mode,
     /// What was asked.
     #[serde(flatten)]
-    pub asked: SelectOptions,
+    pub select: SelectOptions,
     /// L of Eq. (20) \[m\].
     pub characteristic_length_m: Option<f64>,
 }
 
 impl SelectResultOptions {
     pub(super) fn new(mode: Mode, options: &SelectOptions, cell: &Cell) -> Self {
-        SelectResultOptions { mode, asked: options.clone(), characteristic_length_m: cell.characteristic_length }
+        SelectResultOptions { mode, select: options.clone(), characteristic_length_m: cell.characteristic_length }
     }
 }
 

@@ -23,19 +23,19 @@ use crate::model::posture::is_same_posture;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Share of a direction's prior variance that is left where readings told nothing of it.
-const UNTOLD: f64 = 0.5;
+const UNTOLD_VARIANCE: f64 = 0.5;
 /// Share of an error's variance from such directions beyond which they rule it.
 const RULING_SHARE: f64 = 0.5;
 /// Errors below this share of the deflections are no reason to measure again.
 const LARGE_ERROR_SHARE: f64 = 0.01;
 /// Share of the error that a further load has to take away to be worth a word.
-const HELPS: f64 = 0.25;
+const HELPING_SHARE: f64 = 0.25;
 /// A weight is simpler to hang than another load is to make: others have to leave less than this share of what it leaves.
-const SIMPLER: f64 = 0.8;
+const SIMPLER_SHARE: f64 = 0.8;
 /// Places that are named at most.
 const MOST_PLACES: usize = 2;
 /// A second place is named where it has this share of the first.
-const AS_MUCH: f64 = 0.5;
+const SECOND_PLACE_SHARE: f64 = 0.5;
 
 /// What the sentence says in numbers, RMS over the points \[m\].
 struct NeverLoaded {
@@ -66,7 +66,7 @@ pub(crate) fn never_loaded(cell: &Cell, saved: &Saved, work: &[WorkRows]) -> Res
         return Ok(never_turned(cell, saved, work, &seen));
     };
     let remedy = match numbers.left.first() {
-        Some((load, left)) if *left < (1.0 - HELPS) * numbers.error => {
+        Some((load, left)) if *left < (1.0 - HELPING_SHARE) * numbers.error => {
             format!("{load} in the same postures would leave {}.", length(*left))
         }
         _ => "No one further load in the same postures would take much of that away: choose other postures, too."
@@ -123,7 +123,7 @@ fn numbers_of(
     }
     // The first is the weight.
     if let Some(best) = (1..left.len()).min_by(|a, b| left[*a].1.total_cmp(&left[*b].1))
-        && left[best].1 < SIMPLER * left[0].1
+        && left[best].1 < SIMPLER_SHARE * left[0].1
     {
         left.swap(0, best);
     }
@@ -144,7 +144,7 @@ fn untold_directions(spread: &Spread, doubt: &SizeDoubt) -> DMatrix<f64> {
     let Some(eigen) = eigen.flatten() else {
         return DMatrix::zeros(n, 0);
     };
-    let untold = (0..n).filter(|i| eigen.eigenvalues[*i] > UNTOLD);
+    let untold = (0..n).filter(|i| eigen.eigenvalues[*i] > UNTOLD_VARIANCE);
     let columns = untold.map(|i| eigen.eigenvectors.column(i) / eigen.eigenvalues[i].sqrt());
     let mut columns = match columns.collect::<Vec<_>>() {
         none if none.is_empty() => return DMatrix::zeros(n, 0),
@@ -225,7 +225,7 @@ fn places_of(
         places(robot.joint_count()).map(|place| (place, explained(&|i| is_at(i, place)))).collect();
     all.sort_by(|a, b| b.1.total_cmp(&a.1));
     let few = all.iter().take(MOST_PLACES);
-    let named = few.filter(|(_, part)| *part > AS_MUCH * all[0].1);
+    let named = few.filter(|(_, part)| *part > SECOND_PLACE_SHARE * all[0].1);
     let mut out = Vec::new();
     for (place, _) in named {
         let of_shift = explained(&|i| is_at(i, *place) && class(i) == Some(shift));

@@ -11,13 +11,13 @@ use nalgebra::{DMatrix, Matrix3, Rotation3, UnitVector3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
 /// A load was never applied where the work applies so many times what the readings did.
-const NEVER: f64 = 3.0;
+const NEVER_LOADED_RATIO: f64 = 3.0;
 /// So many times as much is not at all.
-const NOT_AT_ALL: f64 = 10.0;
+const NOT_LOADED_RATIO: f64 = 10.0;
 /// Share of the load at a place from which on its direction matters.
-const NOTABLE: f64 = 0.2;
+const NOTABLE_SHARE: f64 = 0.2;
 /// Along an axis within this cosine.
-const ALONG: f64 = 0.9;
+const ALONG_COSINE: f64 = 0.9;
 
 /// A point of a prediction.
 pub(crate) struct WorkRows {
@@ -63,7 +63,7 @@ pub(super) fn loaded(place: Option<usize>, by_force: bool, work: &[WorkRows], se
         return String::new();
     };
     let LoadDifference { now, then, .. } = unlike;
-    if now < NEVER * then {
+    if now < NEVER_LOADED_RATIO * then {
         return String::new();
     }
     let (verb, preposition, unit) = match by_force {
@@ -81,7 +81,7 @@ pub(super) fn never_turned(cell: &Cell, saved: &Saved, work: &[WorkRows], seen: 
     let at_work = || work.iter().map(|point| &point.terms);
     let unlike = LoadDifference::new(None, false, at_work(), seen.iter())?;
     let LoadDifference { now, then, all, .. } = unlike;
-    if now <= NOT_AT_ALL * then || now < NOTABLE * all {
+    if now <= NOT_LOADED_RATIO * then || now < NOTABLE_SHARE * all {
         return None;
     }
     let mut remedy = String::new();
@@ -92,7 +92,7 @@ pub(super) fn never_turned(cell: &Cell, saved: &Saved, work: &[WorkRows], seen: 
             continue;
         };
         let turned = unlike.size_of(&terms);
-        if NEVER * turned > now {
+        if NEVER_LOADED_RATIO * turned > now {
             remedy = format!(" {load} in the same postures would turn it with {turned:.0} N·m.");
             break;
         }
@@ -153,7 +153,7 @@ impl LoadDifference {
     /// The axis in words; of a joint `None` where it is none of its own.
     fn axis(&self, place: Option<usize>) -> Option<String> {
         let most = self.direction.map(f64::abs).imax();
-        let is_along = self.direction[most].abs() > ALONG;
+        let is_along = self.direction[most].abs() > ALONG_COSINE;
         match place {
             None if is_along => Some(["x", "y", "z"][most].to_string()),
             None => {

@@ -14,7 +14,7 @@ use crate::model::observation::{ExtraTerm, PostureTerms, Setup};
 use nalgebra::{Matrix3, Vector3};
 
 /// A wrench is the load's own where it is off by at most this share: 1 − cosine of its direction is below 10⁻⁹.
-const OWN: f64 = 4.5e-5;
+const LOAD_TOLERANCE: f64 = 4.5e-5;
 
 /// Where the wrench of a posture comes from, and so what moves it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,7 +58,7 @@ impl<'a> Stated<'a> {
                 let factor = load_wrench.force.dot(&wrench.force) / load_wrench.force.norm_squared();
                 let off = (wrench.force - load_wrench.force * factor).norm()
                     + (wrench.moment - load_wrench.moment * factor).norm();
-                (off <= OWN * wrench.force.norm()).then_some(factor)
+                (off <= LOAD_TOLERANCE * wrench.force.norm()).then_some(factor)
             });
             load_factor.map_or(Origin::Force, Origin::Own)
         };

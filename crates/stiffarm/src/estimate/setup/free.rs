@@ -14,8 +14,8 @@ use nalgebra::Matrix3;
 /// Most searches beside the springs beyond the axes: each is one step of least squares.
 const SEARCHES: usize = 8;
 /// A number whose standard error reaches this share of what a quantity can be is not told \[m; rad\], of a force \[N\].
-const UNTOLD: f64 = 0.3;
-const UNTOLD_FORCE: f64 = 1e3;
+const UNTOLD_ERROR: f64 = 0.3;
+const UNTOLD_FORCE_ERROR: f64 = 1e3;
 
 /// The fit where the readings want the quantities that its options name in `free`, and these with their errors: found by
 /// least squares beside the compliances, and beside springs beyond the axes where `elastic` grants these. The errors that
@@ -50,8 +50,8 @@ pub fn free(fit: &Fit, elastic: ElasticChoice) -> Result<Option<(Fit, Vec<Freed>
     let freed = described(&stated, &at, all);
     for ((quantity, _), freed_quantity) in at.values.iter().zip(&freed) {
         let most = match quantity.facts().unit {
-            "N" => UNTOLD_FORCE,
-            _ => UNTOLD,
+            "N" => UNTOLD_FORCE_ERROR,
+            _ => UNTOLD_ERROR,
         };
         let is_told = |error: &Option<f64>| error.is_some_and(|error| error < most);
         if !freed_quantity.standard_error.iter().all(is_told) {

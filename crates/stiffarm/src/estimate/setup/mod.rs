@@ -31,15 +31,15 @@ use serde::{Deserialize, Serialize};
 
 /// Fall of −2 ln L from which a quantity is rejected, from which it is doubtful, and what each of its numbers adds: sound
 /// days of arms with springs beyond the axes, drift and shared shifts stay below.
-const REJECTED: f64 = 22.0;
-const DOUBTED: f64 = 10.0;
-const EACH: f64 = 4.0;
+const REJECTING_LIKELIHOOD: f64 = 22.0;
+const DOUBTING_LIKELIHOOD: f64 = 10.0;
+const LIKELIHOOD_EACH: f64 = 4.0;
 /// Share of what the axes alone leave to which that falls where a quantity is wrong; where springs beyond the axes hide
 /// it, −2 ln L falls by so much.
-const CLEAR: f64 = 0.85;
-const ANYHOW: f64 = 60.0;
+const CLEAR_RESIDUAL_SHARE: f64 = 0.85;
+const CLEAR_LIKELIHOOD: f64 = 60.0;
 /// Fall of −2 ln L, by derivatives at the stated value, below which nothing is looked for.
-const WORTH: f64 = 15.0;
+const WORTH_SEARCHING: f64 = 15.0;
 /// Residuals this many times the expected noise hold more than noise.
 const MORE_THAN_NOISE: f64 = 1.3;
 /// Starts that are followed for each quantity.
@@ -109,7 +109,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
     if fit.system().blocks.len() < FEWEST_POSTURES || identification.expected_std_m <= 0.0 || left <= 0.0 {
         return Ok(None);
     }
-    let is_more = left > MORE_THAN_NOISE * identification.expected_std_m || below_zero(&fit, None) > WORTH;
+    let is_more = left > MORE_THAN_NOISE * identification.expected_std_m || below_zero(&fit, None) > WORTH_SEARCHING;
     let stated = Stated::of(&fit);
     let Some(linear) = Linear::new(&stated, &fit, None) else {
         return Ok(None);
@@ -123,7 +123,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
         Ok(freed_alone(&stated, &linear, *quantity, is_more))
     })?;
     let mut alone: Vec<QuantityFit> = alone.into_iter().flatten().collect();
-    let price = |at: &QuantityFit| at.value + EACH * at.numbers() as f64;
+    let price = |at: &QuantityFit| at.value + LIKELIHOOD_EACH * at.numbers() as f64;
     sort_by_number(&mut alone, price);
     alone.truncate(TRIED);
     // Springs beyond the axes granted on both sides.
@@ -144,7 +144,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
         fit.control().check()?;
         let at = QuantityFit::new(at.values.clone(), at.fit.clone(), grants, mixed)?;
         let hope = before - at.value + stated.gain(&at);
-        Ok(if hope > WORTH { stated.refined(at) } else { at })
+        Ok(if hope > WORTH_SEARCHING { stated.refined(at) } else { at })
     })?;
     sort_by_number(&mut beside, price);
     let described = beside.iter().flat_map(|at| described(&stated, at, before));
@@ -186,14 +186,14 @@ enum Word {
 
 /// What the readings say of the best quantity; `None` where they are not clearly likelier with it where they want it.
 fn judged(fit: &Fit, best: &QuantityFit, first: &Freed, grants: bool) -> Result<Option<Word>> {
-    let each = EACH * best.numbers() as f64;
-    let is_strong = first.likelihood_ratio > REJECTED + each;
-    let least = each + if is_strong { REJECTED } else { DOUBTED };
+    let each = LIKELIHOOD_EACH * best.numbers() as f64;
+    let is_strong = first.likelihood_ratio > REJECTING_LIKELIHOOD + each;
+    let least = each + if is_strong { REJECTING_LIKELIHOOD } else { DOUBTING_LIKELIHOOD };
     if first.likelihood_ratio <= least || is_within_stated(fit, &best.values[0], &first.standard_error) {
         return Ok(None);
     }
     let [all, left] = first.residual_rms_m;
-    let is_clear = left < CLEAR * all || first.likelihood_ratio > ANYHOW;
+    let is_clear = left < CLEAR_RESIDUAL_SHARE * all || first.likelihood_ratio > CLEAR_LIKELIHOOD;
     let (without, worst) = without_worst(fit, best, grants)?;
     Ok(Some(match (is_strong, is_clear) {
         _ if without <= 0.5 * least => Word::ByPosture(worst),
@@ -239,10 +239,10 @@ fn freed_alone(stated: &Stated<'_>, linear: &Linear<'_>, quantity: Quantity, is_
         sort_by_number(&mut starts, |at| at.value);
         starts.truncate(FOLLOWED);
     }
-    starts.extend((score > WORTH).then_some(as_stated));
+    starts.extend((score > WORTH_SEARCHING).then_some(as_stated));
     let ends = starts.into_iter().map(|at| stated.refined(at));
     let best = ends.min_by(|a, b| a.value.total_cmp(&b.value))?;
-    (before - best.value > WORTH).then_some(best)
+    (before - best.value > WORTH_SEARCHING).then_some(best)
 }
 
 /// Leaves out what springs beyond the axes explain as well: what helps the axes alone by little, and by the derivatives of
@@ -254,15 +254,15 @@ fn leave_out_swallowed(stated: &Stated<'_>, mixed: &MixedFit, alone: &mut Vec<Qu
         // Derivatives at the stated value know nothing of a sign or an exchange of axes, and little of what is far off and
         // leaves clearly less.
         let [all, left] = [stated.fit, &at.fit].map(|fit| rms(fit.residual().as_slice()));
-        let is_far = left < CLEAR * all || at.values[0].1.turn != Matrix3::identity();
-        if before - at.value > ANYHOW && is_far {
+        let is_far = left < CLEAR_RESIDUAL_SHARE * all || at.values[0].1.turn != Matrix3::identity();
+        if before - at.value > CLEAR_LIKELIHOOD && is_far {
             return true;
         }
         let quantity = at.values[0].0;
         let linear = linear.get_or_insert_with(|| Linear::new(stated, stated.fit, Some(mixed)));
         let first = stated.starts(quantity).into_iter().next();
         let both = linear.as_ref().zip(first);
-        both.is_none_or(|(linear, first)| stated.score(&(quantity, first), linear) > WORTH)
+        both.is_none_or(|(linear, first)| stated.score(&(quantity, first), linear) > WORTH_SEARCHING)
     });
 }
 

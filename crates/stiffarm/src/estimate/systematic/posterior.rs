@@ -40,7 +40,7 @@ const NOISES: i32 = 6;
 const NOISE_WIDTH: f64 = 3.0;
 /// No displacement is exact beyond this fraction of all of them: the residuals
 /// of readings without noise are rounding, and say nothing.
-const EXACT: f64 = 1e-9;
+const EXACT_SHARE: f64 = 1e-9;
 
 /// All parts of all sources in one order.
 pub(super) struct Parts {
@@ -91,7 +91,7 @@ pub(super) fn parts(believed: &PredictingModel<'_>, sources: &[Source]) -> Resul
         covariance: DMatrix::identity(count, count),
     };
     let delta = &fit.system().delta;
-    let exact = EXACT * delta.norm() / (delta.len().max(1) as f64).sqrt();
+    let exact = EXACT_SHARE * delta.norm() / (delta.len().max(1) as f64).sqrt();
     let Some(sigma) = believed.sigma.map(|s| s.max(exact)) else {
         return Ok(out);
     };

@@ -14,8 +14,8 @@ use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 
 /// Chance by which the right candidate is rejected, and a wrong one let pass.
-const REJECTED: f64 = 1e-3;
-const PASSED: f64 = 1e-6;
+const REJECTED_CHANCE: f64 = 1e-3;
+const PASSED_CHANCE: f64 = 1e-6;
 /// Surplus of unknowns' worth of rows below which the compliances are not fitted.
 const SURPLUS: usize = 6;
 /// Relative error of displacements by the prior.
@@ -132,8 +132,8 @@ impl Motion {
             };
             let degrees = 3 * (one.points.len().saturating_sub(1));
             let right: Vec<usize> =
-                candidates.iter().copied().filter(|a| others(*a) <= exceeded_by(REJECTED, degrees)).collect();
-            let wrong = candidates.iter().filter(|a| others(**a) > exceeded_by(PASSED, degrees)).count();
+                candidates.iter().copied().filter(|a| others(*a) <= exceeded_by(REJECTED_CHANCE, degrees)).collect();
+            let wrong = candidates.iter().filter(|a| others(**a) > exceeded_by(PASSED_CHANCE, degrees)).count();
             if let [a] = right[..]
                 && wrong + 1 == candidates.len()
                 && let Some(i) = one.points.iter().position(|p| *p == a)

@@ -13,12 +13,12 @@ use crate::numerics::information::Factor;
 use crate::numerics::sample::median;
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3};
 
-/// Displacements below this many standard deviations say nothing of their sign.
-const CLEAR: f64 = 10.0;
+/// Displacements below this many standard deviations say nothing.
+pub(super) const CLEAR_STDS: f64 = 10.0;
 /// Cosine between force and yield, and between displacement and expectation,
 /// that count as a sign.
 const YIELDS: f64 = 0.3;
-const ALONG: f64 = 0.6;
+const ALONG_COSINE: f64 = 0.6;
 /// Ratio to the prior's displacement, for all alike, that a unit explains.
 const UNIT: f64 = 30.0;
 /// Ratio to the others that one state's load explains: with and without prior.
@@ -232,14 +232,14 @@ pub(super) fn check(work: &mut Work, frame: Option<&super::frame::Frame>) {
 fn judge(work: &Work, one: &Move, compliance: &DVector<f64>) -> JudgedDisplacement {
     let expected = &one.block * compliance + &one.series_shift;
     let has_prior = work.cell.prior.is_some();
-    let clear = one.size() > CLEAR * one.std;
-    let expects = !has_prior || rms(&expected) > CLEAR * one.std;
+    let clear = one.size() > CLEAR_STDS * one.std;
+    let expects = !has_prior || rms(&expected) > CLEAR_STDS * one.std;
     let along = one.shift.dot(&expected) / (one.shift.norm() * expected.norm());
     let yields = one.yields().filter(|_| clear).unwrap_or(0.0);
     let along = if clear && expects && has_prior && along.is_finite() { along } else { 0.0 };
     let sign = match () {
-        () if yields < -YIELDS || along < -ALONG => -1,
-        () if yields > YIELDS || along > ALONG => 1,
+        () if yields < -YIELDS || along < -ALONG_COSINE => -1,
+        () if yields > YIELDS || along > ALONG_COSINE => 1,
         () => 0,
     };
     JudgedDisplacement {

@@ -21,7 +21,7 @@ const REACHES: usize = 3;
 /// Chance of a false alarm over all states together.
 const FALSE_ALARM: f64 = 1e-3;
 /// Standard deviations below which a distance is never worth a word.
-const WORTH: f64 = 5.0;
+const LEAST_STDS: f64 = 5.0;
 /// Distance from the drawing that is worth a note, and that cannot be meant \[m\].
 const DRAWING: [f64; 2] = [3e-4, 5e-3];
 /// Share of the states that disagree beyond which the tool is to blame.
@@ -198,7 +198,7 @@ pub(super) fn strays(work: &mut Work, last: bool) -> usize {
         let (squares, off) = misfit(state, None, scale);
         let std = state.std();
         let limit = exceeded_by(alarm, rigid_degrees(seen.len())) * allowance;
-        if squares <= limit || off < WORTH * std * scale / 2.0 {
+        if squares <= limit || off < LEAST_STDS * std * scale / 2.0 {
             continue;
         }
         // Mixed up names are a matter for the checks against the model.
@@ -283,7 +283,7 @@ pub(super) fn drawing(work: &mut Work, gross: bool) {
         off.fold(0.0, f64::max)
     };
     let off = worst(&pose, &all);
-    let noise = WORTH * work.sheet.typical_std();
+    let noise = LEAST_STDS * work.sheet.typical_std();
     let least = if gross { DRAWING[1] } else { DRAWING[0] };
     if off <= least.max(noise) {
         return;
@@ -293,7 +293,7 @@ pub(super) fn drawing(work: &mut Work, gross: bool) {
     for a in 0..tool.len() {
         let others = both(Some(a));
         if let (Some(pose), Some(point), true) = (fit(&others), shape[a], tool.len() > 3)
-            && worst(&pose, &others) < off / super::BELIEVED
+            && worst(&pose, &others) < off / super::BELIEVED_RATIO
         {
             let seen = moved(&pose.inverse(), &point);
             single.push((a, (tool[a].position - seen).norm(), seen));

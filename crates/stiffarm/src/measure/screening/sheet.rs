@@ -13,9 +13,9 @@ use nalgebra::{Point3, Vector3};
 use std::collections::BTreeMap;
 
 /// Standard deviations by which a repeat must lie off to be called stray.
-const STRAY: f64 = 8.0;
+const STRAY_STDS: f64 = 8.0;
 /// Smallest distance of a repeat that is worth a word \[m\].
-const WORTH: f64 = 5e-5;
+const SMALLEST_STRAY: f64 = 5e-5;
 /// Stands in for a noise of zero \[m\].
 const SMALLEST_STD: f64 = 1e-7;
 
@@ -365,7 +365,7 @@ struct StrayRepeats {
 
 /// Keeps the repeats that agree. Of two that disagree neither is kept.
 fn sift<'a>(readings: &[&'a Reading], std: f64) -> (Vec<&'a Reading>, StrayRepeats) {
-    let limit = (STRAY * std).max(WORTH);
+    let limit = (STRAY_STDS * std).max(SMALLEST_STRAY);
     let lines = |of: &[&Reading]| of.iter().map(|r| r.line).filter(|l| *l > 0).collect();
     if let [first, second] = readings {
         let distance = (first.position - second.position).norm();

@@ -4,7 +4,7 @@
 use super::frame::{rms, state_pairs};
 use super::sheet::{Sheet, State};
 use super::units::Unit;
-use super::{ALIKE_MISFIT_RATIO, BELIEVED, Cause, FITTED, Suspicion, Work, rigid, tool, words};
+use super::{ALIKE_MISFIT_RATIO, BELIEVED_RATIO, Cause, FITTED_RATIO, Suspicion, Work, rigid, tool, words};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
 use crate::numerics::order::sort_by_number;
@@ -311,8 +311,8 @@ impl Rule {
     /// Where points are held against the kinematic model: believed by a fifth of `before`, and `most` at most.
     pub fn of_places(work: &Work, before: f64, most: f64) -> Self {
         Rule {
-            most: most.min(before / BELIEVED),
-            alike: [ALIKE_MISFIT_RATIO, FITTED * work.sheet.typical_std()],
+            most: most.min(before / BELIEVED_RATIO),
+            alike: [ALIKE_MISFIT_RATIO, FITTED_RATIO * work.sheet.typical_std()],
             beside: 0.0,
         }
     }
@@ -336,7 +336,7 @@ pub(super) fn settle(tried: impl IntoIterator<Item = (Slip, Option<f64>)>, rule:
     });
     let mut believed: Vec<(Slip, f64)> = believed.collect();
     let weighed = |(slip, after): &(Slip, f64)| match slip.is_fitted() {
-        true => after * FITTED,
+        true => after * FITTED_RATIO,
         false => *after,
     };
     let best = believed.iter().map(weighed).reduce(f64::min)?;

@@ -2,7 +2,7 @@
 //! poses that none of them reaches.
 
 use super::closed_form::Theta;
-use super::numeric::{Descent, SOLVED};
+use super::numeric::{Descent, SOLVED_RESIDUAL};
 use super::unreachable::{Region, Unreachable};
 use super::{Branch, InverseKinematics, SINGULAR_CONDITION, SLACK, STEPS_OF_A_BRANCH};
 use crate::error::{Code, Error, Result};
@@ -134,7 +134,7 @@ impl InverseKinematics {
         let mut q: Vec<f64> = pairs.map(|(q, l)| q.clamp(l[0], l[1])).collect();
         let mut descent = Descent::new(&self.robot, self.size);
         let residual = descent.solve(flange, &mut q, Some(&limits), STEPS_OF_A_BRANCH);
-        (residual <= SOLVED).then_some(q)
+        (residual <= SOLVED_RESIDUAL).then_some(q)
     }
 
     /// How far an arm that has no posture for the pose is from it.
@@ -205,7 +205,7 @@ impl InverseKinematics {
     ) -> bool {
         let residual = descent.solve(flange, &mut q, limits, STEPS_OF_A_BRANCH);
         // Written so that NaN is no solution.
-        let solved = residual <= SOLVED;
+        let solved = residual <= SOLVED_RESIDUAL;
         let same = if self.robot.joint_count() > 6 { SAME_ANGLE_OF_SAMPLE } else { SAME_ANGLE };
         if !solved || branches.iter().any(|b| self.turns.alike(&b.q, &q, same)) {
             return false;

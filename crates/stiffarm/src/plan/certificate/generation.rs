@@ -20,7 +20,7 @@ const CLOSE_POINTS: f64 = 2e-3;
 const MERGED_POINTS: f64 = 2e-2;
 /// Points of this weight and more count for [`Verification::rarest`], and
 /// searches that end this near to them.
-const HEAVY: f64 = 0.01;
+const HEAVY_WEIGHT: f64 = 0.01;
 const AROUND: f64 = 0.2;
 /// Most points that one round adds.
 const MOST_ADDED: usize = 64;
@@ -270,7 +270,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
             .points
             .iter()
             .zip(&design.weights)
-            .filter(|(_, weight)| **weight >= HEAVY)
+            .filter(|(_, weight)| **weight >= HEAVY_WEIGHT)
             .map(|(x, _)| self.space.information(x))
             .collect();
         let mut hits = vec![0; support.len()];

@@ -28,7 +28,7 @@ const TOOL: f64 = 0.5;
 /// A full turn and half a radian: angles between them may be radians \[both read as deg\].
 const LIKE_RADIANS: [f64; 2] = [0.5, 2.0 * PI];
 /// Bounds beyond this let a posture lie elsewhere than near zero \[deg\].
-const WIDE: f64 = 30.0;
+const WIDE_BOUNDS: f64 = 30.0;
 /// Angles are typed in steps of this, if they are degrees \[deg\].
 const STEP: f64 = 0.5;
 /// Angles about a workpiece are often multiples of 15°, as radians \[rad\].
@@ -112,7 +112,7 @@ pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
         }
     }
     let widest = cell.bounds.iter().flatten().map(|b| rad_to_deg(b.abs()));
-    if widest.fold(0.0, f64::max) > WIDE {
+    if widest.fold(0.0, f64::max) > WIDE_BOUNDS {
         for (key, what, q) in postures(cell) {
             if is_like_radians(q) {
                 let sentence = format!(

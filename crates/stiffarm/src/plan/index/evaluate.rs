@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 const MOST_ROWS: usize = 1 << 14;
 
 /// How far what gives way beyond the axes may be from what is expected, as a factor.
-const OFF: f64 = 3.0;
+const UNEXPECTED_ELASTIC_RATIO: f64 = 3.0;
 
 /// Values of every index; `None` where an index does not exist: a joint is
 /// undetermined, J_N is singular, or the cell has no prior or no tasks.
@@ -355,7 +355,9 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
             d,
             task,
             prediction: expected,
-            prediction_range: predicted(1.0 / OFF).zip(predicted(OFF)).map(Into::into),
+            prediction_range: predicted(1.0 / UNEXPECTED_ELASTIC_RATIO)
+                .zip(predicted(UNEXPECTED_ELASTIC_RATIO))
+                .map(Into::into),
             prediction_sizes: expected.and_then(|_| prediction?.source()),
             o1: observability(&|| (log_sum() / n as f64).exp() / (count as f64).sqrt()),
             o2: observability(&|| sigma[n - 1] / sigma[0]),

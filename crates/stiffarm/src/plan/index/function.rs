@@ -11,7 +11,7 @@
 //! [`IndexFunction::smoothed`] replaces it by a log-sum-exp, for searches that
 //! want one smooth function. Neither allocates after the first call.
 
-use super::criterion::{Criterion, SOUND, Value};
+use super::criterion::{ACCURATE_CONDITION, Criterion, Value};
 use super::inputs::{FixedPostures, Inputs, criterion, log_factor};
 use super::kernel::Kernel;
 use super::kinds::Index;
@@ -252,8 +252,9 @@ impl IndexFunction {
     pub(super) fn is_well_conditioned(&mut self) -> bool {
         let largest = self.largest_component();
         let of_part = (self.index == Index::DropOne).then_some(largest);
-        let is_far = !self.index.uses_dexterity() || 2.0 * largest < SOUND.ln();
-        is_far && (!self.index.uses_observation() || self.criterion.condition(&self.total, of_part) < SOUND)
+        let is_far = !self.index.uses_dexterity() || 2.0 * largest < ACCURATE_CONDITION.ln();
+        is_far
+            && (!self.index.uses_observation() || self.criterion.condition(&self.total, of_part) < ACCURATE_CONDITION)
     }
 
     /// ln of the index (of its reciprocal for O1 to O5) at `q` \[rad\] and its gradient \[1/rad\]: at kinks that

@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 /// Postures that differ by less in every joint are one posture to a plan \[rad\].
-const APART: f64 = 15.0 / 180.0 * PI;
+const SAME_POSTURE_ANGLE: f64 = 15.0 / 180.0 * PI;
 
 /// True where two postures are as good as the same, whole turns of a joint aside.
 pub(super) fn alike(a: &[f64], b: &[f64]) -> bool {
@@ -15,7 +15,7 @@ pub(super) fn alike(a: &[f64], b: &[f64]) -> bool {
         let turned = (a - b).abs() % TAU;
         turned.min(TAU - turned)
     };
-    a.iter().zip(b).all(|(a, b)| off(a, b) < APART)
+    a.iter().zip(b).all(|(a, b)| off(a, b) < SAME_POSTURE_ANGLE)
 }
 
 /// The readings of candidates, beside those that are taken in any case.

@@ -19,9 +19,9 @@ use std::sync::Arc;
 
 /// The linear model suffices where it differs by less than this share of the
 /// band, or of the deflection where there is none.
-const SUFFICES: f64 = 0.1;
+const LINEAR_BAND_SHARE: f64 = 0.1;
 /// The same share of a deflection without band.
-const SUFFICES_ALONE: f64 = 0.01;
+const LINEAR_DEFLECTION_SHARE: f64 = 0.01;
 
 /// Where wrenches act.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -243,8 +243,8 @@ fn summarise(points: Vec<PointPrediction>, options: &PredictOptions, confidence:
     let differences = points.iter().map(|p| p.linear_difference_m);
     let suffices = |p: &PointPrediction| {
         let allowed = match &p.band {
-            Some(band) => SUFFICES * band.size_m[3].min(p.deflection_m),
-            None => SUFFICES_ALONE * p.deflection_m,
+            Some(band) => LINEAR_BAND_SHARE * band.size_m[3].min(p.deflection_m),
+            None => LINEAR_DEFLECTION_SHARE * p.deflection_m,
         };
         p.linear_difference_m <= allowed
     };

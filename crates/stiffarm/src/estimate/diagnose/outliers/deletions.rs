@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// A displacement with less than this share of its information left over is
 /// fitted exactly and cannot be judged.
-const EXACT: f64 = 1e-9;
+const FITTED_EXACTLY_SHARE: f64 = 1e-9;
 
 /// One displacement against all others.
 pub(super) struct DeletionResidual {
@@ -59,7 +59,7 @@ impl Deletions {
                 let full: Matrix3<f64> = whole.tr_mul(&whole).fixed_view::<3, 3>(0, 0).into_owned();
                 let projection = full - seen * seen.transpose();
                 let q: Vector3<f64> = q.fixed_rows::<3>(3 * i).into_owned();
-                let judged = free > 3 && projection.symmetric_eigenvalues().min() > EXACT * full.trace();
+                let judged = free > 3 && projection.symmetric_eigenvalues().min() > FITTED_EXACTLY_SHARE * full.trace();
                 let inverse = projection.try_inverse().filter(|_| judged);
                 displacements.push(inverse.and_then(|inverse| {
                     let deviation = inverse * q;
@@ -140,7 +140,7 @@ impl PointDeletion {
         if self.singular || self.rows == 0 || free <= self.rows {
             return None;
         }
-        if rank > 0 && left_over.symmetric_eigenvalues().min() <= EXACT {
+        if rank > 0 && left_over.symmetric_eigenvalues().min() <= FITTED_EXACTLY_SHARE {
             return None;
         }
         let more = left_over.cholesky()?.solve(&self.moved);

@@ -20,9 +20,9 @@ use std::cell::OnceCell;
 const FAMILY: f64 = LEVEL / 3.0;
 /// Share of a point's other displacements that must look odd before the point
 /// as a whole is named.
-const SHARE: f64 = 1.0 / 3.0;
+const ODD_SHARE: f64 = 1.0 / 3.0;
 /// A displacement looks odd below this probability.
-const ODD: f64 = 0.05;
+const ODD_PROBABILITY: f64 = 0.05;
 
 /// The data at hand with their fit.
 pub(super) struct FittedData<'a> {
@@ -155,10 +155,11 @@ impl<'a> FittedData<'a> {
             .iter()
             .zip(&deletions.displacements)
             .filter(|(l, _)| rest.fit.experiment().behind(l).1 == point)
-            .map(|(_, d)| d.as_ref().is_some_and(|d| d.p_value < ODD))
+            .map(|(_, d)| d.as_ref().is_some_and(|d| d.p_value < ODD_PROBABILITY))
             .collect();
         let odd = flags.iter().filter(|odd| **odd).count();
-        let of_point = if odd as f64 >= SHARE * flags.len() as f64 && odd > 1 { deletions.points[point] } else { None };
+        let of_point =
+            if odd as f64 >= ODD_SHARE * flags.len() as f64 && odd > 1 { deletions.points[point] } else { None };
         let posture_p = of_posture.filter(|p| *p < FAMILY);
         let point_p = of_point.filter(|p| *p < FAMILY);
         Ok(match (posture_p, point_p) {

@@ -7,7 +7,7 @@ use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 
 /// Loads that differ by less, relative to the largest, are equal.
-const EQUAL: f64 = 0.05;
+const EQUAL_LOADS: f64 = 0.05;
 
 /// Load states of a posture, projected.
 pub(super) struct Series {
@@ -127,9 +127,9 @@ fn directions(states: &[String], load: &DVector<f64>) -> Vec<Option<bool>> {
             let before = if s == 0 { 0.0 } else { load[s - 1] };
             if states[s].starts_with("down") {
                 Some(true)
-            } else if states[s].starts_with("up") || load[s] > before + EQUAL {
+            } else if states[s].starts_with("up") || load[s] > before + EQUAL_LOADS {
                 Some(false)
-            } else if load[s] < before - EQUAL {
+            } else if load[s] < before - EQUAL_LOADS {
                 Some(true)
             } else {
                 None
@@ -142,7 +142,7 @@ fn directions(states: &[String], load: &DVector<f64>) -> Vec<Option<bool>> {
 fn levels(load: &DVector<f64>) -> usize {
     let mut sorted: Vec<f64> = load.iter().copied().collect();
     sorted.sort_by(f64::total_cmp);
-    1 + sorted.windows(2).filter(|w| w[1] - w[0] > EQUAL).count()
+    1 + sorted.windows(2).filter(|w| w[1] - w[0] > EQUAL_LOADS).count()
 }
 
 impl Series {
@@ -235,7 +235,7 @@ impl Series {
         for d in of(true) {
             let gap = |u: &usize| (self.load[*u] - self.load[d]).abs();
             let up = of(false).min_by(|a, b| gap(a).total_cmp(&gap(b)));
-            if let Some(u) = up.filter(|u| gap(u) <= EQUAL) {
+            if let Some(u) = up.filter(|u| gap(u) <= EQUAL_LOADS) {
                 contrast[d] += 1.0;
                 contrast[u] -= 1.0;
                 size += 0.5 * (self.z[d] + self.z[u]);

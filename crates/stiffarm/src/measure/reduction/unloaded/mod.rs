@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 /// not, an industrial arm is better than this.
 const LARGE_RESIDUAL: f64 = 3e-3;
 /// A given transform whose residual is so many times that of the best one is wrong.
-const WORSE: f64 = 3.0;
+const WRONG_TRANSFORM_RATIO: f64 = 3.0;
 
 /// Residual of one measuring point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -186,7 +186,7 @@ pub(in crate::measure) fn by_themselves(
 /// True where a transform fits pairs as well as the best one does, which leaves `best` \[m\].
 pub(in crate::measure) fn fits(cell: &Cell, transform: &Isometry3<f64>, pairs: &[Pair], best: f64) -> bool {
     let noise = ABOVE_NOISE * cell.noise.reading_variance.sqrt();
-    rms(transform, pairs) <= (WORSE * best).max(noise).max(ROUNDING)
+    rms(transform, pairs) <= (WRONG_TRANSFORM_RATIO * best).max(noise).max(ROUNDING)
 }
 
 /// At least three points that are not on a line.
@@ -300,7 +300,7 @@ fn check_given(
         (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
     };
     let (ours, theirs) = (typical(fit), typical(stated_transform));
-    let limit = (WORSE * ours).max(ABOVE_NOISE * reading_std).max(ROUNDING);
+    let limit = (WRONG_TRANSFORM_RATIO * ours).max(ABOVE_NOISE * reading_std).max(ROUNDING);
     if theirs > limit {
         let turn = (stated_transform.rotation * fit.rotation.inverse()).angle();
         findings.push(Finding::new(

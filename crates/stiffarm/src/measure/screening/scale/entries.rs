@@ -14,10 +14,10 @@ use nalgebra::Isometry3;
 
 /// Misfit of a state, over the larger of read and expected, that is looked into:
 /// at least, and in medians of all states.
-const OFF: [f64; 2] = [0.5, 2.5];
+const SUSPECT_MISFIT: [f64; 2] = [0.5, 2.5];
 /// Misfit that a factor must leave: at most, in medians, and of what it was.
-const SETTLED: [f64; 2] = [0.3, 2.5];
-const FALLEN: f64 = 0.4;
+const SETTLED_MISFIT: [f64; 2] = [0.3, 2.5];
+const REMAINING_SHARE: f64 = 0.4;
 /// Misfits that are alike.
 const ALIKE_MISFIT: f64 = 0.04;
 /// Relative distance of two typed loads that are the same but for a factor.
@@ -25,7 +25,7 @@ const SAME_LOAD: f64 = 0.01;
 /// Postures in which a state of the same name shows what its load is.
 const PATTERN: usize = 3;
 /// Share of the states beyond which it is not they that are wrong.
-const MANY: f64 = 0.4;
+const WRONG_STATES_SHARE: f64 = 0.4;
 
 /// What states of the same name say of a typed load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,7 +55,7 @@ impl Entry {
 
 /// Names loads of single states that are off by a factor, and goes on with what they should be.
 pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, moves: &[Move], fitted: &Fitted) {
-    let limit = OFF[0].max(OFF[1] * fitted.level);
+    let limit = SUSPECT_MISFIT[0].max(SUSPECT_MISFIT[1] * fitted.level);
     let mut entries: Vec<Entry> = Vec::new();
     for p in 0..work.sheet.postures.len() {
         let posture_moves: Vec<usize> = (0..moves.len()).filter(|i| moves[*i].posture == p).collect();
@@ -134,8 +134,8 @@ fn mended(
     if work.is_displacements && group.len() == 1 {
         units.extend(DISPLACEMENTS.map(|unit| (Cause::DisplacementUnits, unit)));
     }
-    let settled = SETTLED[0].max(SETTLED[1] * fitted.level);
-    let mut rule = Rule { most: settled.min(FALLEN * before), alike: [1.0, ALIKE_MISFIT], beside: f64::MAX };
+    let settled = SETTLED_MISFIT[0].max(SETTLED_MISFIT[1] * fitted.level);
+    let mut rule = Rule { most: settled.min(REMAINING_SHARE * before), alike: [1.0, ALIKE_MISFIT], beside: f64::MAX };
     // What states of this name have elsewhere, or the name itself says, decides.
     if let Pattern::Times(factor) = pattern {
         units.retain(|(cause, u)| *cause == Cause::LoadEntry && (u.factor / factor - 1.0).abs() < SAME_LOAD);
@@ -198,7 +198,7 @@ fn those_wrong(work: &Work, moves: &[Move], fitted: &Fitted, entries: Vec<Entry>
     let alike = |e: &Entry| e.unit == unit && e.cause == Cause::LoadEntry;
     let all = moves.iter().map(|m| (m.posture, m.state));
     let others: Vec<StateIndex> = all.filter(|at| !flagged.contains(at)).collect();
-    let is_most = flagged.len() as f64 >= MANY * moves.len() as f64;
+    let is_most = flagged.len() as f64 >= WRONG_STATES_SHARE * moves.len() as f64;
     if !entries.iter().all(alike) || others.is_empty() || !is_most {
         return entries;
     }

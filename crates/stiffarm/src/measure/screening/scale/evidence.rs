@@ -26,7 +26,7 @@ const DISPLACEMENT: [f64; 2] = [5e-6, 2e-2];
 const SOFT: f64 = 0.3;
 const COUNTS: f64 = 8.0;
 /// What is worth a word (logarithm of a likelihood).
-const WORTH: f64 = 1.0;
+const WORTH_NAMING: f64 = 1.0;
 
 /// What is known of the sizes of loads and displacements.
 #[derive(Debug, Clone, Default)]
@@ -147,11 +147,11 @@ impl Sizes {
             };
             out.push(format!("the numbers in the names of states ({of_loads} the loads)"));
         }
-        if self.stated(load) - self.stated(1.0) > WORTH {
+        if self.stated(load) - self.stated(1.0) > WORTH_NAMING {
             out.push("the load that cell or table states".to_string());
         }
         let plausible = |load, displacement| self.plausible(load, displacement);
-        if plausible(load, displacement) - plausible(1.0, 1.0) > WORTH {
+        if plausible(load, displacement) - plausible(1.0, 1.0) > WORTH_NAMING {
             out.push(if load < 1.0 {
                 format!("{} N, more than such a robot can carry", short(self.load))
             } else if load > 1.0 {

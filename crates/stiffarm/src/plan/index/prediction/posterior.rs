@@ -129,7 +129,7 @@ pub(crate) struct Equations {
 /// Relative standard deviation of a compliance of which nothing is known, where a group leaves some open.
 const NOTHING_KNOWN: f64 = 100.0;
 /// What the other unknowns leave of the information about a fixed effect, below which it is not determined.
-const DETERMINED: f64 = 1e-10;
+const DETERMINED_SHARE: f64 = 1e-10;
 
 impl Equations {
     /// Of no readings at all.
@@ -156,7 +156,7 @@ impl Equations {
         let scaled = DMatrix::from_fn(fixed, fixed, |i, j| left[(i, j)] / (scale[i] * scale[j]));
         let least = symmetric_eigen(scaled)?.0.min();
         let mut a = self.a.clone();
-        if least < DETERMINED {
+        if least < DETERMINED_SHARE {
             for i in 0..fixed {
                 a[(i, i)] += NOTHING_KNOWN.powi(-2);
             }
