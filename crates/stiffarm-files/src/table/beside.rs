@@ -8,7 +8,7 @@ use stiffarm::model::measurement::Reading;
 
 /// A quantity of a row, in the order in which they are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Beside {
+pub(super) enum RowQuantity {
     /// From where the tracker read.
     Station,
     /// Force of the state.
@@ -63,15 +63,15 @@ fn one(value: f64) -> Field<'static> {
     Field::Numbers(Vector3::new(value, 0.0, 0.0))
 }
 
-impl Beside {
-    pub(super) const ALL: [Beside; 7] = [
-        Beside::Station,
-        Beside::Force,
-        Beside::Moment,
-        Beside::Load,
-        Beside::Time,
-        Beside::Expanded,
-        Beside::Temperature,
+impl RowQuantity {
+    pub(super) const ALL: [RowQuantity; 7] = [
+        RowQuantity::Station,
+        RowQuantity::Force,
+        RowQuantity::Moment,
+        RowQuantity::Load,
+        RowQuantity::Time,
+        RowQuantity::Expanded,
+        RowQuantity::Temperature,
     ];
 
     fn facts(self) -> Facts {
@@ -85,36 +85,36 @@ impl Beside {
             set: None,
         };
         match self {
-            Beside::Station => Facts {
+            RowQuantity::Station => Facts {
                 get: |contents| contents.station.map(Field::Name),
                 ..facts(&["station"], Quantity::Name, "station")
             },
-            Beside::Force => Facts {
+            RowQuantity::Force => Facts {
                 of_displacements: true,
                 get: |contents| contents.wrench.map(|wrench| Field::Numbers(wrench.force)),
                 ..facts(&["fx", "fy", "fz"], Quantity::Force, "force")
             },
-            Beside::Moment => Facts {
+            RowQuantity::Moment => Facts {
                 of_displacements: true,
                 get: |contents| contents.wrench.map(|wrench| Field::Numbers(wrench.moment)),
                 ..facts(&["mx", "my", "mz"], Quantity::Moment, "moment")
             },
-            Beside::Load => {
+            RowQuantity::Load => {
                 Facts { get: |contents| contents.load.map(one), ..facts(&["load"], Quantity::Force, "load") }
             }
-            Beside::Time => Facts {
+            RowQuantity::Time => Facts {
                 of_displacements: true,
                 get: |contents| contents.time.or_else(|| contents.reading?.time).map(one),
                 set: Some(|reading, value| reading.time = Some(value.x)),
                 ..facts(&["time"], Quantity::Time, "time")
             },
-            Beside::Expanded => Facts {
+            RowQuantity::Expanded => Facts {
                 size: Some("An uncertainty"),
                 get: |contents| contents.reading?.expanded.map(Field::Numbers),
                 set: Some(|reading, value| reading.expanded = Some(value)),
                 ..facts(&["u95x", "u95y", "u95z"], Quantity::Length, "uncertainty")
             },
-            Beside::Temperature => Facts {
+            RowQuantity::Temperature => Facts {
                 get: |contents| contents.reading?.temperature.map(one),
                 set: Some(|reading, value| reading.temperature = Some(value.x)),
                 ..facts(&["temperature"], Quantity::Temperature, "temperature")
@@ -135,7 +135,7 @@ impl Beside {
 
     /// What a column of this name without unit holds.
     pub(super) fn quantity_of(stem: &str) -> Option<Quantity> {
-        let mut all = Beside::ALL.into_iter().map(Beside::facts);
+        let mut all = RowQuantity::ALL.into_iter().map(RowQuantity::facts);
         let matching = all.find(|facts| facts.stems.contains(&stem));
         matching.map(|facts| facts.quantity)
     }

@@ -1,7 +1,7 @@
 //! `posture,state,fx_n,…,mz_nm[,dq1_deg,…][,q1_deg,…][,dx_mm,…,rz_deg]`:
 //! readings with the flange fixed.
 
-use super::beside::Beside;
+use super::beside::RowQuantity;
 use super::grid::{Column, Row, Table};
 use super::heading::ColumnDefinition;
 use super::line::line;
@@ -83,8 +83,13 @@ pub fn write_clamped(clamped: &[ClampedPosture], robot: &Robot) -> String {
     let joints = robot.joint_count();
     let moves = clamped.iter().any(|c| c.fixture_motion.is_some());
     let mut heading: Vec<String> = ["posture", "state"].map(String::from).to_vec();
-    heading
-        .extend(Beside::Force.definitions().iter().chain(&Beside::Moment.definitions()).map(ColumnDefinition::heading));
+    heading.extend(
+        RowQuantity::Force
+            .definitions()
+            .iter()
+            .chain(&RowQuantity::Moment.definitions())
+            .map(ColumnDefinition::heading),
+    );
     heading.extend(differences(joints).iter().map(ColumnDefinition::heading));
     if moves {
         heading.extend(shift().iter().chain(&turn()).map(ColumnDefinition::heading));
@@ -126,8 +131,8 @@ impl Columns {
         let joints = cell.setup.robot.joint_count();
         let angle_columns: Vec<ColumnDefinition> = ColumnDefinition::angles(joints).collect();
         let mut definitions = ["posture", "state"].map(ColumnDefinition::name).to_vec();
-        definitions.extend(Beside::Force.definitions());
-        definitions.extend(Beside::Moment.definitions());
+        definitions.extend(RowQuantity::Force.definitions());
+        definitions.extend(RowQuantity::Moment.definitions());
         definitions.extend(differences(joints));
         definitions.extend(shift());
         definitions.extend(turn());
@@ -152,8 +157,8 @@ impl Columns {
         Ok(Columns {
             posture: heading.require(&ColumnDefinition::name("posture"), hint)?,
             state: heading.require(&ColumnDefinition::name("state"), hint)?,
-            force: heading.all(&Beside::Force.definitions(), both)?,
-            moment: heading.all(&Beside::Moment.definitions(), both)?,
+            force: heading.all(&RowQuantity::Force.definitions(), both)?,
+            moment: heading.all(&RowQuantity::Moment.definitions(), both)?,
             differences,
             shift: motion.as_ref().map(|columns| columns[..3].to_vec()),
             turn: motion.as_ref().map(|columns| columns[3..].to_vec()),

@@ -1,7 +1,7 @@
 //! Checks of a table's heading: every column known, none twice, none missing,
 //! each with one of its units.
 
-use super::beside::Beside;
+use super::beside::RowQuantity;
 use super::grid::{Column, Table};
 use super::heading_row::own_unit;
 use super::naming::{joint_number, normal};
@@ -69,7 +69,7 @@ impl ColumnDefinition {
     }
 }
 
-impl Beside {
+impl RowQuantity {
     /// Its columns.
     pub(super) fn definitions(self) -> Vec<ColumnDefinition> {
         let (stems, quantity, group) = self.columns();

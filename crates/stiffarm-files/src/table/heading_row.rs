@@ -1,6 +1,6 @@
 //! Which row of a file is the heading, and units in brackets.
 
-use super::beside::Beside;
+use super::beside::RowQuantity;
 use super::naming::{DATE, NAME, normal};
 use super::place::place_of;
 use super::quantity::Quantity;
@@ -63,7 +63,7 @@ fn quantity(base: &str) -> Option<Quantity> {
         "feed" => Some(Quantity::Feed),
         "power" => Some(Quantity::Power),
         _ if joint("q") || joint("dq") => Some(Quantity::Angle),
-        _ => Beside::quantity_of(base),
+        _ => RowQuantity::quantity_of(base),
     }
 }
 

@@ -1,6 +1,6 @@
 //! The columns of a measurement table that is written, and what stands in them.
 
-use super::beside::{Beside, RowContents};
+use super::beside::{RowContents, RowQuantity};
 use super::heading::ColumnDefinition;
 use super::postures::angle_names;
 use super::values::Values;
@@ -10,18 +10,18 @@ use stiffarm::model::cell::Cell;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Layout {
     values: Values,
-    beside: Vec<Beside>,
+    beside: Vec<RowQuantity>,
 }
 
 impl Layout {
     /// With what is `wanted` beside names, lengths and angles.
-    pub(super) fn new(values: Values, wanted: impl Fn(Beside) -> bool) -> Self {
+    pub(super) fn new(values: Values, wanted: impl Fn(RowQuantity) -> bool) -> Self {
         let beside = values.beside().filter(|beside| wanted(*beside));
         Layout { values, beside: beside.collect() }
     }
 
     /// Whether it has these columns.
-    pub(super) fn has(&self, beside: Beside) -> bool {
+    pub(super) fn has(&self, beside: RowQuantity) -> bool {
         self.beside.contains(&beside)
     }
 

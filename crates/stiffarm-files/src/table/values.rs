@@ -1,6 +1,6 @@
 //! Which columns tables of measurements may have, and what the headings say that they hold.
 
-use super::beside::Beside;
+use super::beside::RowQuantity;
 use super::grid::Table;
 use super::heading::{ColumnDefinition, find_heading, stem};
 use super::path::path_definitions;
@@ -33,8 +33,8 @@ impl Values {
     }
 
     /// What its rows may have beside names, lengths and angles.
-    pub(super) fn beside(self) -> impl Iterator<Item = Beside> {
-        let all = Beside::ALL.into_iter();
+    pub(super) fn beside(self) -> impl Iterator<Item = RowQuantity> {
+        let all = RowQuantity::ALL.into_iter();
         all.filter(move |quantity| self == Values::Positions || quantity.is_of_displacements())
     }
 
@@ -42,7 +42,7 @@ impl Values {
     pub(super) fn definitions(self, joints: usize) -> Vec<ColumnDefinition> {
         let mut definitions = ["posture", "state", "point"].map(ColumnDefinition::name).to_vec();
         definitions.extend(self.components());
-        definitions.extend(self.beside().flat_map(Beside::definitions));
+        definitions.extend(self.beside().flat_map(RowQuantity::definitions));
         definitions.extend(ColumnDefinition::angles(joints));
         definitions
     }

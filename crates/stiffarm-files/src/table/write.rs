@@ -1,6 +1,6 @@
 //! Writing of tables.
 
-use super::beside::{Beside, RowContents};
+use super::beside::{RowContents, RowQuantity};
 use super::layout::Layout;
 use super::line::line;
 use super::postures::angle_names;
@@ -44,9 +44,9 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
     let mut displacements = measured.iter().flat_map(|group| &group.displacements);
     let has_times = displacements.any(|d| d.time.is_some());
     let layout = Layout::new(Values::Displacements, |beside| match beside {
-        Beside::Force => wrenches.is_some(),
-        Beside::Moment => has_moments,
-        Beside::Time => has_times,
+        RowQuantity::Force => wrenches.is_some(),
+        RowQuantity::Moment => has_moments,
+        RowQuantity::Time => has_times,
         _ => false,
     });
     let mut text = line(&layout.heading(cell));
@@ -93,9 +93,9 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
     let postures = || table.postures.iter().chain(&table.incomplete);
     let rows = || postures().flat_map(rows_of);
     let layout = Layout::new(Values::Positions, |beside| match beside {
-        Beside::Force => table.wrench_columns != WrenchColumns::None,
-        Beside::Moment => table.wrench_columns == WrenchColumns::ForceAndMoment,
-        Beside::Station if table.pending.iter().any(|row| row.station.is_some()) => true,
+        RowQuantity::Force => table.wrench_columns != WrenchColumns::None,
+        RowQuantity::Moment => table.wrench_columns == WrenchColumns::ForceAndMoment,
+        RowQuantity::Station if table.pending.iter().any(|row| row.station.is_some()) => true,
         _ => rows().any(|(_, _, contents)| beside.is_in(&contents)),
     });
     let mut text = line(&layout.heading(cell));

@@ -69,7 +69,7 @@ pub struct Pose {
 /// A posture beside its configuration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Described {
+pub struct NamedPosture {
     /// Its name.
     pub name: String,
     /// Controller angles.
@@ -88,7 +88,7 @@ pub struct Described {
 pub struct PosturePose {
     /// The posture.
     #[serde(flatten)]
-    pub posture: Described,
+    pub posture: NamedPosture,
     /// Pose of the flange.
     pub flange: Pose,
     /// Pose of the tool's tip.
@@ -111,7 +111,7 @@ pub struct Poses {
 pub struct BranchPosture {
     /// The posture.
     #[serde(flatten)]
-    pub posture: Described,
+    pub posture: NamedPosture,
     /// Postures with the same number differ by full turns alone.
     pub branch: usize,
     /// Whether the posture is singular: where angles are free, it stands for all of them.
@@ -326,10 +326,10 @@ impl PoseKind {
 }
 
 /// A posture beside its configuration.
-fn describe(cell: &Cell, name: String, q: &[f64]) -> Described {
+fn describe(cell: &Cell, name: String, q: &[f64]) -> NamedPosture {
     let robot = &cell.setup.robot;
     let is_kuka = robot.controller() == Some(Controller::Kuka);
-    Described {
+    NamedPosture {
         name,
         q_deg: q.iter().map(|q| rad_to_shortest_deg(*q)).collect(),
         configuration: Configuration::of(robot, q),

@@ -1,6 +1,6 @@
 //! What the columns of a path may hold.
 
-use crate::table::beside::Beside;
+use crate::table::beside::RowQuantity;
 use crate::table::heading::ColumnDefinition;
 use crate::table::quantity::Quantity;
 
@@ -78,8 +78,8 @@ pub(super) fn contents(joints: usize) -> Vec<(Content, ColumnDefinition)> {
     all.extend(numbered(Content::Position, position()));
     all.extend(numbered(Content::Turn, turns()));
     all.extend(numbered(Content::Axis, axis()));
-    all.extend(numbered(Content::Force, Beside::Force.definitions()));
-    all.extend(numbered(Content::Moment, Beside::Moment.definitions()));
+    all.extend(numbered(Content::Force, RowQuantity::Force.definitions()));
+    all.extend(numbered(Content::Moment, RowQuantity::Moment.definitions()));
     all.push((Content::Axes, ColumnDefinition::name("axes")));
     all.push((Content::Feature, ColumnDefinition::name("feature")));
     all.push((Content::Feed, ColumnDefinition::of("feed", Quantity::Feed, "feed")));

@@ -2,7 +2,7 @@
 
 use super::contents::{Content, PathKind, axis, contents, position, turns};
 use super::format::FormatColumn;
-use crate::table::beside::Beside;
+use crate::table::beside::RowQuantity;
 use crate::table::grid::{Column, Table};
 use crate::table::heading::{ColumnDefinition, NamedColumns, stem};
 use stiffarm::error::{Code, Error, Result};
@@ -63,8 +63,8 @@ impl PathColumns {
                 (Vec::new(), position, all(&orientation, hint)?)
             }
         };
-        let all_or_none = |quantity: Beside| heading.all_or_none(&quantity.definitions(), &quantity.hint());
-        let (force, moment) = (all_or_none(Beside::Force)?, all_or_none(Beside::Moment)?);
+        let all_or_none = |quantity: RowQuantity| heading.all_or_none(&quantity.definitions(), &quantity.hint());
+        let (force, moment) = (all_or_none(RowQuantity::Force)?, all_or_none(RowQuantity::Moment)?);
         if let (None, Some(moment)) = (&force, &moment) {
             let message = "The table has moments but no forces.";
             let error = table.heading_error(Some(moment[0].at), Code::TableHeading, message);

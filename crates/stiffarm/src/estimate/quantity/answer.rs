@@ -5,7 +5,7 @@
 //! of each is how the wrench changes, six closed numbers.
 
 use super::facts::Quantity;
-use super::stated::Stated;
+use super::stated::StatedExperiment;
 use super::value::{QuantityAtValue, QuantityValue};
 use crate::error::Result;
 use crate::estimate::identify::known_displacement;
@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
 
 /// The answers of all postures to what may change, with the unknowns at some values.
 pub(crate) struct Answers<'a> {
-    stated: &'a Stated<'a>,
+    stated: &'a StatedExperiment<'a>,
     extra: &'a [ExtraTerm],
     values: DVector<f64>,
     /// One of each measured posture that has terms.
@@ -38,7 +38,7 @@ impl<'a> Answers<'a> {
     ///
     /// # Errors
     /// A state that is under none of the loads.
-    pub fn new(stated: &'a Stated<'a>, extra: &'a [ExtraTerm], values: DVector<f64>) -> Result<Self> {
+    pub fn new(stated: &'a StatedExperiment<'a>, extra: &'a [ExtraTerm], values: DVector<f64>) -> Result<Self> {
         let mut out = Answers { stated, extra, values, postures: Vec::new() };
         let springs = out.values.len() - extra.len();
         let mut linear = out.values.clone();
@@ -75,7 +75,7 @@ impl<'a> Answers<'a> {
     /// Change of what the readings show with quantities at these values, rows as in the system.
     ///
     /// # Errors
-    /// As [`Stated::changed`].
+    /// As [`StatedExperiment::changed`].
     pub fn shift(&self, values: &[QuantityAtValue]) -> Result<DVector<f64>> {
         let (stated, system) = (self.stated, self.stated.system);
         let setup = stated.setup(values);
@@ -195,7 +195,7 @@ impl<'a> Answers<'a> {
 
 /// What tests hold the answers against.
 pub(crate) mod internals {
-    use super::{Answers, Stated};
+    use super::{Answers, StatedExperiment};
     use crate::error::Result;
     use crate::estimate::identify::{Experiment, Fit};
     use crate::estimate::quantity::facts::Quantity;
@@ -229,7 +229,7 @@ pub(crate) mod internals {
     /// # Errors
     /// As `Answers::new`.
     pub fn both_ways(fit: &Fit) -> Result<Vec<QuantityResponse>> {
-        let stated = Stated::of(fit);
+        let stated = StatedExperiment::of(fit);
         let (system, values) = (fit.system(), &fit.solution().values);
         let answers = Answers::new(&stated, &system.extra, values.clone())?;
         let mut out = Vec::new();

@@ -28,17 +28,17 @@ enum Origin {
 }
 
 /// Measurements, with what makes their wrenches.
-pub(crate) struct Stated<'a> {
+pub(crate) struct StatedExperiment<'a> {
     pub fit: &'a Fit,
     pub experiment: &'a Experiment,
     pub system: &'a MeasuredSystem,
     origins: Vec<Origin>,
 }
 
-impl<'a> Stated<'a> {
+impl<'a> StatedExperiment<'a> {
     /// Those behind `fit`.
     pub fn of(fit: &'a Fit) -> Self {
-        Stated::new(fit, fit.experiment(), fit.system())
+        StatedExperiment::new(fit, fit.experiment(), fit.system())
     }
 
     /// Those of `experiment`, whose rows are those of `system`, in the cell of `fit`.
@@ -63,7 +63,7 @@ impl<'a> Stated<'a> {
             load_factor.map_or(Origin::Force, Origin::Own)
         };
         let postures = experiment.postures().iter().enumerate();
-        Stated { fit, experiment, system, origins: postures.map(origin).collect() }
+        StatedExperiment { fit, experiment, system, origins: postures.map(origin).collect() }
     }
 
     pub fn cell(&self) -> &'a Cell {

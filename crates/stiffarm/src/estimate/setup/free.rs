@@ -1,12 +1,12 @@
 //! Quantities of the set-up that are identified on purpose, together with the stiffness.
 
 use super::freed::{QuantityFit, SETTLED_LIKELIHOOD};
-use super::{Freed, described, value};
+use super::{FreedQuantity, described, value};
 use crate::error::{Code, Error, Result, did_you_mean};
 use crate::estimate::elastic::ElasticChoice;
 use crate::estimate::identify::Fit;
 use crate::estimate::quantity::facts::Quantity;
-use crate::estimate::quantity::stated::Stated;
+use crate::estimate::quantity::stated::StatedExperiment;
 use crate::estimate::quantity::value::{QuantityAtValue, QuantityValue};
 use crate::measure::Measured;
 use nalgebra::Matrix3;
@@ -23,12 +23,12 @@ const UNTOLD_FORCE_ERROR: f64 = 1e3;
 ///
 /// # Errors
 /// A name that there is not, or twice; a quantity on which these readings do not depend, or that they cannot tell.
-pub fn free(fit: &Fit, elastic: ElasticChoice) -> Result<Option<(Fit, Vec<Freed>)>> {
+pub fn free(fit: &Fit, elastic: ElasticChoice) -> Result<Option<(Fit, Vec<FreedQuantity>)>> {
     let names = &fit.options().free;
     if names.is_empty() {
         return Ok(None);
     }
-    let stated = Stated::of(fit);
+    let stated = StatedExperiment::of(fit);
     let start = wanted(&stated, names)?;
     let before = QuantityFit::new(start.clone(), fit.clone(), false, None)?;
     let mut at = stated.refined(before);
@@ -67,7 +67,7 @@ pub fn free(fit: &Fit, elastic: ElasticChoice) -> Result<Option<(Fit, Vec<Freed>
 }
 
 /// What the names mean here, as stated.
-fn wanted(stated: &Stated<'_>, names: &[String]) -> Result<Vec<QuantityAtValue>> {
+fn wanted(stated: &StatedExperiment<'_>, names: &[String]) -> Result<Vec<QuantityAtValue>> {
     let cell = stated.cell();
     let here = stated.quantities();
     let joints = cell.setup.robot.joint_count();

@@ -5,7 +5,7 @@ use crate::estimate::elastic::carried_near;
 use crate::estimate::identify::{Fit, Response};
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::quantity::answer::Answers;
-use crate::estimate::quantity::stated::Stated;
+use crate::estimate::quantity::stated::StatedExperiment;
 use crate::estimate::quantity::value::QuantityAtValue;
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
@@ -99,7 +99,7 @@ pub(super) struct Linear<'a> {
 
 impl<'a> Linear<'a> {
     /// Of the axes alone, or with springs beyond them.
-    pub(super) fn new(stated: &'a Stated<'a>, fit: &'a Fit, mixed: Option<&'a MixedFit>) -> Option<Self> {
+    pub(super) fn new(stated: &'a StatedExperiment<'a>, fit: &'a Fit, mixed: Option<&'a MixedFit>) -> Option<Self> {
         let (response, values) = match mixed {
             Some(mixed) => (mixed.response().ok()?, &mixed.compliance().values),
             None => (Arc::new(Response::new(fit).ok()?), &fit.solution().values),
@@ -118,7 +118,7 @@ impl<'a> Linear<'a> {
     }
 }
 
-impl Stated<'_> {
+impl StatedExperiment<'_> {
     /// The fit with quantities at these values; `None` where it cannot be had.
     pub(super) fn at(
         &self,

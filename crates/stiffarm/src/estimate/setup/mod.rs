@@ -20,7 +20,7 @@ use crate::estimate::elastic::{FEWEST_POSTURES, carried};
 use crate::estimate::identify::{Fit, IdentifyOptions, rms};
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::quantity::facts::Quantity;
-use crate::estimate::quantity::stated::Stated;
+use crate::estimate::quantity::stated::StatedExperiment;
 use crate::estimate::quantity::value::QuantityAtValue;
 use crate::findings::Finding;
 use crate::numerics::jobs::in_order;
@@ -54,7 +54,7 @@ const ALIKE_LIKELIHOOD_RATIO: f64 = 10.0;
 /// A quantity of the set-up that the readings want elsewhere.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Freed {
+pub struct FreedQuantity {
     /// Stable name: `anchor`, `loading-point`, `gravity`, `registration`, `force-beside`, `force-offset`, `sign`,
     /// `common-shift`, `sensor-axes`, `sensor-origin`, `sensor-in-base-axes`, `measuring-points`, `joint-angle`, `coupling`,
     /// `rows`, `base-tilt`, `lost-motion`.
@@ -82,7 +82,7 @@ pub struct Freed {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SetUp {
     /// What was freed beside springs beyond the axes, the likeliest first.
-    pub freed: Vec<Freed>,
+    pub freed: Vec<FreedQuantity>,
     /// What is rejected or doubtful, in a sentence.
     pub finding: Option<Finding>,
     /// How far off the quantity of the finding may be, as the readings ask for: the RMS of its numbers.
@@ -110,7 +110,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
         return Ok(None);
     }
     let is_more = left > MORE_THAN_NOISE * identification.expected_std_m || below_zero(&fit, None) > WORTH_SEARCHING;
-    let stated = Stated::of(&fit);
+    let stated = StatedExperiment::of(&fit);
     let Some(linear) = Linear::new(&stated, &fit, None) else {
         return Ok(None);
     };
@@ -148,7 +148,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
     })?;
     sort_by_number(&mut beside, price);
     let described = beside.iter().flat_map(|at| described(&stated, at, before));
-    let freed: Vec<Freed> = described.collect();
+    let freed: Vec<FreedQuantity> = described.collect();
     let (best, first) = (&beside[0], &freed[0]);
     let quantity = best.values[0].0;
     let finding = match judged(&fit, best, first, grants)? {
@@ -185,7 +185,7 @@ enum Word {
 }
 
 /// What the readings say of the best quantity; `None` where they are not clearly likelier with it where they want it.
-fn judged(fit: &Fit, best: &QuantityFit, first: &Freed, grants: bool) -> Result<Option<Word>> {
+fn judged(fit: &Fit, best: &QuantityFit, first: &FreedQuantity, grants: bool) -> Result<Option<Word>> {
     let each = LIKELIHOOD_EACH * best.numbers() as f64;
     let is_strong = first.likelihood_ratio > REJECTING_LIKELIHOOD + each;
     let least = each + if is_strong { REJECTING_LIKELIHOOD } else { DOUBTING_LIKELIHOOD };
@@ -204,10 +204,10 @@ fn judged(fit: &Fit, best: &QuantityFit, first: &Freed, grants: bool) -> Result<
 }
 
 /// What the readings ask for of each quantity at `at`, where −2 ln L was `before` with all as stated.
-fn described(stated: &Stated<'_>, at: &QuantityFit, before: f64) -> Vec<Freed> {
+fn described(stated: &StatedExperiment<'_>, at: &QuantityFit, before: f64) -> Vec<FreedQuantity> {
     let (fit, cell) = (stated.fit, stated.cell());
     let mut errors = stated.errors(at).into_iter();
-    let one = |(quantity, place): &QuantityAtValue| Freed {
+    let one = |(quantity, place): &QuantityAtValue| FreedQuantity {
         words: String::new(),
         name: quantity.name().to_string(),
         key: words::key(cell, *quantity),
@@ -217,7 +217,7 @@ fn described(stated: &Stated<'_>, at: &QuantityFit, before: f64) -> Vec<Freed> {
         likelihood_ratio: before - at.value,
         residual_rms_m: [fit, &at.fit].map(|fit| rms(fit.residual().as_slice())),
     };
-    let mut freed: Vec<Freed> = at.values.iter().map(one).collect();
+    let mut freed: Vec<FreedQuantity> = at.values.iter().map(one).collect();
     for (freed_quantity, valued) in freed.iter_mut().zip(&at.values) {
         freed_quantity.words = words::wanted(cell, valued, freed_quantity);
     }
@@ -226,7 +226,12 @@ fn described(stated: &Stated<'_>, at: &QuantityFit, before: f64) -> Vec<Freed> {
 
 /// A quantity freed beside the axes alone, whose fit with all as stated is `linear`; `None` where that is not worth a
 /// second look.
-fn freed_alone(stated: &Stated<'_>, linear: &Linear<'_>, quantity: Quantity, is_more: bool) -> Option<QuantityFit> {
+fn freed_alone(
+    stated: &StatedExperiment<'_>,
+    linear: &Linear<'_>,
+    quantity: Quantity,
+    is_more: bool,
+) -> Option<QuantityFit> {
     let mut places = stated.starts(quantity).into_iter();
     let as_stated = vec![(quantity, places.next()?)];
     let score = stated.score(&as_stated[0], linear);
@@ -247,7 +252,7 @@ fn freed_alone(stated: &Stated<'_>, linear: &Linear<'_>, quantity: Quantity, is_
 
 /// Leaves out what springs beyond the axes explain as well: what helps the axes alone by little, and by the derivatives of
 /// the mixed model helps that no more. The dear fits beside them are spared.
-fn leave_out_swallowed(stated: &Stated<'_>, mixed: &MixedFit, alone: &mut Vec<QuantityFit>) {
+fn leave_out_swallowed(stated: &StatedExperiment<'_>, mixed: &MixedFit, alone: &mut Vec<QuantityFit>) {
     let before = value(stated.fit, None);
     let mut linear = None;
     alone.retain(|at| {

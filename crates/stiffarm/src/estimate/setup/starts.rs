@@ -1,12 +1,12 @@
 //! From which values a quantity is looked for: the stated one, and the slips that people make of it.
 
 use crate::estimate::quantity::facts::Quantity;
-use crate::estimate::quantity::stated::{Stated, anchor, loading_point};
+use crate::estimate::quantity::stated::{StatedExperiment, anchor, loading_point};
 use crate::estimate::quantity::value::QuantityValue;
 use crate::numerics::arrangements::signed_axes;
 use nalgebra::{Matrix3, Vector3};
 
-impl Stated<'_> {
+impl StatedExperiment<'_> {
     /// Values to begin with, the stated one first.
     pub(super) fn starts(&self, quantity: Quantity) -> Vec<QuantityValue> {
         let cell = self.cell();

@@ -1,6 +1,6 @@
 //! What the readings ask of the set-up, in sentences.
 
-use super::{Freed, Word};
+use super::{FreedQuantity, Word};
 use crate::estimate::quantity::facts::{Numbers, Quantity};
 use crate::estimate::quantity::stated::{anchor, gravity, loading_point};
 use crate::estimate::quantity::value::{QuantityAtValue, QuantityValue};
@@ -129,7 +129,7 @@ fn bare_mm(values: &[f64]) -> String {
 }
 
 /// What the readings ask for, in words.
-pub(super) fn wanted(cell: &Cell, (quantity, place): &QuantityAtValue, freed: &Freed) -> String {
+pub(super) fn wanted(cell: &Cell, (quantity, place): &QuantityAtValue, freed: &FreedQuantity) -> String {
     let key = &freed.key;
     let errors = freed.standard_error.iter().map(|e| e.unwrap_or(0.0));
     let (values, errors): (_, &Vec<f64>) = (&freed.asked, &errors.collect());
@@ -211,7 +211,13 @@ pub(super) fn wanted(cell: &Cell, (quantity, place): &QuantityAtValue, freed: &F
 }
 
 /// The finding about the quantity that explains most.
-pub(super) fn finding(cell: &Cell, quantity: Quantity, freed: &Freed, alike: &[Quantity], word: &Word) -> Finding {
+pub(super) fn finding(
+    cell: &Cell,
+    quantity: Quantity,
+    freed: &FreedQuantity,
+    alike: &[Quantity],
+    word: &Word,
+) -> Finding {
     let wanted = match quantity {
         Quantity::Sign => "The points move against the stated load: the readings ask for its opposite sign".to_string(),
         _ => format!("The readings ask for {}", freed.words),

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::estimate::identify::{Experiment, MeasuredSystem};
 use crate::estimate::quantity::answer::Answers;
 use crate::estimate::quantity::facts::{self, Facts, Quantity};
-use crate::estimate::quantity::stated::Stated;
+use crate::estimate::quantity::stated::StatedExperiment;
 use crate::estimate::quantity::value::QuantityValue;
 use crate::model::observation::ExtraTerm;
 use nalgebra::DVector;
@@ -43,7 +43,7 @@ pub(super) fn sources(
     system: &MeasuredSystem,
 ) -> Result<Vec<Source>> {
     let cell = believed.fit.cell();
-    let stated = Stated::new(believed.fit, experiment, system);
+    let stated = StatedExperiment::new(believed.fit, experiment, system);
     let answers = Answers::new(&stated, believed.extra, believed.values.clone())?;
     let tool = &cell.setup.tool;
     let unmodelled = tool.has_sensor && tool.series_compliance.is_none();
