@@ -7,7 +7,7 @@ use stiffarm::work::map::{MapNode, MapRange, NodeValues, Status, StiffnessMap};
 
 /// Ratio of the largest to the smallest value from which on a colour bar is
 /// logarithmic.
-const WIDE: f64 = 10.0;
+const LOGARITHMIC_RATIO: f64 = 10.0;
 /// Most planes of a box.
 const PLANES: usize = 9;
 /// Most strokes along the longer side of a plane.
@@ -129,11 +129,16 @@ pub fn map_figure(map: &StiffnessMap) -> Figure {
     Figure { id: "map".into(), title: title(map), caption: caption(map), columns, panels }
 }
 
+/// The colour bar of such a range.
+pub(crate) fn ranged_axis(label: &str, unit: &str, range: Option<MapRange>) -> Axis {
+    match range {
+        Some(r) if r.smallest > 0.0 && r.largest > LOGARITHMIC_RATIO * r.smallest => Axis::log(label, unit),
+        _ => Axis::linear(label, unit),
+    }
+}
+
 fn quantities(map: &StiffnessMap) -> [Quantity; 3] {
-    let scaled = |label: &str, of: NodeQuantity| match (of.range)(map) {
-        Some(r) if r.smallest > 0.0 && r.largest > WIDE * r.smallest => Axis::log(label, of.unit),
-        _ => Axis::linear(label, of.unit),
-    };
+    let scaled = |label: &str, of: NodeQuantity| ranged_axis(label, of.unit, (of.range)(map));
     [
         Quantity {
             title: "deflection under the load".into(),

@@ -1,7 +1,7 @@
 //! Paths in FANUC TP: moves, and which tool and user frame they take.
 
-use super::aims::{Aim, Motion};
 use super::cursor::Cursor;
+use super::move_target::{Motion, MoveTarget};
 use super::reader::{Reader, leading};
 use stiffarm::error::Result;
 
@@ -87,8 +87,8 @@ const CALCULATED: [&str; 9] =
 fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     let place = line.clone();
     if let Some((start, via)) = reader.arc.take() {
-        let aim = Aim::Label(place, point(line)?);
-        reader.moves(start, Motion::Circular, Some(via), aim);
+        let target = MoveTarget::Label(place, point(line)?);
+        reader.moves(start, Motion::Circular, Some(via), target);
         reader.at_feed(feed(line.rest()));
         return Ok(true);
     }
@@ -102,7 +102,7 @@ fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
             word.trim()
         )));
     }
-    let aim = Aim::Label(line.clone(), point(line)?);
+    let target = MoveTarget::Label(line.clone(), point(line)?);
     // The path moves with a positioner; the move may end early; the wrist turns as its joints do.
     for word in ["COORD", "Skip", "SKIP", "Wjnt", "WJNT", "RTCP"] {
         if line.rest().contains(&format!(" {word}")) {
@@ -110,9 +110,9 @@ fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
         }
     }
     match motion {
-        Motion::Circular => reader.arc = Some((place, aim)),
+        Motion::Circular => reader.arc = Some((place, target)),
         _ => {
-            reader.moves(place, motion, None, aim);
+            reader.moves(place, motion, None, target);
             reader.at_feed(feed(line.rest()));
         }
     }

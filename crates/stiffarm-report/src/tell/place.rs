@@ -9,7 +9,7 @@ use stiffarm::ask::place::Options;
 use stiffarm::findings::visible;
 use stiffarm::model::stiffness::Model;
 use stiffarm::units::rounded;
-use stiffarm::work::map::{Placed, Placement, PlacementCandidate, Status};
+use stiffarm::work::map::{PlaceEvaluation, Placement, PlacementCandidate, Status};
 
 /// A gain from which on moving the workpiece is worth it.
 const WORTH: f64 = 1.05;
@@ -110,7 +110,7 @@ fn next(placement: &Placement) -> Text {
 }
 
 /// The best place as a cell has it.
-fn lines(best: &Placed) -> Section {
+fn lines(best: &PlaceEvaluation) -> Section {
     let line = |key: &str, values: [f64; 3]| {
         let values = values.map(|v| rounded(v, 6).to_string());
         Text::default().code(format!("{key} = [{}]", values.join(", ")))
@@ -125,7 +125,7 @@ fn lines(best: &Placed) -> Section {
 
 fn key(placement: &Placement) -> DataTable {
     let rows = [Some(("given", &placement.given)), placement.best.as_ref().map(|best| ("best", best))];
-    let rows: Vec<(&str, &Placed)> = rows.into_iter().flatten().collect();
+    let rows: Vec<(&str, &PlaceEvaluation)> = rows.into_iter().flatten().collect();
     let placed = |row: usize| rows[row].1;
     DataTable::of(
         "Deflection along the whole path at the given place and the best one",
@@ -172,7 +172,7 @@ fn counts(placement: &Placement) -> DataTable {
 }
 
 fn cell_section(context: &Given<'_>, placement: &Placement) -> Result<Section> {
-    let points = |placed: &Placed| -> Vec<WorkPoint> {
+    let points = |placed: &PlaceEvaluation| -> Vec<WorkPoint> {
         let points = placed.along.iter().map(|point| WorkPoint {
             name: point.point.clone(),
             q: point.q.clone(),

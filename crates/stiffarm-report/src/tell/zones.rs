@@ -5,14 +5,14 @@ use super::worth::length_in_words;
 use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, counted};
 use crate::zones::zones_figure;
 use stiffarm::Result;
-use stiffarm::ask::zones::Asked;
+use stiffarm::ask::zones::ZonesResultOptions;
 use stiffarm::findings::{list, visible};
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::zones::Zones;
 use stiffarm::units::{rad_to_shortest_deg, rounded, with_minus};
 
-impl Telling<Asked> for Zones {
-    fn told(&self, options: &Asked, context: &Given<'_>) -> Result<Told> {
+impl Telling<ZonesResultOptions> for Zones {
+    fn told(&self, options: &ZonesResultOptions, context: &Given<'_>) -> Result<Told> {
         let mut zones = self.clone();
         for joint in &mut zones.joints {
             *joint = visible(joint).into_owned();

@@ -87,7 +87,7 @@ fn a_plan_is_the_selection_with_its_bounds_in_the_order_of_its_route() {
 
     assert_eq!(planned.seed, Some(1));
     assert_eq!(planned.options.mode, Mode::Global);
-    assert_eq!(planned.options.asked.angle_step_deg, 0.01);
+    assert_eq!(planned.options.select.angle_step_deg, 0.01);
     assert!(planned.options.characteristic_length_m.is_some());
     saved(result);
     saved(&planned.options);
@@ -118,7 +118,7 @@ fn a_plan_from_an_initial_group_keeps_names_and_draws_nothing() {
     let planned = plan_from(&default_cell(), &inputs, &options).unwrap();
     assert_eq!(names(&planned.postures), names(&initial));
     assert_eq!((planned.seed, planned.options.mode), (None, Mode::From));
-    assert_eq!(planned.options.asked, options);
+    assert_eq!(planned.options.select, options);
     // There is no bound from an initial group.
     assert!(planned.result.certificate.is_none());
     assert_eq!(planned.result.before.as_ref().unwrap().evaluation.name, "initial");
@@ -195,7 +195,7 @@ fn postures_that_are_alike_are_planned_where_they_may_be() {
     request.repeats = true;
     let again = planned(&cell, &request).unwrap();
     assert_eq!(again.postures.len(), 8);
-    assert!(again.options.asked.repeats);
+    assert!(again.options.select.repeats);
 
     // A whole turn makes no other posture: -180° and 180°.
     let cell = hardly_moving([170.0, 180.0]);
@@ -329,7 +329,7 @@ fn a_chosen_load_is_that_of_the_cell_handed_on() {
     request.largest_load_n = Some(650.0);
     let planned = plan(&default_cell(), &request, &mut |_| {}, Control::default()).unwrap();
     assert_eq!(planned.cell.setup.load.size(), Some(650.0));
-    assert_eq!(planned.options.asked, request);
+    assert_eq!(planned.options.select, request);
 }
 
 #[test]
@@ -369,7 +369,7 @@ fn the_best_of_a_list() {
         assert_eq!((&posture.name, &posture.q), (&list[*at].name, &list[*at].q));
     }
     assert_eq!(planned.options.mode, Mode::Candidates);
-    assert_eq!((&planned.options.asked, planned.seed), (&request, Some(1)));
+    assert_eq!((&planned.options.select, planned.seed), (&request, Some(1)));
     assert!(!result.measured_wrenches && result.candidate_names.len() == 8);
     assert!(saved(result).contains(r#""postures_deg":[["#));
     request.no_certificate = true;

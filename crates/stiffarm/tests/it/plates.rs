@@ -8,7 +8,7 @@ use stiffarm::estimate::coverage::{CoverageCase, ErrorModel, coverage};
 use stiffarm::estimate::mixed::MixedFit;
 use stiffarm::estimate::next_posture::planned_errors;
 use stiffarm::estimate::simulate::simulate_elastic_measurements;
-use stiffarm::estimate::standing::{SoFar, is_better, standing};
+use stiffarm::estimate::standing::{InterimEstimate, is_better, standing};
 use stiffarm::plan::check::determinable;
 use stiffarm::plan::select::random_group as draw_group;
 
@@ -206,7 +206,7 @@ fn a_goal_is_asked_of_the_joints_that_the_load_turns() {
     let measured = simulate_measurements(&cell, &postures, &truth, Model::Linear, 3, 0).unwrap();
     let of = |cell: &Cell, goal: f64| {
         let fit = Fit::new(cell, &measured, &IdentifyOptions::default()).unwrap();
-        standing(&SoFar::new(&fit).unwrap(), &postures[..2], Some(goal)).unwrap()
+        standing(&InterimEstimate::new(&fit).unwrap(), &postures[..2], Some(goal)).unwrap()
     };
     let now = of(&cell, 0.9);
     let largest = now.joints[1..].iter().filter_map(|joint| joint.total).fold(0.0, f64::max);
@@ -235,7 +235,7 @@ fn a_joint_that_measured_forces_turn_counts() {
         reading.wrench = Some(*terms.wrench());
     }
     let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
-    let now = standing(&SoFar::new(&fit).unwrap(), &postures[..1], Some(0.9)).unwrap();
+    let now = standing(&InterimEstimate::new(&fit).unwrap(), &postures[..1], Some(0.9)).unwrap();
     assert!(now.findings.is_empty());
     assert!(now.joints.iter().all(|joint| joint.total.is_some()));
     let largest = now.joints.iter().filter_map(|joint| joint.total);

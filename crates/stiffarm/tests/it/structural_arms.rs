@@ -5,7 +5,7 @@ use crate::common::prelude::*;
 use crate::set_up::days::{structural_at, structure};
 use stiffarm::Control;
 use stiffarm::ask::identify::{Identified, IdentifiedOptions};
-use stiffarm::ask::predict::{Loaded, PredictOptions};
+use stiffarm::ask::predict::{PredictOptions, PredictionInputs};
 use stiffarm::estimate::mixed::MixedFit;
 use stiffarm::estimate::saved::Saved;
 use stiffarm::estimate::systematic::{SystematicSource, mixed_systematic_errors};
@@ -254,7 +254,7 @@ fn work(cell: &Cell, by_cell: bool) -> Vec<LoadedPosture> {
 
 /// What is said of loads that were never applied: code and sentence.
 fn said(cell: &Cell, saved: &Saved, by_cell: bool) -> Option<(String, String)> {
-    let loaded = Loaded { cell: cell.clone(), postures: work(cell, by_cell), summary: None };
+    let loaded = PredictionInputs { cell: cell.clone(), postures: work(cell, by_cell), summary: None };
     let request = PredictOptions { cell_load: by_cell, ..PredictOptions::default() };
     let predicted = request.predict(&loaded, saved, Control::default()).unwrap();
     let findings = predicted.prediction.findings.into_iter();

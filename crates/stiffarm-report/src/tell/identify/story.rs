@@ -9,7 +9,7 @@ use crate::order::in_order;
 use crate::tell::{Number, Quantity, Text};
 use stiffarm::ask::identify::{Identified, IdentifiedOptions};
 use stiffarm::estimate::diagnose::{Agreement, Diagnosis, OutlierKind};
-use stiffarm::estimate::identify::{NoiseSource, Verdict, WELL_KNOWN, Weights};
+use stiffarm::estimate::identify::{NoiseSource, Verdict, WELL_KNOWN_HALF_WIDTH, Weights};
 use stiffarm::findings::{Finding, Severity, list, visible};
 
 /// Joints without a ± whose bounds are said, and not left to the table.
@@ -109,7 +109,7 @@ pub(super) fn certainty(joints: &Joints<'_>) -> Text {
     };
     let weak = joints.of(|verdict| verdict == Verdict::Weak);
     if !weak.is_empty() {
-        text = text.words(format!(" Weak, above ± {:.0} %: {}.", 100.0 * WELL_KNOWN, joints.names(&weak)));
+        text = text.words(format!(" Weak, above ± {:.0} %: {}.", 100.0 * WELL_KNOWN_HALF_WIDTH, joints.names(&weak)));
     }
     let wide = joints.of(is_wide);
     if wide.len() > MOST_NAMED {

@@ -3,13 +3,13 @@
 use super::super::postures::{near_singular, posture_table, route_section};
 use super::super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
 use crate::tell::{Block, Given, Number, Quantity, Telling, Text, Told, counted, shown, with_stopped};
-use stiffarm::ask::select::{Asked, SpaceFillingPlan};
+use stiffarm::ask::select::{SelectResultOptions, SpaceFillingPlan};
 use stiffarm::findings::list;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::{Result, Termination};
 
-impl Telling<Asked> for SpaceFillingPlan {
-    fn told(&self, options: &Asked, context: &Given<'_>) -> Result<Told> {
+impl Telling<SelectResultOptions> for SpaceFillingPlan {
+    fn told(&self, options: &SelectResultOptions, context: &Given<'_>) -> Result<Told> {
         let result = self;
         let evaluation = &result.evaluation;
         let mut done = Text::new(format!(

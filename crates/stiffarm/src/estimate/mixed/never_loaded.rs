@@ -7,6 +7,7 @@
 //! variance of s x. What a further load leaves is the covariance after its rows, C − C Xᵀ(V + X C Xᵀ)⁻¹X C, the
 //! sizes held: it needs no reading.
 
+use super::doubt::MOST_SWEEPS;
 use super::means::scattered;
 use super::unlike::{WorkRows, further_loads, loaded, never_turned};
 use crate::error::Result;
@@ -18,26 +19,23 @@ use crate::model::cell::Cell;
 use crate::model::elastic::ElasticClass;
 use crate::model::load::Wrench;
 use crate::model::observation::{PostureTerms, Setup, places};
+use crate::model::posture::is_same_posture;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Share of a direction's prior variance that is left where readings told nothing of it.
-const UNTOLD: f64 = 0.5;
+const UNTOLD_VARIANCE: f64 = 0.5;
 /// Share of an error's variance from such directions beyond which they rule it.
-const RULES: f64 = 0.5;
+const RULING_SHARE: f64 = 0.5;
 /// Errors below this share of the deflections are no reason to measure again.
-const LARGE: f64 = 0.01;
+const LARGE_ERROR_SHARE: f64 = 0.01;
 /// Share of the error that a further load has to take away to be worth a word.
-const HELPS: f64 = 0.25;
+const HELPING_SHARE: f64 = 0.25;
 /// A weight is simpler to hang than another load is to make: others have to leave less than this share of what it leaves.
-const SIMPLER: f64 = 0.8;
+const SIMPLER_SHARE: f64 = 0.8;
 /// Places that are named at most.
 const MOST_PLACES: usize = 2;
 /// A second place is named where it has this share of the first.
-const AS_MUCH: f64 = 0.5;
-/// Sweeps after which eigenvalues are given up.
-const MOST_SWEEPS: usize = 1000;
-/// Angles nearer to each other are those of one posture \[rad\].
-const SAME: f64 = 1e-3;
+const SECOND_PLACE_SHARE: f64 = 0.5;
 
 /// What the sentence says in numbers, RMS over the points \[m\].
 struct NeverLoaded {
@@ -68,7 +66,7 @@ pub(crate) fn never_loaded(cell: &Cell, saved: &Saved, work: &[WorkRows]) -> Res
         return Ok(never_turned(cell, saved, work, &seen));
     };
     let remedy = match &numbers.best {
-        Some((load, left)) if *left < (1.0 - HELPS) * numbers.error => {
+        Some((load, left)) if *left < (1.0 - HELPING_SHARE) * numbers.error => {
             format!("{load} in the same postures would leave {}.", length(*left))
         }
         _ => "No one further load in the same postures would take much of that away: choose other postures, too."
@@ -108,7 +106,7 @@ fn numbers_of(
     let with = &rows * &spread.covariance;
     let untold = (&with * untold_directions(spread, doubt)).norm_squared();
     let error = with.dot(&rows) + other;
-    if untold <= RULES * error || error <= LARGE * LARGE * squares {
+    if untold <= RULING_SHARE * error || error <= LARGE_ERROR_SHARE * LARGE_ERROR_SHARE * squares {
         return Ok(None);
     }
     // Of a point: three rows each.
@@ -129,7 +127,7 @@ fn best(mut left: impl Iterator<Item = (String, Option<f64>)>) -> Option<(String
     let others = left.filter_map(|(load, left)| Some((load, left?)));
     let other = others.min_by(|a, b| a.1.total_cmp(&b.1));
     match (weight, other) {
-        (Some(weight), Some(other)) if other.1 < SIMPLER * weight.1 => Some(other),
+        (Some(weight), Some(other)) if other.1 < SIMPLER_SHARE * weight.1 => Some(other),
         (Some(weight), _) => Some(weight),
         (None, other) => other,
     }
@@ -149,7 +147,7 @@ fn untold_directions(spread: &Spread, doubt: &SizeDoubt) -> DMatrix<f64> {
     let Some(eigen) = eigen.flatten() else {
         return DMatrix::zeros(n, 0);
     };
-    let untold = (0..n).filter(|i| eigen.eigenvalues[*i] > UNTOLD);
+    let untold = (0..n).filter(|i| eigen.eigenvalues[*i] > UNTOLD_VARIANCE);
     let columns = untold.map(|i| eigen.eigenvectors.column(i) / eigen.eigenvalues[i].sqrt());
     let mut columns = match columns.collect::<Vec<_>>() {
         none if none.is_empty() => return DMatrix::zeros(n, 0),
@@ -177,9 +175,8 @@ fn seen(cell: &Cell, loads: &[SeenLoad]) -> Result<Vec<PostureTerms>> {
 /// Covariance of the unknowns after each of the postures was measured under the load of `setup`.
 fn after(spread: &Spread, setup: &Setup, predictor: &IdentifiedCompliance, loads: &[SeenLoad]) -> Result<DMatrix<f64>> {
     let mut covariance = spread.covariance.clone();
-    let is_same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME);
     for (i, load) in loads.iter().enumerate() {
-        if loads[..i].iter().any(|other| is_same(&other.q, &load.q)) {
+        if loads[..i].iter().any(|other| is_same_posture(&other.q, &load.q)) {
             continue;
         }
         let terms = PostureTerms::new(setup, &load.q, None)?;
@@ -231,7 +228,7 @@ fn places_of(
         places(robot.joint_count()).map(|place| (place, explained(&|i| is_at(i, place)))).collect();
     all.sort_by(|a, b| b.1.total_cmp(&a.1));
     let few = all.iter().take(MOST_PLACES);
-    let named = few.filter(|(_, part)| *part > AS_MUCH * all[0].1);
+    let named = few.filter(|(_, part)| *part > SECOND_PLACE_SHARE * all[0].1);
     let mut out = Vec::new();
     for (place, _) in named {
         let of_shift = explained(&|i| is_at(i, *place) && class(i) == Some(shift));

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use stiffarm::ask::identify::{Identified, IdentifiedOptions};
 use stiffarm::ask::measure::{MeasureOptions, judge};
 use stiffarm::estimate::setup::{SetUp, set_up};
-use stiffarm::estimate::standing::SoFar;
+use stiffarm::estimate::standing::InterimEstimate;
 use stiffarm::estimate::systematic::{SystematicErrors, systematic_errors};
 use stiffarm::findings::codes;
 use stiffarm::model::measurement::{Measurements, Role};
@@ -171,7 +171,7 @@ fn what_is_doubted_is_in_every_interval() {
             }
         }
         // `measure` says the same ±.
-        let so_far = SoFar::new(&fit).unwrap();
+        let so_far = InterimEstimate::new(&fit).unwrap();
         assert_eq!(so_far.systematic().total, systematic.total);
     }
     insta::assert_snapshot!("doubted_by_days", words.join("\n\n"));

@@ -62,7 +62,7 @@ pub struct PlacementCandidate {
 /// A place of the workpiece with the whole path there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Placed {
+pub struct PlaceEvaluation {
     /// Origin of the workpiece, base frame \[m\].
     pub position_m: [f64; 3],
     /// Its orientation: turns about x, then y, then z of the base \[rad\].

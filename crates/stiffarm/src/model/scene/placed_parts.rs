@@ -38,14 +38,14 @@ pub(super) struct Shapes {
 }
 
 /// The parts where they are at one posture.
-pub(super) struct Placed<'a> {
+pub(super) struct PlacedParts<'a> {
     pub frames: &'a Frames,
     parts: &'a [Part],
     solids: &'a [Bounded],
     starts: &'a [usize],
 }
 
-impl<'a> Placed<'a> {
+impl<'a> PlacedParts<'a> {
     pub fn new(parts: &'a [Part], frames: &'a Frames, shapes: &'a mut Shapes) -> Self {
         let Shapes { solids, starts } = shapes;
         solids.clear();
@@ -60,7 +60,7 @@ impl<'a> Placed<'a> {
             }
         }
         starts.push(solids.len());
-        Placed { frames, parts, solids, starts }
+        PlacedParts { frames, parts, solids, starts }
     }
 
     pub fn part_count(&self) -> usize {

@@ -1,6 +1,6 @@
 //! What bounds, limits and shapes of the cell leave of a way, and what keeping them costs.
 
-use super::{Search, Way, turned};
+use super::{PathPostures, Search, turned};
 use crate::error::Result;
 use crate::findings::{Finding, length, more};
 use crate::model::inverse::{Method, Outcome};
@@ -15,10 +15,10 @@ const LOOKED_AT: usize = 400;
 /// Most points by which one of several ways is chosen.
 const RANKED_BY: usize = 2000;
 /// Ways that differ by less bend alike, as flipped wrists do.
-const ALIKE: f64 = 1e-6;
+const ALIKE_RMS_SHARE: f64 = 1e-6;
 
 /// A point of a way with what is missing there, in the unit of [`Search::missing`].
-struct Lacking {
+struct Shortfall {
     point: usize,
     missing: f64,
 }
@@ -61,8 +61,8 @@ impl Search<'_> {
     }
 
     /// That the way which bends least was left, and what that cost; nothing where another bends alike.
-    pub(super) fn left(&self, first: &Way, missing: &[f64], taken: &Way) -> Option<Finding> {
-        if taken.rms <= first.rms * (1.0 + ALIKE) {
+    pub(super) fn left(&self, first: &PathPostures, missing: &[f64], taken: &PathPostures) -> Option<Finding> {
+        if taken.rms <= first.rms * (1.0 + ALIKE_RMS_SHARE) {
             return None;
         }
         let sentence = format!(
@@ -81,14 +81,14 @@ impl Search<'_> {
         &self,
         poses: &[Isometry3<f64>],
         free: bool,
-        way: &Way,
+        way: &PathPostures,
         missing: &[f64],
     ) -> Result<Option<Finding>> {
-        let mut lacking: Vec<Lacking> = missing
+        let mut lacking: Vec<Shortfall> = missing
             .iter()
             .enumerate()
             .filter(|(_, missing)| **missing > 0.0)
-            .map(|(point, missing)| Lacking { point, missing: *missing })
+            .map(|(point, missing)| Shortfall { point, missing: *missing })
             .collect();
         lacking.sort_by(|a, b| b.missing.total_cmp(&a.missing));
         lacking.truncate(LOOKED_AT);

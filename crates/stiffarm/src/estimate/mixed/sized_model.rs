@@ -3,18 +3,18 @@
 use super::doubt::doubt;
 use super::likelihood::{Likelihood, Sizes, Solved};
 use super::means::gathered;
-use super::sums::{Known, Rows};
+use super::sums::{PriorRows, Rows};
 use super::too_few;
 use crate::error::Result;
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};
 use crate::estimate::freedom::SizeDoubt;
-use crate::estimate::identify::Fit;
+use crate::estimate::identify::{Fit, RESIDUAL_ROUNDING};
 use crate::model::elastic::{Effect, ElasticClass, ElasticSizing, KnownElement, fitted, terms};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// A mixed model with its sizes.
-pub(super) struct Found {
+pub(super) struct SizedModel {
     pub(super) effects: Vec<Effect>,
     pub(super) rows: Rows,
     pub(super) sizes: Sizes,
@@ -48,7 +48,7 @@ pub(super) fn likeliest(
     gamma: f64,
     left_out: &[usize],
     near: Option<&Sizes>,
-) -> Result<(ElasticSizing, Found)> {
+) -> Result<(ElasticSizing, SizedModel)> {
     let of = |sizing, near: Option<&Sizes>, sigma| {
         fit.control().check()?;
         let choice = Choice { sizing, structure: true, sigma };
@@ -57,7 +57,7 @@ pub(super) fn likeliest(
     let alike = of(ElasticSizing::Alike, near, None)?;
     let by_joint = of(ElasticSizing::ByJoint, Some(&alike.sizes), None)?;
     // As likely with entries that are alike is no reason to take others.
-    let (sizing, likelier) = match by_joint.values[0] < alike.values[0] - SAME {
+    let (sizing, likelier) = match by_joint.values[0] < alike.values[0] - SAME_LIKELIHOOD {
         true => (ElasticSizing::ByJoint, by_joint),
         false => (ElasticSizing::Alike, alike),
     };
@@ -90,13 +90,13 @@ pub(super) fn fit_choice(
     left_out: &[usize],
     choice: Choice,
     near: Option<&Sizes>,
-) -> Result<Found> {
+) -> Result<SizedModel> {
     let effects =
         fitted(&fit.cell().setup.robot, joint_give(fit, axes).as_slice(), choice.sizing, &fit.cell().known_elements);
     let prior = elements_prior(&fit.cell().known_elements, &effects, choice.sigma);
     let scales = effects.iter().map(|effect| effect.scale);
     let rows = white.of_effects(scales, &means(&effects), &prior);
-    if rows.rest() <= ROUNDING * fit.white().norm() {
+    if rows.rest() <= RESIDUAL_ROUNDING * fit.white().norm() {
         return Err(too_few("the joint axes leave nothing of the displacements"));
     }
     let likelihood = Likelihood::new(&rows, left_out);
@@ -113,26 +113,26 @@ pub(super) fn fit_choice(
     };
     // The search may end a hair above what no effects at all give.
     let (sizes, value) = if without.value <= value { (none, without.value) } else { (sizes, value) };
-    Ok(Found { effects, rows, sizes, values: [value, without.value] })
+    Ok(SizedModel { effects, rows, sizes, values: [value, without.value] })
 }
 
 /// Rows of what is known of the effects, in units of their scales, where σ is `sigma`; none without.
-fn elements_prior(elements: &[KnownElement], effects: &[Effect], sigma: Option<f64>) -> Known {
+fn elements_prior(elements: &[KnownElement], effects: &[Effect], sigma: Option<f64>) -> PriorRows {
     let Some(sigma) = sigma.filter(|_| !elements.is_empty()) else {
-        return Known::nothing(effects.len());
+        return PriorRows::nothing(effects.len());
     };
     // They are the last, in their order.
     let (count, first) = (elements.len(), effects.len() - elements.len());
     let unit = |i: usize, j: usize| f64::from(u8::from(j == first + i));
     let read = elements.iter().map(|element| sigma * element.compliance / element.std);
-    Known {
+    PriorRows {
         rows: DMatrix::from_fn(count, effects.len(), |i, j| sigma * unit(i, j)),
         read: DVector::from_iterator(count, read),
-        ratio: Some((WIDE / sigma).powi(2)),
+        ratio: Some((UNKNOWN_ELEMENT_STDS / sigma).powi(2)),
     }
 }
 
-impl Found {
+impl SizedModel {
     /// σ of a displacement.
     fn sigma(&self, left_out: &[usize]) -> Option<f64> {
         let solved = Likelihood::new(&self.rows, left_out).solve(&self.sizes);
@@ -163,7 +163,7 @@ impl Found {
 
     /// The solution of the mixed-model equations of all postures but `left_out` in the effects' own units.
     pub(super) fn compliance(&self, fit: &Fit, left_out: &[usize]) -> Option<IdentifiedCompliance> {
-        let Found { effects, rows, sizes, .. } = self;
+        let SizedModel { effects, rows, sizes, .. } = self;
         let likelihood = Likelihood::new(rows, left_out);
         let plain = fit.solution();
         let fixed = rows.fixed;
@@ -223,11 +223,9 @@ fn size_doubt(
 }
 
 /// Standard deviation of what a drawing knows before it says so, in its standard uncertainties: any.
-const WIDE: f64 = 1e3;
+const UNKNOWN_ELEMENT_STDS: f64 = 1e3;
 /// Differences of −2 ln L_R below this are none.
-const SAME: f64 = 1e-6;
-/// Residuals below this share of the displacements are rounding.
-const ROUNDING: f64 = 1e-11;
+const SAME_LIKELIHOOD: f64 = 1e-6;
 
 /// Compliance of each joint as the axes alone have it, for what is sized by it.
 fn joint_give(fit: &Fit, axes: &DVector<f64>) -> DVector<f64> {

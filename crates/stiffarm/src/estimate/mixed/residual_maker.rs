@@ -6,7 +6,7 @@ use crate::estimate::identify::Fit;
 use nalgebra::{DMatrix, DVector};
 
 /// I − B Bᵀ takes displacements to what the fit leaves of them, P Δ.
-pub(crate) struct Seen {
+pub(crate) struct ResidualMaker {
     /// B, rows × unknowns: a basis of Ψ, or Ψ and the random effects times the root of the inverse of their equations.
     pub(crate) basis: DMatrix<f64>,
     /// P Δ.
@@ -19,20 +19,20 @@ pub(crate) struct Seen {
     pub(crate) gamma: f64,
 }
 
-impl Seen {
+impl ResidualMaker {
     /// What the axes alone see.
-    pub(crate) fn of(fit: &Fit) -> Seen {
+    pub(crate) fn of(fit: &Fit) -> ResidualMaker {
         let solution = fit.solution();
         let rows = fit.system().delta.len();
         let basis = solution.factor.basis(rows);
         let (free, gamma) = (solution.degrees_of_freedom, solution.gamma);
-        Seen::with(fit, fit.white(), basis, free, gamma)
+        ResidualMaker::with(fit, fit.white(), basis, free, gamma)
     }
 
-    fn with(fit: &Fit, white: &DVector<f64>, basis: DMatrix<f64>, free: usize, gamma: f64) -> Seen {
+    fn with(fit: &Fit, white: &DVector<f64>, basis: DMatrix<f64>, free: usize, gamma: f64) -> ResidualMaker {
         let both = fit.prepared().whitened().delta_with_shifts(white, gamma);
         let residual = &both - &basis * basis.tr_mul(&both);
-        Seen { size: both.dot(&residual), basis, residual, free, gamma }
+        ResidualMaker { size: both.dot(&residual), basis, residual, free, gamma }
     }
 }
 
@@ -41,7 +41,7 @@ impl MixedFit {
     ///
     /// # Errors
     /// Equations that cannot be solved.
-    pub(crate) fn seen(&self) -> Result<Seen> {
+    pub(crate) fn seen(&self) -> Result<ResidualMaker> {
         let whitened = self.fit.prepared().whitened();
         let rows = &self.rows;
         let (fixed, mut random) = (rows.fixed, rows.random_columns());
@@ -69,6 +69,6 @@ impl MixedFit {
         let basis =
             basis.ok_or_else(|| Error::new(Code::Numerical, "The equations of the mixed model are singular."))?;
         let free = self.fit.system().delta.len() + rows.idle.len() - fixed;
-        Ok(Seen::with(&self.fit, &white, basis.transpose(), free, self.sizes.gamma))
+        Ok(ResidualMaker::with(&self.fit, &white, basis.transpose(), free, self.sizes.gamma))
     }
 }

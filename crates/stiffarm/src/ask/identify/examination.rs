@@ -9,7 +9,7 @@ use crate::estimate::systematic::{SystematicErrors, systematic_errors_with};
 
 /// What the residuals and the errors common to the experiment say.
 #[derive(Default)]
-pub(super) struct Examined {
+pub(super) struct Examination {
     pub profile: Option<Profile>,
     /// As they move the joints of what predicts.
     pub systematic_errors: Option<SystematicErrors>,
@@ -18,10 +18,10 @@ pub(super) struct Examined {
     pub diagnosis: Option<Diagnosis>,
 }
 
-impl Examined {
+impl Examination {
     /// What a stop leaves out is named in `left_out`.
     pub fn new(fit: &Fit, mixed: Option<&MixedFit>, profiles: bool, left_out: &mut Vec<String>) -> Result<Self> {
-        let mut out = Examined::default();
+        let mut out = Examination::default();
         // A profile holds the set-up still.
         if profiles {
             out.profile = unless_stopped("profile", left_out, profile(fit))?.flatten();

@@ -5,20 +5,20 @@ use nalgebra::{DVector, Matrix3, Rotation3, Vector3};
 
 /// A value of a quantity: first `turn`, which is found by trying, then the numbers, which are found by least squares.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct QuantityValue {
     pub turn: Matrix3<f64>,
     pub values: DVector<f64>,
 }
 
-impl Place {
+impl QuantityValue {
     pub fn new(turn: Matrix3<f64>, values: Vec<f64>) -> Self {
         let values = DVector::from_vec(values);
-        Place { turn, values }
+        QuantityValue { turn, values }
     }
 
     /// Number `k` of `count` off by `size`, and nothing else.
     pub fn off(count: usize, k: usize, size: f64) -> Self {
-        let mut place = Place::new(Matrix3::identity(), vec![0.0; count]);
+        let mut place = QuantityValue::new(Matrix3::identity(), vec![0.0; count]);
         place.values[k] = size;
         place
     }
@@ -37,4 +37,4 @@ impl Place {
 }
 
 /// A quantity at a value.
-pub(crate) type Valued = (Quantity, Place);
+pub(crate) type QuantityAtValue = (Quantity, QuantityValue);

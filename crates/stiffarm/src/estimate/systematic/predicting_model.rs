@@ -10,7 +10,7 @@ use nalgebra::DVector;
 use std::sync::Arc;
 
 /// The result of a fit, or of the mixed model that goes on from it.
-pub(super) struct Believed<'a> {
+pub(super) struct PredictingModel<'a> {
     pub fit: &'a Fit,
     /// Compliance of each spring, then extra terms.
     pub values: &'a DVector<f64>,
@@ -44,9 +44,9 @@ pub(super) struct Believed<'a> {
 }
 
 /// Two models whose joints differ by less than this share are one.
-const SAME: f64 = 1e-6;
+const SAME_JOINTS_SHARE: f64 = 1e-6;
 
-impl<'a> Believed<'a> {
+impl<'a> PredictingModel<'a> {
     /// # Errors
     /// A decomposition that fails, a quantile that cannot be computed.
     pub(super) fn of_fit(fit: &'a Fit) -> Result<Self> {
@@ -56,7 +56,7 @@ impl<'a> Believed<'a> {
         let error = |j: usize| Some(covariance?[(j, j)].max(0.0).sqrt());
         let errors: Vec<Option<f64>> = (0..fit.system().springs).map(error).collect();
         let has_freedom = solution.t_degrees_of_freedom != Some(0);
-        Ok(Believed {
+        Ok(PredictingModel {
             fit,
             values: &solution.values,
             joints: solution.values.rows(0, fit.system().springs).into_owned(),
@@ -87,8 +87,8 @@ impl<'a> Believed<'a> {
             0 => None,
             degrees => Some(quantile(Some(degrees), fit.options().confidence)?),
         };
-        let fitted = Believed::of_fit(fit)?;
-        Ok(Believed {
+        let fitted = PredictingModel::of_fit(fit)?;
+        Ok(PredictingModel {
             values,
             joints: values.rows(0, fit.system().springs).into_owned(),
             sigma: fitted.sigma.filter(|_| degrees > 0),
@@ -115,8 +115,8 @@ impl<'a> Believed<'a> {
         }
         let joints = reproduced.of(&compliance.values);
         let alone = mixed.springs_alone()?;
-        let is_seen = reproduced.of(&alone).amax() > SAME * joints.amax();
-        Ok(Believed {
+        let is_seen = reproduced.of(&alone).amax() > SAME_JOINTS_SHARE * joints.amax();
+        Ok(PredictingModel {
             fit: mixed.fit(),
             values: &compliance.values,
             joints,

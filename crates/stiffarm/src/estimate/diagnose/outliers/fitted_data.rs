@@ -8,9 +8,10 @@ use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::diagnose::tails::{LEVEL, f_tail};
 use crate::estimate::elastic::carried;
 use crate::estimate::identify::{
-    Estimator, Fit, Fold, MeasuredSystem, RowLabel, Whitened, missed, prediction_error, rms, rounding,
+    Estimator, Fit, Fold, MeasuredSystem, RESIDUAL_ROUNDING, RowLabel, Whitened, missed, prediction_error, rms,
+    rounding,
 };
-use crate::estimate::mixed::{MixedFit, Seen};
+use crate::estimate::mixed::{MixedFit, ResidualMaker};
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 use std::cell::OnceCell;
@@ -19,14 +20,12 @@ use std::cell::OnceCell;
 const FAMILY: f64 = LEVEL / 3.0;
 /// Share of a point's other displacements that must look odd before the point
 /// as a whole is named.
-const SHARE: f64 = 1.0 / 3.0;
+const ODD_SHARE: f64 = 1.0 / 3.0;
 /// A displacement looks odd below this probability.
-const ODD: f64 = 0.05;
-/// Residuals below this share of the displacements are rounding.
-const ROUNDING: f64 = 1e-11;
+const ODD_PROBABILITY: f64 = 0.05;
 
 /// The data at hand with their fit.
-pub(super) struct Kept<'a> {
+pub(super) struct FittedData<'a> {
     fit: Fit,
     /// The mixed model, where it predicts.
     mixed: Option<Cow<'a, MixedFit>>,
@@ -36,10 +35,10 @@ pub(super) struct Kept<'a> {
     deletions: OnceCell<Deletions>,
 }
 
-impl<'a> Kept<'a> {
+impl<'a> FittedData<'a> {
     pub(super) fn new(fit: Fit, mixed: Option<Cow<'a, MixedFit>>) -> Self {
         let two = fit.options().estimator == Estimator::TwoVariance;
-        Kept {
+        FittedData {
             shifts: two && !fit.solution().independent_rows,
             fit,
             mixed,
@@ -53,7 +52,7 @@ impl<'a> Kept<'a> {
     }
 
     /// The data without what `outlier` names; `None` where nothing is left.
-    pub(super) fn without(&self, outlier: &Outlier) -> Result<Option<Kept<'a>>> {
+    pub(super) fn without(&self, outlier: &Outlier) -> Result<Option<FittedData<'a>>> {
         let is = |name: &Option<String>, label_name: &str| name.as_deref().is_none_or(|n| n == label_name);
         let named = |label: &RowLabel| {
             let (m, point) = self.fit.experiment().behind(label);
@@ -66,18 +65,18 @@ impl<'a> Kept<'a> {
     }
 
     /// The rest of the data, in the same model if they carry it.
-    fn of(&self, fit: Fit) -> Result<Kept<'a>> {
+    fn of(&self, fit: Fit) -> Result<FittedData<'a>> {
         let mixed = match self.mixed {
             Some(_) => carried(&fit)?.ok().map(Cow::Owned),
             None => None,
         };
-        Ok(Kept::new(fit, mixed))
+        Ok(FittedData::new(fit, mixed))
     }
 
     /// True where the residuals are more than rounding.
     fn has_residuals(&self) -> bool {
         let s = self.fit.solution().residual_std.unwrap_or(0.0);
-        s > ROUNDING * rms(self.fit.system().delta.as_slice())
+        s > RESIDUAL_ROUNDING * rms(self.fit.system().delta.as_slice())
     }
 
     /// What fits worst, if anything does not fit.
@@ -137,7 +136,7 @@ impl<'a> Kept<'a> {
 
     /// The posture or the point as a whole, where `rest`, the data without one
     /// displacement of them, still contradict it.
-    fn whole(&self, rest: Kept<'a>, posture: &str, point: usize) -> Result<Option<Outlier>> {
+    fn whole(&self, rest: FittedData<'a>, posture: &str, point: usize) -> Result<Option<Outlier>> {
         if !rest.has_residuals() {
             return Ok(None);
         }
@@ -156,10 +155,11 @@ impl<'a> Kept<'a> {
             .iter()
             .zip(&deletions.displacements)
             .filter(|(l, _)| rest.fit.experiment().behind(l).1 == point)
-            .map(|(_, d)| d.as_ref().is_some_and(|d| d.p_value < ODD))
+            .map(|(_, d)| d.as_ref().is_some_and(|d| d.p_value < ODD_PROBABILITY))
             .collect();
         let odd = flags.iter().filter(|odd| **odd).count();
-        let of_point = if odd as f64 >= SHARE * flags.len() as f64 && odd > 1 { deletions.points[point] } else { None };
+        let of_point =
+            if odd as f64 >= ODD_SHARE * flags.len() as f64 && odd > 1 { deletions.points[point] } else { None };
         let posture_p = of_posture.filter(|p| *p < FAMILY);
         let point_p = of_point.filter(|p| *p < FAMILY);
         Ok(match (posture_p, point_p) {
@@ -181,7 +181,7 @@ impl<'a> Kept<'a> {
         }
         let deletions = match self.mixed.as_deref() {
             Some(mixed) => Deletions::of(&self.fit, &mixed.seen()?)?,
-            None => Deletions::of(&self.fit, &Seen::of(&self.fit))?,
+            None => Deletions::of(&self.fit, &ResidualMaker::of(&self.fit))?,
         };
         Ok(self.deletions.get_or_init(|| deletions))
     }

@@ -16,7 +16,7 @@ const DECISIVE: f64 = 1e-6;
 const DOMINANT: f64 = 1e-6;
 
 /// A fit to all postures, ready to lose some.
-pub(super) struct Others<'a> {
+pub(super) struct LeaveOutSolver<'a> {
     prepared: &'a Prepared,
     assumed: &'a Assumptions,
     criterion: Restricted<'a>,
@@ -31,7 +31,7 @@ pub(super) struct Others<'a> {
     fixed_sums: Option<Sums>,
 }
 
-impl<'a> Others<'a> {
+impl<'a> LeaveOutSolver<'a> {
     /// `None` for Huber's estimator, whose weights depend on every row, and where
     /// no unknown is determined.
     pub(super) fn new(prepared: &'a Prepared, white: &DVector<f64>, assumed: &'a Assumptions) -> Option<Self> {
@@ -48,7 +48,7 @@ impl<'a> Others<'a> {
         };
         let is_separable = |b: usize| system.directions(b).0.ncols() < system.block_rows(b).len();
         let separable: Vec<bool> = (0..system.block_count()).map(is_separable).collect();
-        Some(Others {
+        Some(LeaveOutSolver {
             centre: system.factor().solve(white),
             seen: system.factor().seen(),
             separable_count: separable.iter().filter(|s| **s).count(),

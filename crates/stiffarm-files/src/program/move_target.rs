@@ -31,7 +31,7 @@ pub struct External<'a> {
 
 /// A tool or a base that moves take.
 #[derive(Debug, Clone)]
-pub struct Taken<'a> {
+pub struct ActiveFrame<'a> {
     pub name: String,
     pub line: usize,
     /// Its frame as it is then, where the program says it: the product of these.
@@ -39,7 +39,7 @@ pub struct Taken<'a> {
 }
 
 /// A tool (0) and a base (1).
-pub type Frames<'a> = [Option<Arc<Taken<'a>>>; 2];
+pub type Frames<'a> = [Option<Arc<ActiveFrame<'a>>>; 2];
 
 /// A pose as it stands in a program: x, y, z and the numbers of the orientation, in its units.
 #[derive(Debug, Clone, Default)]
@@ -58,7 +58,7 @@ pub struct Pose<'a> {
 
 /// Where a move goes.
 #[derive(Debug, Clone)]
-pub enum Aim<'a> {
+pub enum MoveTarget<'a> {
     /// Joint angles in the cell's order \[rad\], and axes that are none of the cell's.
     Angles(Vec<f64>, Vec<External<'a>>),
     Pose(Box<Pose<'a>>),
@@ -78,13 +78,13 @@ pub enum Motion {
 }
 
 /// A move as it was read.
-pub struct Leg<'a> {
+pub struct ProgramMove<'a> {
     /// Where the word stands that moves.
     pub place: Cursor<'a>,
     pub motion: Motion,
     /// Of an arc the point on the way.
-    pub via: Option<Box<Aim<'a>>>,
-    pub aim: Aim<'a>,
+    pub via: Option<Box<MoveTarget<'a>>>,
+    pub target: MoveTarget<'a>,
     /// Name of the procedure that it stands in.
     pub feature: Option<Arc<str>>,
     /// Feed \[m/s\], where the program states it.
@@ -112,10 +112,10 @@ impl Pose<'_> {
     }
 }
 
-impl Taken<'_> {
+impl ActiveFrame<'_> {
     /// Whether both are one frame: the same name, which means the same.
-    pub fn is_same(&self, other: &Taken<'_>) -> bool {
-        let values = |taken: &Taken<'_>| -> Vec<_> { taken.factors.iter().map(Pose::values).collect() };
+    pub fn is_same(&self, other: &ActiveFrame<'_>) -> bool {
+        let values = |taken: &ActiveFrame<'_>| -> Vec<_> { taken.factors.iter().map(Pose::values).collect() };
         self.name.eq_ignore_ascii_case(&other.name) && values(self) == values(other)
     }
 }
@@ -144,13 +144,13 @@ impl<'a> Cursor<'a> {
     }
 
     /// The name of a point, which is stated and not calculated.
-    pub fn label(&mut self) -> Result<Aim<'a>> {
+    pub fn label(&mut self) -> Result<MoveTarget<'a>> {
         let mut place = self.clone();
         let label = self.identifier()?.to_string();
         if self.clone().passes("(") || self.clone().passes("{") {
             Err(place.wrong_here(format!("`{label}` is calculated by the program: only stated positions are read.")))
         } else {
-            Ok(Aim::Label(place, label))
+            Ok(MoveTarget::Label(place, label))
         }
     }
 }

@@ -13,7 +13,7 @@ const SPREAD: u32 = 192;
 
 /// A way from one posture to another.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Way {
+pub(super) struct ViaPath {
     /// Via postures, controller angles \[rad\].
     pub via: Vec<Vec<f64>>,
     /// Time at full speed \[s\].
@@ -23,7 +23,7 @@ pub(super) struct Way {
 impl Moves<'_> {
     /// The shortest way that was found, `None` where none was: the joint move itself, else over a via
     /// posture, else, where that is wanted, one that is searched for.
-    pub fn way(&mut self, from: &[f64], to: &[f64], search: bool) -> Result<Option<Way>> {
+    pub fn way(&mut self, from: &[f64], to: &[f64], search: bool) -> Result<Option<ViaPath>> {
         self.begin(from, to)?;
         if self.is_free(from, to)? {
             return Ok(Some(self.along(from, to, Vec::new())));
@@ -37,15 +37,15 @@ impl Moves<'_> {
         Ok(via.map(|via| self.along(from, to, via)))
     }
 
-    fn along(&self, from: &[f64], to: &[f64], via: Vec<Vec<f64>>) -> Way {
+    fn along(&self, from: &[f64], to: &[f64], via: Vec<Vec<f64>>) -> ViaPath {
         let (from, to) = (from.to_vec(), to.to_vec());
         let seconds = self.seconds_along([&from].into_iter().chain(&via).chain([&to]));
-        Way { via, seconds }
+        ViaPath { via, seconds }
     }
 
     /// The shortest way over one via posture: some joints first, then the others, or over one of
     /// postures that are spread over the bounds.
-    fn over_one(&mut self, from: &[f64], to: &[f64]) -> Result<Option<Way>> {
+    fn over_one(&mut self, from: &[f64], to: &[f64]) -> Result<Option<ViaPath>> {
         let n = from.len();
         let moving: Vec<usize> = (0..n).filter(|j| from[*j] != to[*j]).collect();
         let mut vias: Vec<Vec<f64>> = Vec::new();
