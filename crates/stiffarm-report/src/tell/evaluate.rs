@@ -88,11 +88,11 @@ fn best(groups: &[Worth<'_>]) -> Option<usize> {
 
 fn conclusion(result: &Evaluated, groups: &[Worth<'_>], best: Option<usize>) -> Text {
     let Some(g) = best else {
-        let joints = groups.iter().flat_map(|group| &group.evaluation.undetermined_joints);
-        let mut names = shown(joints);
-        names.dedup();
-        return match groups.len() {
-            1 => Text::new("It cannot determine ").strong(list(&names)).words("."),
+        return match groups {
+            [group] => {
+                let joints = shown(&group.evaluation.undetermined_joints);
+                Text::new("It cannot determine ").strong(list(&joints)).words(".")
+            }
             _ => Text::new("No group determines every joint."),
         };
     };

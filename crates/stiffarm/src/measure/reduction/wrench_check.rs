@@ -2,7 +2,7 @@
 //! to a force through the loading point, and does its force point along the rope?
 
 use super::messages::{length, median, postures};
-use crate::findings::{Finding, Severity, codes};
+use crate::findings::{Finding, Severity, codes, each_once};
 use crate::model::cell::Cell;
 use crate::model::instruments::{Mount, Sensor};
 use crate::model::kinematics::Frames;
@@ -332,12 +332,12 @@ fn magnitude_findings(directions: &[ForceDirection], out: &mut Vec<Finding>) {
         ));
         return;
     }
-    let mut odd: Vec<&str> = compared
+    let odd: Vec<&str> = compared
         .iter()
         .filter(|d| d.magnitude_ratio.is_some_and(|r| off(r / typical)))
         .map(|d| d.posture.as_str())
         .collect();
-    odd.dedup();
+    let odd = each_once(&odd);
     if !odd.is_empty() {
         out.push(Finding::caution(
             codes::FORCE_MAGNITUDE,

@@ -5,6 +5,7 @@ use super::frame::{rms, state_pairs};
 use super::sheet::{Sheet, State};
 use super::units::Unit;
 use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, rigid, tool, words};
+use crate::findings::each_once;
 use crate::model::cell::Cell;
 use crate::model::load::Load;
 use crate::numerics::order::sort_by_number;
@@ -354,8 +355,8 @@ impl Settled {
         let likeliest = phrase(&self.slip);
         let others = self.others.iter().map(phrase);
         // The sign of an angle is tried both as it stands and as fitted.
-        out.alternatives = others.filter(|other| *other != likeliest).collect();
-        out.alternatives.dedup();
+        let others: Vec<String> = others.filter(|other| *other != likeliest).collect();
+        out.alternatives = each_once(&others);
         out.certain = out.alternatives.is_empty();
         out
     }
