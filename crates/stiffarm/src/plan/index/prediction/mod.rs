@@ -189,7 +189,8 @@ impl PredictionModel {
             each.flatten().for_each(|terms| add(&self.readings(&[terms])));
         }
         let (values, vectors) = eigen(gram)?;
-        let directions: Vec<usize> = (0..random).filter(|i| values[*i] > UNSEEN * values.max()).collect();
+        let least = UNSEEN * values.max();
+        let directions: Vec<usize> = (0..random).filter(|i| values[*i] > least).collect();
         let seen = vectors.select_columns(&directions);
         self.prior.root *= &seen;
         let targets = &self.targets.all;
