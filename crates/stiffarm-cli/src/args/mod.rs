@@ -51,10 +51,10 @@ use stiffarm::estimate::elastic::ElasticChoice;
     propagate_version = true,
     max_term_width = 100,
     after_help = "Where a file is read, `-` is standard input and `builtin:NAME` a built-in file:\n  \
-                  cells     builtin:comau (the default cell), builtin:comau-reference,\n            builtin:comau-shapes (with a table and a tracker), builtin:fanuc-r2000ic\n  \
-                  postures  builtin:comau-group1\n  \
-                  readings  builtin:fanuc-r2000ic-readings (measured, of builtin:fanuc-r2000ic)\n  \
-                  pairs     builtin:example-pairs\n  \
+                  cells     builtin:comau (the default cell), builtin:comau-reference,\n            \
+                  builtin:comau-shapes (with a table and a tracker), builtin:fanuc-r2000ic\n  postures  \
+                  builtin:comau-group1\n  readings  builtin:fanuc-r2000ic-readings (measured, of \
+                  builtin:fanuc-r2000ic)\n  pairs     builtin:example-pairs\n  \
                   paths     builtin:contour\n  \
                   meshes    builtin:spindle.obj\n\n\
                   Exit codes: 0 done, 1 a finding (a joint undetermined, a tolerance exceeded; the full result is \

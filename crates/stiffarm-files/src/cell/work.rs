@@ -188,7 +188,8 @@ fn milling(source: &Source<'_>, table: &At<RawMilling>) -> Result<Process> {
 
 /// The feed per tooth \[m\].
 fn chip(source: &Source<'_>, table: &At<RawMilling>, raw_feed: &Option<Number<Mm>>, diameter_mm: f64) -> Result<f64> {
-    let hint = "feed per tooth = feed rate / (spindle speed · teeth), in mm; or give spindle_rpm where the path gives its feed";
+    let hint = "feed per tooth = feed rate / (spindle speed · teeth), in mm; or give spindle_rpm where the path gives \
+        its feed";
     let feed = source.required(table, raw_feed, "feed_per_tooth_mm", hint)?;
     let feed_m = source.positive(feed)?;
     let feed_mm = feed.get();

@@ -79,7 +79,8 @@ pub(super) fn check(table: &Table<'_>, columns: &MeasurementColumns, rows: &[Row
     let text = &row.fields[column.at].text;
     let (posture, point) = (&row.fields[columns.posture.at].text, &row.fields[columns.point.at].text);
     let message = format!(
-        "{text} is about {} the other readings of \"{point}\" in posture \"{posture}\": a decimal sign is lost, or was taken for one of thousands.",
+        "{text} is about {} the other readings of \"{point}\" in posture \"{posture}\": a decimal sign is lost, or was \
+         taken for one of thousands.",
         if *tens > 0 {
             format!("{} times", 10i64.pow(tens.unsigned_abs()))
         } else {

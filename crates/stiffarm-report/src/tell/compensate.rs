@@ -174,7 +174,8 @@ fn band_section(result: &Compensation) -> Option<Section> {
             .words(" are left at most: ")
     };
     let text = model.words(format!(
-        "what the real arm leaves is the uncertainty of the deflection, most of it from {}, and whatever the model leaves out.",
+        "what the real arm leaves is the uncertainty of the deflection, most of it from {}, and whatever the model \
+         leaves out.",
         dominant(band.size_m)
     ));
     let blocks = vec![Block::Text(text), Block::Table(table)];

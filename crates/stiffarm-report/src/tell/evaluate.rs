@@ -23,7 +23,8 @@ impl Telling<EvaluatedOptions> for Evaluated {
                 counted(groups[0].evaluation.posture_count, "posture")
             )),
             count => Text::new(format!(
-                "{count} groups of postures were evaluated: what each can tell of the joint stiffness, before anything is measured."
+                "{count} groups of postures were evaluated: what each can tell of the joint stiffness, before anything \
+                 is measured."
             )),
         };
         let best = best(&groups);

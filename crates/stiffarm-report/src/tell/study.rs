@@ -20,10 +20,11 @@ const STORY: [&str; 4] = ["recommended-index", "paper-order", "first-order-means
 const DEVIATION: Quantity = Quantity::new("%", 100.0, Form::Decimals(2));
 
 /// What the rows of the table of indices mean.
-const INDICES: &str = "Group 1 is the initial group. Each other group is selected from it under one index (Section III.B), \
-                       within the bounds of the joints and the limits of the cell. classical is max k(J_N), condition is \
-                       cond(Ψ), novel is their product; scaled is max k(J_N) × cond(Ψ·diag(1/k)); expected_error is the \
-                       RMS relative standard error of the joint stiffness. o1 to o5 are larger-is-better.";
+const INDICES: &str = "Group 1 is the initial group. Each other group is selected from it under one index (Section \
+                       III.B), within the bounds of the joints and the limits of the cell. classical is max k(J_N), \
+                       condition is cond(Ψ), novel is their product; scaled is max k(J_N) × cond(Ψ·diag(1/k)); \
+                       expected_error is the RMS relative standard error of the joint stiffness. o1 to o5 are \
+                       larger-is-better.";
 
 /// What a result says of `study`.
 pub(super) fn summary(with: &WithCell<'_>) -> Result<Told> {
@@ -38,8 +39,8 @@ impl<O> Telling<O> for Study {
         let study = self;
         let groups = &study.groups;
         let done = Text::new(format!(
-            "On {}, {} of postures were compared: Group 1 and what each index makes of it, in {} simulated measurements \
-         per noise level with tracker noise.",
+            "On {}, {} of postures were compared: Group 1 and what each index makes of it, in {} simulated \
+         measurements per noise level with tracker noise.",
             visible(&study.cell),
             counted(groups.len(), "group"),
             study.simulation.runs,
@@ -148,14 +149,15 @@ impl<O> Telling<O> for Study {
             "Identification and validation, simulated (Tables 6 and 7, Fig. 10)",
             vec![
                 text(
-                    "Each group is measured once with tracker noise and identified. The noise is the only error here, so \
-                     this shows what the tracker allows, not what an experiment reaches, and each column is one draw: \
-                     differences of the size of the intervals are luck.",
+                    "Each group is measured once with tracker noise and identified. The noise is the only error here, \
+                     so this shows what the tracker allows, not what an experiment reaches, and each column is one \
+                     draw: differences of the size of the intervals are luck.",
                 ),
                 Some(Block::Table(data_table(&stiffness_side_by_side(study)))),
                 of_paper(
-                    "The paper's columns are its experiment (Table 6): there the true stiffness is unknown, and its three \
-                     groups differ up to fourfold. Its raw readings are not published, so they cannot be recomputed.",
+                    "The paper's columns are its experiment (Table 6): there the true stiffness is unknown, and its \
+                     three groups differ up to fourfold. Its raw readings are not published, so they cannot be \
+                     recomputed.",
                 ),
                 picture("validation"),
                 table("validation"),
@@ -165,7 +167,8 @@ impl<O> Telling<O> for Study {
                 said(&["validation-limit"]),
                 is_validated
                     .then_some(
-                        "The paper measured 0.17 to 0.87 mm: model error, not tracker noise, dominated that experiment.",
+                        "The paper measured 0.17 to 0.87 mm: model error, not tracker noise, dominated that \
+                         experiment.",
                     )
                     .and_then(of_paper),
                 table("elastic"),
@@ -220,9 +223,9 @@ fn set_up(study: &Study) -> Text {
         None => Text::new("none"),
     };
     Text::new(format!(
-        "Section IV of the paper ({PAPER}) on this cell. Robot: {}. Every number is simulated unless it is marked as the \
-         paper's; the true joint stiffness stands beside the identified one below. Displacement noise at variance factor \
-         1: ",
+        "Section IV of the paper ({PAPER}) on this cell. Robot: {}. Every number is simulated unless it is marked as \
+         the paper's; the true joint stiffness stands beside the identified one below. Displacement noise at variance \
+         factor 1: ",
         visible(&study.robot)
     ))
     .number(noise)

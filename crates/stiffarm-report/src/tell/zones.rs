@@ -22,15 +22,15 @@ impl Telling<Asked> for Zones {
         let held = held.filter_map(|(j, q)| Some(format!("q{} = {}", j + 1, degrees((*q)?))));
         let held: Vec<String> = held.collect();
         let done = Text::new(format!(
-        "Dexterity and the influence of K_C, what the load adds to the stiffness, were mapped at {} postures: {horizontal} \
-         {}, {vertical} {}, with {}; ",
-        zones.postures,
-        ends(&zones.q2),
-        ends(&zones.q3),
-        list(&held)
-    ))
-    .number(Number::count(zones.within_limits))
-    .words(" of them meet the limits of the cell.");
+            "Dexterity and the influence of K_C, what the load adds to the stiffness, were mapped at {} postures: \
+         {horizontal} {}, {vertical} {}, with {}; ",
+            zones.postures,
+            ends(&zones.q2),
+            ends(&zones.q3),
+            list(&held)
+        ))
+        .number(Number::count(zones.within_limits))
+        .words(" of them meet the limits of the cell.");
         let angle = |angle: f64| Number::degrees(angle).decimals(0).unit("°");
         let conclusion = match &zones.best {
             Some(best) => Text::new(format!("The best zone is {horizontal} from "))

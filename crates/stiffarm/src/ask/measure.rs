@@ -180,8 +180,8 @@ impl Judgement {
     }
 }
 
-/// What `measurements` are worth beside a plan; `measurements` are the error of a table in which no posture is complete yet
-/// where there is none.
+/// What `measurements` are worth beside a plan; `measurements` are the error of a table in which no posture is complete
+/// yet where there is none.
 ///
 /// # Errors
 /// Readings that cannot be read or hold something wrong, a goal at tasks that the cell does not have, stopped.

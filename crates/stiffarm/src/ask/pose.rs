@@ -223,8 +223,8 @@ impl PoseKind {
         let maker = cell.setup.robot.controller().map(Controller::title);
         if let Some((height, maker)) = self.height_left_out(cell).zip(maker) {
             let sentence = format!(
-                "Pendants of {maker} count z from the height of axis 2, {:.0} mm above the frame of these poses, which is \
-                 the cell's: z on the pendant is smaller by that.",
+                "Pendants of {maker} count z from the height of axis 2, {:.0} mm above the frame of these poses, which \
+                 is the cell's: z on the pendant is smaller by that.",
                 m_to_mm(height)
             );
             findings.push(Finding::caution("pendant-height", "robot.controller", sentence));

@@ -125,8 +125,9 @@ fn remarks(cell: &Cell, stops: &[Posture], route: &Route) -> Result<Vec<Finding>
         findings.push(Finding::caution(
             codes::MOVES_NOT_CHECKED,
             "moves",
-            "the cell has no shapes, so nothing says whether the arm touches something on the way. Give [[robot.shape]], \
-             [[tool.shape]] and [[obstacle]] (docs/shapes.md), or drive each move slowly the first time.",
+            "the cell has no shapes, so nothing says whether the arm touches something on the way. Give \
+             [[robot.shape]], [[tool.shape]] and [[obstacle]] (docs/shapes.md), or drive each move slowly the first \
+             time.",
         ));
     }
     if cell.route.joint_speeds.is_none() {

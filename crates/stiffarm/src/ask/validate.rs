@@ -243,8 +243,8 @@ fn crossed(
     })
 }
 
-/// That the errors of these displacements come mostly from directions in which no reading of the identification has loaded
-/// the arm.
+/// That the errors of these displacements come mostly from directions in which no reading of the identification has
+/// loaded the arm.
 ///
 /// # Errors
 /// As [`never_loaded`].

@@ -35,9 +35,9 @@ struct Shown<'a> {
 }
 
 /// Why the median stands for the mean.
-const BEYOND: &str = "Where a joint's relative standard error is above 10 %, single runs near a compliance of zero dominate the \
-                      mean, and the closed form no longer holds: read the median. The expectation of |k̂ − k|/k is infinite \
-                      at every noise level; means are truncated, of the runs made.";
+const BEYOND: &str = "Where a joint's relative standard error is above 10 %, single runs near a compliance of zero \
+                      dominate the mean, and the closed form no longer holds: read the median. The expectation of |k̂ \
+                      − k|/k is infinite at every noise level; means are truncated, of the runs made.";
 
 impl Telling<Options> for Simulation {
     fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
@@ -176,7 +176,8 @@ fn is_beyond(level: &LevelResult) -> bool {
 fn next(best: Option<&Shown<'_>>) -> Text {
     if is_unsure(best) {
         Text::new(
-            "That is too unsure to rely on: some joint's relative standard error is above 10 %. Choose better postures with ",
+            "That is too unsure to rely on: some joint's relative standard error is above 10 %. Choose better postures \
+             with ",
         )
         .code("stiffarm select")
         .words(", or measure more points.")

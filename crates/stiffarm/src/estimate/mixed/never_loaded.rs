@@ -1,10 +1,11 @@
-//! What of a prediction's error lies in directions that no reading has loaded, and what one further load would leave of it.
+//! What of a prediction's error lies in directions that no reading has loaded, and what one further load would leave of
+//! it.
 //!
 //! With the random effects in units of their prior, u = P^(1/2) v, readings leave of v the covariance C_v ≤ I. Along
 //! eigenvectors of C_v the posterior is uncorrelated; those of which more than half of the prior variance is left have
-//! been told by no reading. The part of a row s of a prediction in such a direction w is cov(s x, w)²/var w, with whatever
-//! the joint axes make up for in it; the parts of all directions and what the axes scatter beside them add up to the
-//! variance of s x. What a further load leaves is the covariance after its rows, C − C Xᵀ(V + X C Xᵀ)⁻¹X C, the
+//! been told by no reading. The part of a row s of a prediction in such a direction w is cov(s x, w)²/var w, with
+//! whatever the joint axes make up for in it; the parts of all directions and what the axes scatter beside them add up
+//! to the variance of s x. What a further load leaves is the covariance after its rows, C − C Xᵀ(V + X C Xᵀ)⁻¹X C, the
 //! sizes held: it needs no reading.
 
 use super::means::scattered;
@@ -28,7 +29,8 @@ const RULES: f64 = 0.5;
 const LARGE: f64 = 0.01;
 /// Share of the error that a further load has to take away to be worth a word.
 const HELPS: f64 = 0.25;
-/// A weight is simpler to hang than another load is to make: others have to leave less than this share of what it leaves.
+/// A weight is simpler to hang than another load is to make: others have to leave less than this share of what it
+/// leaves.
 const SIMPLER: f64 = 0.8;
 /// Places that are named at most.
 const MOST_PLACES: usize = 2;
@@ -75,8 +77,8 @@ pub(crate) fn never_loaded(cell: &Cell, saved: &Saved, work: &[WorkRows]) -> Res
             .to_string(),
     };
     let sentence = format!(
-        "Of the {} (RMS) by which these displacements may be off, {} lie in directions in which no reading has loaded the \
-         arm, most of all in {}. {remedy}",
+        "Of the {} (RMS) by which these displacements may be off, {} lie in directions in which no reading has loaded \
+         the arm, most of all in {}. {remedy}",
         length(numbers.error),
         length(numbers.untold),
         list(&numbers.places),
@@ -197,8 +199,8 @@ fn after(spread: &Spread, setup: &Setup, predictor: &IdentifiedCompliance, loads
     Ok(covariance)
 }
 
-/// Places whose knowledge would take away most of the variance behind `with` = S C, in words, with what loads them at work
-/// and loaded them in the readings.
+/// Places whose knowledge would take away most of the variance behind `with` = S C, in words, with what loads them at
+/// work and loaded them in the readings.
 fn places_of(
     cell: &Cell,
     predictor: &IdentifiedCompliance,

@@ -19,9 +19,9 @@ const STILL: f64 = 1e-2;
 const UNTOLD: f64 = 0.3;
 const UNTOLD_FORCE: f64 = 1e3;
 
-/// The fit where the readings want the quantities that its options name in `free`, and these with their errors: found by
-/// least squares beside the compliances, and beside springs beyond the axes where `elastic` grants these. The errors that
-/// are common to the experiment have then what the readings leave of each. `None` where nothing is to be free.
+/// The fit where the readings want the quantities that its options name in `free`, and these with their errors: found
+/// by least squares beside the compliances, and beside springs beyond the axes where `elastic` grants these. The errors
+/// that are common to the experiment have then what the readings leave of each. `None` where nothing is to be free.
 ///
 /// # Errors
 /// A name that there is not, or twice; a quantity on which these readings do not depend, or that they cannot tell.

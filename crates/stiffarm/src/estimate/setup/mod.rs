@@ -1,9 +1,9 @@
 //! Does what the cell states of the set-up fit the readings?
 //!
-//! Springs beyond the axes are flexible enough to swallow an anchor or a loading point that is written down wrongly: what
-//! is left looks like noise, and the stiffness is wrong. So each quantity of the set-up is freed in turn and found by
-//! Gauss and Newton beside the compliances, and the explanations compete by restricted likelihood, of the axes alone and
-//! of the mixed model. A quantity is rejected where the readings are far likelier with another value of it, springs
+//! Springs beyond the axes are flexible enough to swallow an anchor or a loading point that is written down wrongly:
+//! what is left looks like noise, and the stiffness is wrong. So each quantity of the set-up is freed in turn and found
+//! by Gauss and Newton beside the compliances, and the explanations compete by restricted likelihood, of the axes alone
+//! and of the mixed model. A quantity is rejected where the readings are far likelier with another value of it, springs
 //! beyond the axes granted before and after, and the axes alone leave clearly less; it is doubtful where these do not.
 
 mod explained;
@@ -29,8 +29,8 @@ use freed::{At, Linear, below_zero, value};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-/// Fall of −2 ln L from which a quantity is rejected, from which it is doubtful, and what each of its numbers adds: sound
-/// days of arms with springs beyond the axes, drift and shared shifts stay below.
+/// Fall of −2 ln L from which a quantity is rejected, from which it is doubtful, and what each of its numbers adds:
+/// sound days of arms with springs beyond the axes, drift and shared shifts stay below.
 const REJECTED: f64 = 22.0;
 const DOUBTED: f64 = 10.0;
 const EACH: f64 = 4.0;
@@ -56,8 +56,8 @@ const ALIKE: f64 = 10.0;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Freed {
     /// Stable name: `anchor`, `loading-point`, `gravity`, `registration`, `force-beside`, `force-offset`, `sign`,
-    /// `common-shift`, `sensor-axes`, `sensor-origin`, `sensor-in-base-axes`, `measuring-points`, `joint-angle`, `coupling`,
-    /// `rows`, `base-tilt`, `lost-motion`.
+    /// `common-shift`, `sensor-axes`, `sensor-origin`, `sensor-in-base-axes`, `measuring-points`, `joint-angle`,
+    /// `coupling`, `rows`, `base-tilt`, `lost-motion`.
     pub name: String,
     /// Key of the cell that states it, else what it is about.
     #[serde(default)]
@@ -245,14 +245,14 @@ fn freed_alone(stated: &Stated<'_>, linear: &Linear<'_>, quantity: Quantity, is_
     (before - best.value > WORTH).then_some(best)
 }
 
-/// Leaves out what springs beyond the axes explain as well: what helps the axes alone by little, and by the derivatives of
-/// the mixed model helps that no more. The dear fits beside them are spared.
+/// Leaves out what springs beyond the axes explain as well: what helps the axes alone by little, and by the derivatives
+/// of the mixed model helps that no more. The dear fits beside them are spared.
 fn leave_out_swallowed(stated: &Stated<'_>, mixed: &MixedFit, alone: &mut Vec<At>) {
     let before = value(stated.fit, None);
     let mut linear = None;
     alone.retain(|at| {
-        // Derivatives at the stated value know nothing of a sign or an exchange of axes, and little of what is far off and
-        // leaves clearly less.
+        // Derivatives at the stated value know nothing of a sign or an exchange of axes, and little of what is far off
+        // and leaves clearly less.
         let [all, left] = [stated.fit, &at.fit].map(|fit| rms(fit.residual().as_slice()));
         let is_far = left < CLEAR * all || at.values[0].1.turn != Matrix3::identity();
         if before - at.value > ANYHOW && is_far {
@@ -266,8 +266,8 @@ fn leave_out_swallowed(stated: &Stated<'_>, mixed: &MixedFit, alone: &mut Vec<At
     });
 }
 
-/// Whether the quantity lies within what the cell states of it, or what is assumed: then the total ± has it. A force along
-/// the load is known as well as its scale.
+/// Whether the quantity lies within what the cell states of it, or what is assumed: then the total ± has it. A force
+/// along the load is known as well as its scale.
 fn is_within_stated(fit: &Fit, (quantity, place): &Valued, errors: &[Option<f64>]) -> bool {
     let uncertainty = &fit.cell().uncertainty;
     let size = match quantity {

@@ -291,8 +291,8 @@ fn direction_findings(cell: &Cell, check: &WrenchCheck, out: &mut Vec<Finding>) 
                 severity,
                 state.posture.as_str(),
                 format!(
-                    "In posture {}, state {}, the measured force differs from the direction of {what} by {:.1}°, in the \
-                     others by {:.1}° in the median.",
+                    "In posture {}, state {}, the measured force differs from the direction of {what} by {:.1}°, in \
+                     the others by {:.1}° in the median.",
                     state.posture,
                     state.state,
                     state.angle_rad.to_degrees(),
@@ -378,8 +378,8 @@ fn point_findings(cell: &Cell, point: &ApplicationPoint, out: &mut Vec<Finding>)
             codes::UNEXPLAINED_MOMENT,
             "load",
             format!(
-                "Moments of {:.1} N·m (RMS) remain that no loading point explains, {} of arm at {:.0} N: the load is not \
-                 a pure force, or the sensor's axes are not as stated.",
+                "Moments of {:.1} N·m (RMS) remain that no loading point explains, {} of arm at {:.0} N: the load is \
+                 not a pure force, or the sensor's axes are not as stated.",
                 point.residual_moment_rms_nm,
                 length(arm),
                 point.force_rms_n

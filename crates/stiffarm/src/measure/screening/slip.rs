@@ -125,7 +125,8 @@ impl Slip {
                 }
             }
             Undo::AnglesOf(of, _) | Undo::Exchange(of, _) if !self.is_whole(&work.sheet) => {
-                // A row is not at home among other angles than its posture's: it changes place, or nothing is known of it.
+                // A row is not at home among other angles than its posture's: it changes place, or nothing is known of
+                // it.
                 for at in self.at.iter().flatten() {
                     if let Undo::Exchange(..) = self.undo {
                         work.sheet.exchange(*at, *of);
@@ -325,7 +326,8 @@ pub(super) struct Settled {
     pub others: Vec<Slip>,
 }
 
-/// The likeliest of the slips that explain alike; beside each stands what undoing it leaves. `None` where no slip is believed.
+/// The likeliest of the slips that explain alike; beside each stands what undoing it leaves. `None` where no slip is
+/// believed.
 pub(super) fn settle(tried: impl IntoIterator<Item = (Slip, Option<f64>)>, rule: &Rule) -> Option<Settled> {
     let believed = tried.into_iter().filter_map(|(slip, after)| {
         let after = after.filter(|after| *after <= rule.most)?;

@@ -21,13 +21,18 @@ struct Way {
 
 #[rustfmt::skip]
 const WAYS: [Way; 4] = [
-    Way { of_tool: true, axis: Vector3::x, hint: "with the tool axis of every pose the other way round it reaches them: say which way z of the poses points, out of the tool or into it" },
-    Way { of_tool: false, axis: Vector3::z, hint: "with the workpiece turned by 180° about its z it reaches them: check the turn of the workpiece frame" },
-    Way { of_tool: false, axis: Vector3::x, hint: "with the workpiece turned by 180° about its x it reaches them: check which way z of the workpiece frame points" },
-    Way { of_tool: false, axis: Vector3::y, hint: "with the workpiece turned by 180° about its y it reaches them: check which way z of the workpiece frame points" },
+    Way { of_tool: true, axis: Vector3::x, hint: "with the tool axis of every pose the other way round it reaches \
+        them: say which way z of the poses points, out of the tool or into it" },
+    Way { of_tool: false, axis: Vector3::z, hint: "with the workpiece turned by 180° about its z it reaches them: \
+        check the turn of the workpiece frame" },
+    Way { of_tool: false, axis: Vector3::x, hint: "with the workpiece turned by 180° about its x it reaches them: \
+        check which way z of the workpiece frame points" },
+    Way { of_tool: false, axis: Vector3::y, hint: "with the workpiece turned by 180° about its y it reaches them: \
+        check which way z of the workpiece frame points" },
 ];
 
-/// `error` of a path through `poses`, whose turn about the tool axis is `free`, with what would make all of it reachable.
+/// `error` of a path through `poses`, whose turn about the tool axis is `free`, with what would make all of it
+/// reachable.
 pub(super) fn with_hint(search: &Search<'_>, poses: &[Isometry3<f64>], free: bool, error: Error) -> Error {
     if ![Code::Unreachable, Code::OutsideLimits].contains(&error.code()) {
         return error;

@@ -173,8 +173,8 @@ impl Outliers {
         // Naming each would blame readings for what the model does.
         let worst: Vec<String> = self.found.iter().map(Outlier::subject).collect();
         let message = format!(
-            "More than {MOST} parts of the data contradict the rest (first {}): the model or the set-up is at fault rather \
-             than single readings.",
+            "More than {MOST} parts of the data contradict the rest (first {}): the model or the set-up is at fault \
+             rather than single readings.",
             list(&worst)
         );
         vec![Finding::serious(codes::MORE_OUTLIERS, "measurements", message)]
@@ -211,15 +211,16 @@ impl Outlier {
             }
             OutlierKind::Posture => {
                 let message = format!(
-                    "Posture {} does not fit the others ({p}): look for a wrong angle, load or reading of all its points.",
+                    "Posture {} does not fit the others ({p}): look for a wrong angle, load or reading of all its \
+                     points.",
                     name(&self.posture)
                 );
                 (codes::OUTLYING_POSTURE, message)
             }
             OutlierKind::Point => {
                 let message = format!(
-                    "Point {} does not fit the others in many postures ({p}): look for a loose reflector or a wrong place \
-                     in the tool.",
+                    "Point {} does not fit the others in many postures ({p}): look for a loose reflector or a wrong \
+                     place in the tool.",
                     name(&self.point)
                 );
                 (codes::OUTLYING_POINT, message)

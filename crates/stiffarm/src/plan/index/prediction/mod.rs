@@ -99,8 +99,8 @@ impl PredictionModel {
         Ok(model)
     }
 
-    /// The same, or where the load comes with measurements for deflections at the cell's tasks, if it has any, and of the
-    /// measuring points at `candidates`; what gives way beyond the axes is `factor` times as large as expected.
+    /// The same, or where the load comes with measurements for deflections at the cell's tasks, if it has any, and of
+    /// the measuring points at `candidates`; what gives way beyond the axes is `factor` times as large as expected.
     ///
     /// # Errors
     /// As [`of_cell`](Self::of_cell).
