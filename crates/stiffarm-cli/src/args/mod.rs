@@ -240,10 +240,10 @@ pub struct CheckArgs {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath, default_value = "builtin:comau")]
     pub cell: String,
-    /// Draw the cell from the side, from above and in perspective, what violates a limit in red
+    /// Draw the cell from the side, from above and in perspective; what violates a limit is red
     #[arg(value_hint = ValueHint::AnyPath, long, value_name = "FILE.svg")]
     pub figure: Option<String>,
-    /// Postures to draw [default: the middle of the bounds, or where that violates a limit, one that does not]
+    /// Postures to draw [default: the middle of the bounds, or where that violates a limit, a posture within the limits]
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSTURES.csv", requires = "figure")]
     pub postures: Option<String>,
     /// The posture to draw in full, among those of --postures or the validation postures; all: each

@@ -11,7 +11,7 @@ use stiffarm_files::tool_path::{LANGUAGES, PathLanguage};
 /// How the path is read.
 #[derive(Debug, Clone, Args)]
 pub struct PathArgs {
-    /// What the path is written in, where neither its name nor its text says it rightly
+    /// Language of the path, where its name and text do not tell it
     #[arg(long, value_name = "LANGUAGE", value_parser = choice(LANGUAGES))]
     pub language: Option<PathLanguage>,
     /// Recorded load along the path: a table of along_mm or time_s, from the path's first point, and forces (with

@@ -215,7 +215,7 @@ impl<'a> Cursor<'a> {
         let before = self.clone();
         match self.number()? {
             degrees if degrees.abs() <= 1e5 => Ok(degrees.to_radians()),
-            _ => Err(before.wrong("This is no angle of a joint in degrees.")),
+            _ => Err(before.wrong("This is not a joint angle in degrees.")),
         }
     }
 

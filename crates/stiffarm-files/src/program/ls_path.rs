@@ -157,6 +157,6 @@ pub fn label(line: &mut Cursor<'_>) -> Result<String> {
     if number >= 1.0 && number.fract() == 0.0 && number <= 1e6 {
         Ok(format!("P[{number}]"))
     } else {
-        Err(place.wrong("This is no number of a point."))
+        Err(place.wrong("This is not the number of a point."))
     }
 }

@@ -41,9 +41,9 @@ impl Telling<EvaluatedOptions> for Evaluated {
             Some(_) if is_outside(result) => Text::new("Do not drive there as they are: ")
                 .code("stiffarm select --initial")
                 .words(" moves the postures inside the limits of the cell."),
-            Some(_) => Text::new("Measure it, or let ")
+            Some(_) => Text::new("Measure at these postures, or let ")
                 .code("stiffarm select")
-                .words(" find out how much better another plan of as many postures could be."),
+                .words(" find a better plan of as many postures."),
         };
         let shown: Vec<PostureGroup> =
             result.groups.iter().filter(|group| !group.postures.is_empty()).map(EvaluatedGroup::group).collect();

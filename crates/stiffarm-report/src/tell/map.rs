@@ -131,11 +131,12 @@ fn conclusion(map: &StiffnessMap) -> Text {
         let number = Number::new(value);
         if value < IS_SMALL { number.of(SMALL) } else { number.mm().decimals(3) }
     };
-    let text = Text::new("It gives way least at ").then(place(extremes.best)).words(", by ").number(deflection(least));
+    let text =
+        Text::new("The tip gives way least at ").then(place(extremes.best)).words(", by ").number(deflection(least));
     half_width(map, extremes.best, text)
         .words("; ")
         .number(Number::computed(most / least).significant(2))
-        .words(" times as far at ")
+        .words(" times as much at ")
         .then(place(extremes.worst))
         .words(", by ")
         .number(deflection(most))

@@ -46,7 +46,7 @@ impl Telling<Asked> for Zones {
                 .words(", K_C changes the translation by ")
                 .number(Number::new(best.translation_deviation).percent().significant(2))
                 .words(" there."),
-            None => Text::new("No posture of the map is both dexterous and little touched by K_C."),
+            None => Text::new("No posture of the map is both dexterous and little affected by K_C."),
         };
         let next = match &zones.best {
             Some(_) => Text::new("Place measuring postures there, as Dumas et al. do, or let ")
@@ -70,17 +70,12 @@ impl Telling<Asked> for Zones {
         let rows = [
             ("dexterity 1/k(J_N)", zones.inverse_condition_range, best.map(|best| best.inverse_condition), 1.0),
             (
-                "translation with against without K_C [%]",
+                "change of translation by K_C [%]",
                 zones.translation_range,
                 best.map(|best| best.translation_deviation),
                 100.0,
             ),
-            (
-                "rotation with against without K_C [%]",
-                zones.rotation_range,
-                best.map(|best| best.rotation_deviation),
-                100.0,
-            ),
+            ("change of rotation by K_C [%]", zones.rotation_range, best.map(|best| best.rotation_deviation), 100.0),
         ];
         for (name, range, best, factor) in rows {
             let of = |value: Option<f64>| {

@@ -150,7 +150,7 @@ pub struct PoseOptions {
     /// Frame that poses are given in
     #[cfg_attr(feature = "clap", arg(long, value_name = "FRAME", default_value = "controller", value_parser = choice(FRAME)))]
     pub frame: PoseFrame,
-    /// What the poses that are read and written are of
+    /// Point whose poses are read and written
     #[cfg_attr(feature = "clap", arg(long, value_name = "POINT", default_value = "flange", value_parser = choice(POINT)))]
     pub point: PosePoint,
 }

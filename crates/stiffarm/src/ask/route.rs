@@ -25,7 +25,7 @@ pub struct DriveOptions {
     /// written before then has other angles
     #[cfg_attr(feature = "clap", arg(long))]
     pub equivalents: bool,
-    /// With it: other turns only. A wrist the other way round has the same joint axes, but an arm that gives way
+    /// With --equivalents: other turns only. A wrist the other way round has the same joint axes, but an arm that gives way
     /// beyond them bends otherwise
     #[cfg_attr(feature = "clap", arg(long, requires = "equivalents"))]
     pub keep_wrist: bool,

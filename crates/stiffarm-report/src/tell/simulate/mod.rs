@@ -182,9 +182,9 @@ fn next(best: Option<&Shown<'_>>) -> Text {
         .code("stiffarm select")
         .words(", or measure more points.")
     } else {
-        Text::new("Where that is sure enough, measure; ")
+        Text::new("If that is sure enough, measure; if not, ")
             .code("stiffarm select")
-            .words(" finds postures that give more. What else may be wrong than the tracker is in ")
+            .words(" finds postures that tell more. Errors beside the tracker's are simulated with ")
             .code("--force-error-percent")
             .words(", ")
             .code("--joint-angle-error-deg")

@@ -83,7 +83,7 @@ fn wanted(stated: &Stated<'_>, names: &[String]) -> Result<Vec<Valued>> {
             let free_names: Vec<&str> = Quantity::can_be_free().collect();
             let message = match Quantity::named(name) {
                 Some(quantity) if quantity.terms(0).is_some() => {
-                    format!("\"{name}\" is no number of the set-up but gives way.")
+                    format!("\"{name}\" is not a quantity of the set-up: it gives way.")
                 }
                 Some(_) => format!("No reading tells \"{name}\" beside the stiffness."),
                 None => format!("There is no quantity \"{name}\" of the set-up."),
