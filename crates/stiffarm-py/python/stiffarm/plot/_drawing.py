@@ -61,7 +61,7 @@ def cell(
     if ax is not None:
         _look.check_axes(ax)
         _look.legend_above(ax, _draw(ax, drawing, shown))
-        return ax.figure.figure  # type: ignore[return-value]
+        return _look.figure_of(ax)
     plt = _look.pyplot()
     (left, right), (bottom, top) = shown["extent"]
     with _look.settings():
@@ -95,8 +95,8 @@ def _draw(ax: Axes, drawing: dict[str, Any], view: dict[str, Any]) -> list[tuple
     ax.set_aspect("equal", adjustable="box")
     if view["axes"]:
         _look.light_grid(ax)
-        for axis, set_label in zip(view["axes"], (ax.set_xlabel, ax.set_ylabel), strict=True):
-            set_label(f"{axis['label']} [{axis['unit']}]")
+        across, up = (f"{axis['label']} [{axis['unit']}]" for axis in view["axes"])
+        ax.set(xlabel=across, ylabel=up)
     else:
         ax.set_axis_off()
     there = set()

@@ -59,7 +59,7 @@ def figure(
         _look.check_axes(ax)
         entries = _panel(ax, *panels[0])
         _look.legend_above(ax, entries)
-        return ax.figure.figure  # type: ignore[return-value]
+        return _look.figure_of(ax)
     with _look.settings():
         return _new(panels, columns, width_in)
 
@@ -138,7 +138,7 @@ def _height(own: dict[str, Any], shown: dict[str, Any], wide: float) -> float:
         turned = 0.3 if own["x"]["categories"] else 0.0
         return min(max(SHAPE * wide, LOW), HIGH) + turned
     (left, right), (bottom, top) = shown["x"], shown["y"]
-    return 0.72 * wide * min(max((top - bottom) / (right - left), 0.3), 2.0) + 0.6
+    return 0.72 * wide * min(max(float(top - bottom) / float(right - left), 0.3), 2.0) + 0.6
 
 
 def _panel(ax: Axes, own: dict[str, Any], shown: dict[str, Any]) -> list[tuple[Any, str]]:
@@ -266,6 +266,7 @@ def _area(
     variant: int, log: bool,
 ) -> Any:  # fmt: skip
     """Bars, or squares where the axis has no zero to stand on; boxes over the samples that share a place."""
+    handle: Any
     hatch = HATCHES[variant % len(HATCHES)]
     if series["style"] == "Bars":
         if log:

@@ -179,11 +179,16 @@ def names_beside(ax: Axes, names: Sequence[str]) -> None:
     ax.set_yticks(np.arange(len(names)), labels=[short(name, 16) for name in names], parse_math=False)
 
 
-def _width(ax: Axes) -> float:
-    """Width of the figure that axes are in [in]."""
-    # Of a figure within a figure, the outer one.
+def figure_of(ax: Axes) -> Figure:
+    """The figure that axes are in; of a figure within a figure, the outer one."""
     figure: Any = ax.figure.figure
-    return float(figure.get_figwidth())
+    outer: Figure = figure
+    return outer
+
+
+def _width(ax: Axes) -> float:
+    """Width of that figure [in]."""
+    return float(figure_of(ax).get_figwidth())
 
 
 def light_grid(ax: Axes, axis: str = "both") -> None:

@@ -1,4 +1,4 @@
-//! Limits as a search sees them: a penalty on a whole group.
+//! A search's penalty on a whole group sees the same violations as the limits of each posture, with its derivatives.
 
 use super::*;
 use crate::common::differences::assert_gradient;
