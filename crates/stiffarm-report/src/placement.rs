@@ -3,6 +3,7 @@
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::map::{fitted, shortest_mm};
 use crate::study::{Cell, Table};
+use stiffarm::findings::each_once;
 use stiffarm::units::{rad_to_shortest_deg, rounded, with_minus};
 use stiffarm::work::map::{Placement, PlacementCandidate, Status};
 
@@ -15,8 +16,8 @@ const REFUSED: [Status; 4] =
 /// and best place are marked.
 pub fn placement_figure(placement: &Placement) -> Figure {
     let first = || placement.candidates.iter().filter(|c| c.round == 0);
-    let mut yaws: Vec<f64> = first().map(|c| c.yaw).collect();
-    yaws.dedup();
+    let yaws: Vec<f64> = first().map(|c| c.yaw).collect();
+    let yaws = each_once(&yaws);
     let best = first().filter(|c| c.deflection_rms_m.is_some()).min_by(|a, b| {
         let size = |c: &PlacementCandidate| c.deflection_rms_m.unwrap_or(f64::INFINITY);
         size(a).total_cmp(&size(b))

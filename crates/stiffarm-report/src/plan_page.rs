@@ -28,7 +28,8 @@ tr{break-inside:avoid}svg{width:100%;height:auto;max-height:165mm;display:block;
 /// As [`cell_drawing`].
 pub fn plan_page(cell: &Cell, sheet: &Sheet) -> Result<String> {
     let mut out = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>{0}</title>\n<style>{STYLE}</style></head>\n<body>\n",
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta \
+         charset=\"utf-8\"><title>{0}</title>\n<style>{STYLE}</style></head>\n<body>\n",
         escape(&cell.name)
     );
     let groups: Vec<&[SheetRow]> = sheet.rows.chunk_by(|a, b| a.posture.name == b.posture.name).collect();

@@ -88,8 +88,9 @@ pub fn validation_figure(validation: &Validation) -> Figure {
         id: "validation".into(),
         title: "Calculated against measured displacement".into(),
         caption: format!(
-            "Deviation of calculated from measured displacement, Eq. (22), at each measuring point{}, with what noise alone \
-             gives on average; and size of the displacement, calculated over measured: on the line the two agree.",
+            "Deviation of calculated from measured displacement, Eq. (22), at each measuring point{}, with what noise \
+             alone gives on average; and size of the displacement, calculated over measured: on the line the two \
+             agree.",
             only(points)
         ),
         columns: 2,

@@ -23,8 +23,8 @@ pub fn zones_figure(zones: &Zones) -> Figure {
         title: "Zones for stiffness identification (Dumas et al.)".into(),
         caption: format!(
             "Dexterity 1/k(J_N), larger is better, and relative deviation of translation and rotation of the TCP \
-             computed with and without K_C, smaller is better, over {} and {} with {}. The brighter, the better. Marked: \
-             the most dexterous posture of the zone where both are good.",
+             computed with and without K_C, smaller is better, over {} and {} with {}. The brighter, the better. \
+             Marked: the most dexterous posture of the zone where both are good.",
             zones.joints[0],
             zones.joints[1],
             held.join(", ")

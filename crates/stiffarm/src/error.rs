@@ -61,9 +61,10 @@ codes! {
     Unreachable "unreachable" "No posture of the arm holds the flange at the pose; the distance is named.";
     Unsupported "unsupported" "The robot or set-up is not supported by this version.";
     ResultFile "result-file" "A saved result cannot be used here.";
-    Program "program" "A controller program cannot be read, or holds a move that is no joint move to stated angles.";
+    Program "program" "A controller program cannot be read, or holds a move that does not go to stated joint angles.";
     TooFewData "too-few-data" "Nothing to work with: no postures, no displacements, or all excluded.";
-    Registration "registration" "The point pairs determine no registration: on a line, mirrored, or in different units.";
+    Registration "registration" "The point pairs determine no registration: on a line, mirrored, or in different \
+        units.";
     NotIdentifiable "not-identifiable" "The postures and the load cannot determine every joint; the joints are named.";
     Numerical "numerical" "A numerical routine did not converge on finite input.";
     Interrupted "interrupted" "Stopped by the user (Ctrl-C).";

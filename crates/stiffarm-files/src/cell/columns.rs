@@ -129,7 +129,8 @@ impl Reader<'_> {
                         return Err(error.hint(nearest));
                     }
                     return Err(error.hint(format!(
-                        "profiles: {}; for another software name its headings: x_mm = \"…\", y_mm = \"…\", z_mm = \"…\"",
+                        "profiles: {}; for another software name its headings: x_mm = \"…\", y_mm = \"…\", z_mm = \
+                         \"…\"",
                         NAMES.join(", ")
                     )));
                 }

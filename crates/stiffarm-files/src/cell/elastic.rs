@@ -8,8 +8,9 @@ use stiffarm::model::elastic::{ElasticSizes, KnownElement, beams};
 use stiffarm::model::observation::ExtraTerm;
 use stiffarm::model::robot::Robot;
 
-const HINT: &str = "[elastic] needs all three of shift_std_m_per_n, turn_std_rad_per_nm and coupling_std_rad_per_n or none: give \
-                    them as identify --elastic mixed prints them; without them they are typical of an arm like this";
+const HINT: &str = "[elastic] needs all three of shift_std_m_per_n, turn_std_rad_per_nm and coupling_std_rad_per_n or \
+                    none: give them as identify --elastic mixed prints them; without them they are typical of an arm \
+                    like this";
 
 /// Factor of a stiffness that a drawing or a catalogue gives.
 const FACTOR: f64 = 1.5;

@@ -57,7 +57,8 @@ fn accuracy(source: &Source<'_>, table: &Spanned<RawTracker>) -> Result<Option<T
     if !is_exact && raw.range_um_per_m.is_none() && raw.station_mm.is_none() {
         return Ok(None);
     }
-    let hint = "the accuracy needs both range_um and angle_urad (standard deviations; a data sheet's limits are about twice these)";
+    let hint = "the accuracy needs both range_um and angle_urad (standard deviations; a data sheet's limits are about \
+        twice these)";
     let range = source.required(table, &raw.range_um, "range_um", hint)?;
     let range = source.positive(range)?;
     let angle = source.required(table, &raw.angle_urad, "angle_urad", hint)?;

@@ -83,7 +83,8 @@ pub(super) fn keys(robot: &DhRobot) -> Result<String> {
             out += &format!("# The machine's limits of the controller angles.\nlimits_deg = [\n{limits}]\n");
         }
         None => {
-            out += "# The machine's limits of the controller angles, [low, high] per joint: EDIT\n# limits_deg = [[-180, 180]]\n"
+            out += "# The machine's limits of the controller angles, [low, high] per joint: EDIT\n# limits_deg = \
+                [[-180, 180]]\n"
         }
     }
     Ok(out)
@@ -108,11 +109,12 @@ fn controller(robot: &DhRobot) -> Result<String> {
                 .to_string()
         }
         Some(_) => format!(
-            "Whose pendant shows the angles q of this cell. Without this key nothing goes to a controller (export, pose \
-             --convention, route --equivalents). CHECK FIRST: {}. At the pendant move joint 2 alone by some 10 degrees and \
-             look at the forearm. If it keeps its angle to the floor while the reading of joint 3 stays, the pendant \
-             couples joint 3 to joint 2, and theta_from_q below is needed too (instead of one that stands above); the limits \
-             of joint 3 then hold at joint 2 = 0. If the forearm turns along with the upper arm, it is not.",
+            "Whose pendant shows the angles q of this cell. Without this key nothing goes to a controller (export, \
+             pose --convention, route --equivalents). CHECK FIRST: {}. At the pendant move joint 2 alone by some 10 \
+             degrees and look at the forearm. If it keeps its angle to the floor while the reading of joint 3 stays, \
+             the pendant couples joint 3 to joint 2, and theta_from_q below is needed too (instead of one that stands \
+             above); the limits of joint 3 then hold at joint 2 = 0. If the forearm turns along with the upper arm, it \
+             is not.",
             match robot.maker {
                 Some(maker) if maker.couples_joint_3() =>
                     format!("pendants of {} count joint 3 otherwise than robot descriptions do", maker.title()),

@@ -57,7 +57,7 @@ pub(super) fn route(
         let degrees = value.get();
         let fault = |message: String, hint: &str| Err(source.error(Code::InvalidValue, value, message).hint(hint));
         if !APPROACH_DEG.contains(&degrees) {
-            let message = format!("{degrees}° is no turn that takes up lost motion.");
+            let message = format!("A turn of {degrees}° does not take up lost motion.");
             let hint = "give 0.05 to 10; half a degree is far more than the lost motion of a worn joint";
             return fault(message, hint);
         }

@@ -81,7 +81,7 @@ fn feature(source: &Source<'_>, table: &Spanned<RawFeature>, before: &[FeatureWo
 
 fn rotary_axis(source: &Source<'_>, name: &Text) -> Result<RotaryAxis> {
     RotaryAxis::of(name.get()).ok_or_else(|| {
-        let message = format!("\"{}\" is no rotary axis.", name.get());
+        let message = format!("\"{}\" is not a rotary axis.", name.get());
         let error = source.error(Code::InvalidValue, name, message);
         error.hint("name them \"A\", \"B\" or \"C\", with a minus where they carry the workpiece")
     })

@@ -74,7 +74,7 @@ struct Scene<'a, 'i> {
 
 fn numbers(node: Node<'_, '_>) -> Result<Vec<f64>, String> {
     let words = node.text().unwrap_or_default().split_ascii_whitespace();
-    words.map(|word| word.parse().map_err(|_| format!("\"{word}\" is no number"))).collect()
+    words.map(|word| word.parse().map_err(|_| format!("\"{word}\" is not a number"))).collect()
 }
 
 fn exactly<const N: usize>(node: Node<'_, '_>) -> Result<[f64; N], String> {
@@ -171,7 +171,7 @@ impl<'a, 'i: 'a> Scene<'a, 'i> {
         for input in children(primitive, "input") {
             let offset = input.attribute("offset").unwrap_or("0");
             let offset: usize =
-                offset.parse().ok().filter(|o| *o < 100).ok_or_else(|| format!("\"{offset}\" is no offset"))?;
+                offset.parse().ok().filter(|o| *o < 100).ok_or_else(|| format!("\"{offset}\" is not an offset"))?;
             stride = stride.max(offset + 1);
             if input.attribute("semantic") == Some("VERTEX") {
                 corners = Some((offset, self.positions(self.named(input, "source")?)?));

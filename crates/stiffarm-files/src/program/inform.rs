@@ -155,7 +155,7 @@ fn point(line: &mut Cursor<'_>, reader: &mut Reader<'_>) -> Result<()> {
         let place = line.clone();
         let degrees = line.number()? / scales[axis];
         if degrees.abs() > 1e5 {
-            return Err(place.wrong("These are no pulses of an axis."));
+            return Err(place.wrong("No axis has so many pulses."));
         }
         Ok(degrees.to_radians())
     })?;

@@ -8,7 +8,7 @@
 
 use super::cursor::Cursor;
 use super::move_target::{External, Motion, MoveTarget};
-use super::reader::{Reader, Section, leading};
+use super::reader::{Reader, Section};
 use stiffarm::error::Result;
 use stiffarm::findings::Severity;
 
@@ -36,7 +36,7 @@ pub fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> 
     }
     for [word, before, name] in SETS {
         if line.clone().word(word) {
-            let set = line.rest().split_once(before).and_then(|(_, rest)| rest.split_once(')'));
+            let set = line.behind(before).and_then(|set| set.rest().split_once(')'));
             let index = set.map_or("", |(index, _)| index.trim());
             reader.sets(line, format!("{name} {index}"));
             return Ok(true);
@@ -130,11 +130,10 @@ fn movement<'a>(line: &mut Cursor<'a>, motion: Motion, reader: &mut Reader<'a>) 
     } else if let MoveTarget::Angles(_, axes) = &mut target {
         axes.clear();
     }
-    let rest = line.rest();
-    if rest.contains(" UNTIL") {
+    if line.behind("UNTIL").is_some() {
         reader.passes_over(line, "UNTIL");
     }
-    let feed = rest.split_once(" V=").and_then(|(_, feed)| leading(feed));
+    let feed = line.behind("V=").and_then(|mut feed| feed.number().ok());
     if feed.is_some() {
         let sentence =
             "Speeds (V=, {}) are taken as mm/s; where the controller counts them in cm/min, feeds are others.";
@@ -156,7 +155,7 @@ fn movement<'a>(line: &mut Cursor<'a>, motion: Motion, reader: &mut Reader<'a>) 
     };
     let is_arc = via.is_some();
     reader.arc_points = match motion {
-        Motion::Circular if is_arc && !rest.contains("FPT") => 3,
+        Motion::Circular if is_arc && line.behind("FPT").is_none() => 3,
         Motion::Circular if is_arc => 4,
         Motion::Circular => 1,
         _ => 0,

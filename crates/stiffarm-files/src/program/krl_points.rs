@@ -74,7 +74,7 @@ pub fn aggregate<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<MoveT
                 line.number()?;
             }
         } else {
-            let message = format!("`{axis}` is no axis: this is no joint position.");
+            let message = format!("`{axis}` is not an axis, and this not a joint position.");
             return Err(field.wrong(message));
         }
         if !line.passes(",") {

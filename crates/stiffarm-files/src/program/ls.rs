@@ -300,7 +300,7 @@ fn fields<'a>(line: &mut Cursor<'a>, open: &mut OpenPoint<'a>, is_path: bool) ->
             continue;
         }
         let Some(joint_axis) = joint_axis else {
-            let message = format!("`{axis}` is no joint: only positions in joint representation can be read.");
+            let message = format!("`{axis}` is not a joint: only positions in joint representation can be read.");
             return Err(field.wrong_here(message));
         };
         line.expect("=")?;

@@ -201,7 +201,7 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
             let place = line.clone();
             let angle = line.number()?;
             if angle.abs() > 1e3 {
-                return Err(place.wrong("This is no angle of a joint in radians."));
+                return Err(place.wrong("This is not a joint angle in radians."));
             }
             Ok(angle)
         })?;

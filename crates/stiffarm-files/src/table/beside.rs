@@ -1,5 +1,5 @@
-//! What may stand in a row of measurements beside its names, lengths and angles: a row of facts each. Readers, writers and
-//! sheets go by it, and so do errors and the keys of `[columns]`.
+//! What may stand in a row of measurements beside its names, lengths and angles: a row of facts each. Readers, writers
+//! and sheets go by it, and so do errors and the keys of `[columns]`.
 
 use super::quantity::Quantity;
 use nalgebra::Vector3;

@@ -36,7 +36,8 @@ impl MeasurementColumns {
         };
         let hint = match values {
             Values::Positions => {
-                "a table of readings has the columns posture, state, point, x_mm, y_mm, z_mm; one without names is read beside the sheet in whose order it was taken: give both"
+                "a table of readings has the columns posture, state, point, x_mm, y_mm, z_mm; one without names is \
+                 read beside the sheet in whose order it was taken: give both"
             }
             Values::Displacements => "a table of displacements has the columns posture, point, dx_mm, dy_mm, dz_mm",
         };
@@ -65,7 +66,8 @@ impl MeasurementColumns {
                     "add fx_n, fy_n, fz_n, mx_nm, my_nm, mz_nm as the sensor reports them in each state"
                 }
                 (Values::Positions, None) => {
-                    "add fx_n, fy_n, fz_n: the force on the robot in base axes; or give readings of a sensor, and its pose in [sensor]"
+                    "add fx_n, fy_n, fz_n: the force on the robot in base axes; or give readings of a sensor, and its \
+                     pose in [sensor]"
                 }
             };
             return fault(None, Code::TableHeading, message, hint);
@@ -174,7 +176,8 @@ impl MeasurementColumns {
                     shown(&before),
                     first.line
                 ),
-                "a displacement is the difference of two readings from one station: name the posture otherwise where it is read from another, with unloaded and loaded rows of its own",
+                "a displacement is the difference of two readings from one station: name the posture otherwise where \
+                 it is read from another, with unloaded and loaded rows of its own",
             ),
             None if before.is_some() == station.is_some() => return Ok(()),
             _ => (

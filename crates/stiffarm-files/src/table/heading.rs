@@ -101,7 +101,9 @@ impl<'a> Table<'a> {
             let message = "The first line holds numbers; it must name the columns.";
             let mut hint = format!("columns: {}", list(definitions, ","));
             if is_foreign(definitions) {
-                hint += "; or say in [columns] of the cell file what the columns are, for example order = [\"name\", \"x_mm\", \"y_mm\", \"z_mm\"], or which software wrote them, for example profile = \"spatialanalyzer\"";
+                hint += "; or say in [columns] of the cell file what the columns are, for example order = [\"name\", \
+                    \"x_mm\", \"y_mm\", \"z_mm\"], or which software wrote them, for example profile = \
+                    \"spatialanalyzer\"";
             }
             return Err(self.heading_error(None, Code::TableHeading, message).hint(hint));
         }
@@ -114,7 +116,8 @@ impl<'a> Table<'a> {
             if heading.name.is_empty() {
                 let message = "A column has no name.";
                 let error = self.heading_error(Some(at), Code::TableHeading, message);
-                let hint = "give it a heading; where columns without one do not matter, write ignore = [\"\"] into [columns] of the cell file";
+                let hint = "give it a heading; where columns without one do not matter, write ignore = [\"\"] into \
+                    [columns] of the cell file";
                 let error = error.hint_if(is_foreign(definitions).then(|| hint.to_string()));
                 return Err(self.two_rows(definitions).unwrap_or(error));
             }
@@ -209,7 +212,8 @@ impl<'a> Table<'a> {
         let keys = suggestion(&self.headings, is_known).filter(|_| foreign);
         let suggested = keys.map(|keys| {
             format!(
-                "say in [columns] of the cell file what these headings are, a line for each, with the unit that the file has, for example: {keys}"
+                "say in [columns] of the cell file what these headings are, a line for each, with the unit that the \
+                 file has, for example: {keys}"
             )
         });
         // A heading of ours with a unit of its own is a matter of that unit.

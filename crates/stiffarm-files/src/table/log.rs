@@ -43,7 +43,8 @@ fn read(table: &Table<'_>, axes: Option<ForceAxes>) -> Result<LoadLog> {
                 let message = format!("The log has neither {}.", columns.join(" nor "));
                 let error = table.heading_error(None, Code::TableHeading, message);
                 Err(error.hint(
-                    "a log has along_mm or time_s, counted from the path's first point, and fx_n, fy_n, fz_n or power_w",
+                    "a log has along_mm or time_s, counted from the path's first point, and fx_n, fy_n, fz_n or \
+                     power_w",
                 ))
             }
         }

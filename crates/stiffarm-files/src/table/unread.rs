@@ -7,6 +7,7 @@ use super::rows::in_words;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use stiffarm::error::{Code, Result};
+use stiffarm::findings::each_once;
 
 /// Readings that far from the tracker's origin are no zeros of a dial \[m\].
 const FAR_FROM_TRACKER: f64 = 0.1;
@@ -78,7 +79,8 @@ pub(super) fn check(table: &Table<'_>, columns: &MeasurementColumns, rows: &[Row
     let text = &row.fields[column.at].text;
     let (posture, point) = (&row.fields[columns.posture.at].text, &row.fields[columns.point.at].text);
     let message = format!(
-        "{text} is about {} the other readings of \"{point}\" in posture \"{posture}\": a decimal sign is lost, or was taken for one of thousands.",
+        "{text} is about {} the other readings of \"{point}\" in posture \"{posture}\": a decimal sign is lost, or was \
+         taken for one of thousands.",
         if *tens > 0 {
             format!("{} times", 10i64.pow(tens.unsigned_abs()))
         } else {
@@ -113,13 +115,12 @@ fn zeros(table: &Table<'_>, columns: &MeasurementColumns, read: &[PositionRow<'_
     let Some(first) = lost.first() else {
         return Ok(());
     };
-    let mut postures: Vec<&str> = lost.iter().map(|one| one.of.0).collect();
-    postures.dedup();
+    let postures: Vec<&str> = lost.iter().map(|one| one.of.0).collect();
     let lines: Vec<usize> = lost.iter().map(|one| one.row.line).collect();
     let message = format!(
         "The position is 0, 0, 0, which a tracker writes that has lost its reflector: {} of posture {}.",
         if lines.len() == 1 { format!("line {}", lines[0]) } else { format!("lines {}", in_words(&lines)) },
-        postures.join(", ")
+        each_once(&postures).join(", ")
     );
     let error = table.error(first.row, columns.component(0).at, Code::InvalidValue, message);
     Err(error.hint("delete these rows, or leave x, y and z empty where nothing was read"))

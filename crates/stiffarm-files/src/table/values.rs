@@ -72,7 +72,8 @@ impl Values {
                 let message = "The table has neither positions nor displacements.";
                 let error = table.heading_error(None, Code::TableHeading, message);
                 Err(error.hint(
-                    "give x_mm, y_mm, z_mm as the tracker read them, or dx_mm, dy_mm, dz_mm: loaded minus unloaded, base axes",
+                    "give x_mm, y_mm, z_mm as the tracker read them, or dx_mm, dy_mm, dz_mm: loaded minus unloaded, \
+                     base axes",
                 ))
             }
         }

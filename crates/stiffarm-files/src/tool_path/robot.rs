@@ -58,8 +58,8 @@ pub(super) fn read(files: &[ProgramFile], language: Language, builder: &mut Buil
         let at = axis.stands.unwrap_or_default();
         builder.remark("external-axis", name, axis.line, Severity::Note, || {
             format!(
-                "External axis {name} stands at {at} at every point ({{}} on): the cell's base is taken to be where the \
-                 robot then stands."
+                "External axis {name} stands at {at} at every point ({{}} on): the cell's base is taken to be where \
+                 the robot then stands."
             )
         });
     }
@@ -177,7 +177,8 @@ impl<'a> Walk<'a, '_, '_> {
                     axis.now
                 );
                 return Err(cursor.clone().wrong_here(message).hint(
-                    "a path is read where external axes stand still: read the parts of the program between their moves as files of their own",
+                    "a path is read where external axes stand still: read the parts of the program between their moves \
+                     as files of their own",
                 ));
             }
         }

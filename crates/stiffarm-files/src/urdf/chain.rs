@@ -248,8 +248,10 @@ fn direction(source: &Source<'_>, joint: &Joint) -> Result<UnitVector3<f64>> {
             "The joint \"{}\" between base and tip {kind}; only joints that turn about one axis are supported.",
             joint.name
         );
-        return Err(error(Code::Unsupported, message)
-            .hint("choose --base and --tip so that it is not between them: a linear track below the base, a tool behind the tip"));
+        return Err(error(Code::Unsupported, message).hint(
+            "choose --base and --tip so that it is not between them: a linear track below the base, a tool \
+                behind the tip",
+        ));
     }
     UnitVector3::try_new(joint.axis, 1e-9).ok_or_else(|| {
         let message = format!("The axis of the joint \"{}\" has length zero.", joint.name);

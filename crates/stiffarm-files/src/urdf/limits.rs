@@ -115,14 +115,15 @@ pub(super) fn narrowed(
     joint: &Joint,
     (drive, multiplier, offset): (&Joint, f64, f64),
 ) -> Result<[f64; 2]> {
-    let joint_limits = [joint.limit.lower, joint.limit.upper].map(meant);
+    let written = [joint.limit.lower, joint.limit.upper];
+    let joint_limits = written.map(meant);
     if joint.kind == JointKind::Continuous || joint_limits[0] == joint_limits[1] || multiplier == 0.0 {
         return Ok(limits);
     }
     if joint_limits[0] > joint_limits[1] {
         return self::limits(source, joint);
     }
-    degrees(source, joint, joint_limits)?;
+    degrees(source, joint, written)?;
     let mut ends = joint_limits.map(|end| (end - offset) / multiplier);
     ends.sort_by(f64::total_cmp);
     let both = [limits[0].max(ends[0]), limits[1].min(ends[1])];

@@ -85,7 +85,8 @@ pub fn stiffness_figure(
     let widths = match (parts.is_empty(), has_both) {
         (true, _) => format!("; no joint is known to better than {no_longer}"),
         (false, true) => format!(
-            "; and its ± with the parts, where a joint without a bar of the total is known to no better than {no_longer}"
+            "; and its ± with the parts, where a joint without a bar of the total is known to no better than \
+             {no_longer}"
         ),
         (false, false) => "; and its ± by the readings alone".to_string(),
     };
@@ -98,8 +99,8 @@ pub fn stiffness_figure(
         id: "joint-stiffness".into(),
         title: "Joint stiffness and how well it is known".into(),
         caption: format!(
-            "Stiffness of each joint with its {level} % interval (an arrow where it is open above: only a lower bound is \
-             known){}{widths}.",
+            "Stiffness of each joint with its {level} % interval (an arrow where it is open above: only a lower bound \
+             is known){}{widths}.",
             match (prior.is_empty(), published.is_empty()) {
                 (true, true) => "",
                 (false, true) => ", beside the cell's prior",

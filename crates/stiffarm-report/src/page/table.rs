@@ -36,8 +36,8 @@ pub(super) fn table(data: &DataTable) -> String {
     let few = if data.rows.len() <= FEW_ROWS { " few" } else { "" };
     let wide = if is_wide(data) { " wide" } else { "" };
     format!(
-        "<p class=\"caption{wide}\">{0}</p><div class=\"table{few}{wide}\" tabindex=\"0\" role=\"group\" aria-label=\"{0}\">\
-         <table aria-label=\"{0}\">\n<thead><tr>{headings}</tr></thead>\n<tbody>\n{1}</tbody></table></div>",
+        "<p class=\"caption{wide}\">{0}</p><div class=\"table{few}{wide}\" tabindex=\"0\" role=\"group\" \
+         aria-label=\"{0}\"><table aria-label=\"{0}\">\n<thead><tr>{headings}</tr></thead>\n<tbody>\n{1}</tbody></table></div>",
         escape(&data.caption),
         rows.collect::<String>()
     )

@@ -47,9 +47,10 @@ fn elastic(simulation: &ElasticSimulation) -> Table {
     let mut table = Table::new(
         "elastic",
         format!(
-            "RMS error of a predicted deflection {} with the joint axes alone and with the mixed model, {} runs of each \
-             group with springs beyond the axes drawn anew; expected: the index prediction, which knows their sizes. Share of \
-             the components of deflections inside their bands, and of intervals of k that hold the true one.",
+            "RMS error of a predicted deflection {} with the joint axes alone and with the mixed model, {} runs of \
+             each group with springs beyond the axes drawn anew; expected: the index prediction, which knows their \
+             sizes. Share of the components of deflections inside their bands, and of intervals of k that hold the \
+             true one.",
             if simulation.predicted_tasks {
                 "at the tasks of the cell"
             } else {
@@ -213,7 +214,8 @@ fn stiffness(study: &Study) -> Table {
     let headings = ["group", "joint", "truth [N·m/rad]", "k [N·m/rad]", "low [N·m/rad]", "high [N·m/rad]"];
     let mut table = Table::new(
         "stiffness",
-        "Joint stiffness identified from one simulated measurement, with the 95 % interval by the scatter of the readings.",
+        "Joint stiffness identified from one simulated measurement, with the 95 % interval by the scatter of the \
+         readings.",
         headings.map(String::from).to_vec(),
     );
     for group in &study.groups {

@@ -95,9 +95,9 @@ pub(in crate::tell) fn residual_section(
         false => String::new(),
     };
     let text = format!(
-        "The measured postures in their order. Arrows at the measuring points are {explained}, drawn much larger than they are: \
-         arrows that point alike at all points of a posture are a shift that its points share, arrows without order are noise.\
-         {states}"
+        "The measured postures in their order. Arrows at the measuring points are {explained}, drawn much larger than \
+         they are: arrows that point alike at all points of a posture are a shift that its points share, arrows \
+         without order are noise.{states}"
     );
     context.scene_section(scene, &postures, &text).map(|mut section| {
         section.title = format!("{label} on the cell in 3D");

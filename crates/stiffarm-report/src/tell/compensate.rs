@@ -18,7 +18,7 @@ impl<O> Telling<O> for Compensated {
         let result = &self.compensation;
         let count = result.points.len();
         let done = Text::new(format!(
-            "The path of {count} points was changed so that the loaded tool follows the path that is wanted."
+            "The path of {count} points was changed so that the loaded tool follows the nominal path."
         ));
         let verdict = [done.then(how_found(&self.postures)), conclusion(result), next(result)];
         let order = largest_first(result.points.iter().map(|p| p.correction_size_m));
@@ -43,7 +43,7 @@ impl<O> Telling<O> for Compensated {
 
 fn conclusion(result: &Compensation) -> Text {
     let mm = |length: f64| Number::new(length).of(Quantity::LENGTH);
-    let text = Text::new("Without it the tool bends away by ")
+    let text = Text::new("Without correction the tool bends away by ")
         .number(mm(result.uncompensated_rms_m))
         .words(" (RMS), at most ")
         .number(mm(result.uncompensated_max_m));
@@ -131,7 +131,7 @@ fn cell_section(context: &Given<'_>, result: &Compensation) -> Result<Section> {
     };
     work.section(
         context,
-        "The path that is wanted; in colour, how the tool would bend away from it without correction; thin, what is \
+        "The nominal path; in colour, how the tool would bend away from it without correction; thin, what is \
          commanded instead. The slider exaggerates both. Where the tip bends least and most, an ellipsoid shows how it \
          gives way.",
     )
@@ -174,7 +174,8 @@ fn band_section(result: &Compensation) -> Option<Section> {
             .words(" are left at most: ")
     };
     let text = model.words(format!(
-        "what the real arm leaves is the uncertainty of the deflection, most of it from {}, and whatever the model leaves out.",
+        "what the real arm leaves is the uncertainty of the deflection, most of it from {}, and whatever the model \
+         leaves out.",
         dominant(band.size_m)
     ));
     let blocks = vec![Block::Text(text), Block::Table(table)];

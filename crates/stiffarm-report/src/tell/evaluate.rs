@@ -23,7 +23,8 @@ impl Telling<EvaluatedOptions> for Evaluated {
                 counted(groups[0].evaluation.posture_count, "posture")
             )),
             count => Text::new(format!(
-                "{count} groups of postures were evaluated: what each can tell of the joint stiffness, before anything is measured."
+                "{count} groups of postures were evaluated: what each can tell of the joint stiffness, before anything \
+                 is measured."
             )),
         };
         let best = best(&groups);
@@ -40,9 +41,9 @@ impl Telling<EvaluatedOptions> for Evaluated {
             Some(_) if is_outside(result) => Text::new("Do not drive there as they are: ")
                 .code("stiffarm select --initial")
                 .words(" moves the postures inside the limits of the cell."),
-            Some(_) => Text::new("Measure it, or let ")
+            Some(_) => Text::new("Measure at these postures, or let ")
                 .code("stiffarm select")
-                .words(" find out how much better another plan of as many postures could be."),
+                .words(" find a better plan of as many postures."),
         };
         let shown: Vec<PostureGroup> =
             result.groups.iter().filter(|group| !group.postures.is_empty()).map(EvaluatedGroup::group).collect();
@@ -88,11 +89,11 @@ fn best(groups: &[Worth<'_>]) -> Option<usize> {
 
 fn conclusion(result: &Evaluated, groups: &[Worth<'_>], best: Option<usize>) -> Text {
     let Some(g) = best else {
-        let joints = groups.iter().flat_map(|group| &group.evaluation.undetermined_joints);
-        let mut names = shown(joints);
-        names.dedup();
-        return match groups.len() {
-            1 => Text::new("It cannot determine ").strong(list(&names)).words("."),
+        return match groups {
+            [group] => {
+                let joints = shown(&group.evaluation.undetermined_joints);
+                Text::new("It cannot determine ").strong(list(&joints)).words(".")
+            }
             _ => Text::new("No group determines every joint."),
         };
     };

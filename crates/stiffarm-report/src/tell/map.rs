@@ -124,14 +124,14 @@ fn conclusion(map: &StiffnessMap) -> Text {
     };
     let place = |node: usize| position(map.nodes[node].position_m);
     let [deflection, half_width] = deflections(map);
-    let text = Text::new("It gives way least at ")
+    let text = Text::new("The tip gives way least at ")
         .then(place(extremes.best))
         .words(", by ")
         .number(Number::new(least).of(deflection));
     with_half_width(map, extremes.best, text, half_width)
         .words("; ")
         .number(Number::computed(most / least).significant(2))
-        .words(" times as far at ")
+        .words(" times as much at ")
         .then(place(extremes.worst))
         .words(", by ")
         .number(Number::new(most).of(deflection))

@@ -73,8 +73,8 @@ pub(super) fn features_section(features: &[Feature]) -> Option<Section> {
         .numbers("along feed", Quantity::LENGTH, |row| Some(Number::new(features[row].feed_max_m)))
         .numbers("cross", Quantity::LENGTH, |row| Some(Number::new(features[row].cross_max_m)))
         .numbers("tool axis", Quantity::LENGTH, |row| Some(Number::new(features[row].axis_max_m)));
-    let words = "What lies across the feed changes the shape of the part, what lies along it does not. Compensated is what \
-                 may be left: the residual with its ±.";
+    let words = "What lies across the feed changes the shape of the part, what lies along it does not. Compensated is \
+                 what may be left: the residual with its ±.";
     let blocks = vec![Block::Text(words.into()), Block::Table(table)];
     Some(Section::new("features", "Features", blocks))
 }

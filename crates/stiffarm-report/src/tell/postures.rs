@@ -230,8 +230,8 @@ pub(super) fn near_singular(names: &[String], evaluation: &GroupEvaluation) -> O
     let noun = if near.len() == 1 { "posture" } else { "postures" };
     (!near.is_empty()).then(|| {
         Text::new(format!(
-            "Close to a singularity, k(J_N) above {NEAR_SINGULAR}: {noun} {}. That is harmless to the identification, but \
-             move there joint by joint.",
+            "Close to a singularity, k(J_N) above {NEAR_SINGULAR}: {noun} {}. That is harmless to the identification, \
+             but move there joint by joint.",
             list(&near)
         ))
     })

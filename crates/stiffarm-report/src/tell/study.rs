@@ -35,8 +35,8 @@ impl<O> Telling<O> for Study {
         let study = self;
         let groups = &study.groups;
         let done = Text::new(format!(
-            "On {}, {} of postures were compared: Group 1 and what each index makes of it, in {} simulated measurements \
-         per noise level with tracker noise.",
+            "On {}, {} of postures were compared: Group 1 and what each index makes of it, in {} simulated \
+         measurements per noise level with tracker noise.",
             visible(&study.cell),
             counted(groups.len(), "group"),
             study.simulation.runs,
@@ -151,14 +151,15 @@ impl<O> Telling<O> for Study {
             "Identification and validation, simulated (Tables 6 and 7, Fig. 10)",
             vec![
                 text(
-                    "Each group is measured once with tracker noise and identified. The noise is the only error here, so \
-                     this shows what the tracker allows, not what an experiment reaches, and each column is one draw: \
-                     differences of the size of the intervals are luck.",
+                    "Each group is measured once with tracker noise and identified. The noise is the only error here, \
+                     so this shows what the tracker allows, not what an experiment reaches, and each column is one \
+                     draw: differences of the size of the intervals are luck.",
                 ),
                 Some(Block::Table(stiffness(study))),
                 of_paper(
-                    "The paper's columns are its experiment (Table 6): there the true stiffness is unknown, and its three \
-                     groups differ up to fourfold. Its raw readings are not published, so they cannot be recomputed.",
+                    "The paper's columns are its experiment (Table 6): there the true stiffness is unknown, and its \
+                     three groups differ up to fourfold. Its raw readings are not published, so they cannot be \
+                     recomputed.",
                 ),
                 picture("validation"),
                 table("validation"),
@@ -168,7 +169,8 @@ impl<O> Telling<O> for Study {
                 said(&["validation-limit"]),
                 is_validated
                     .then_some(
-                        "The paper measured 0.17 to 0.87 mm: model error, not tracker noise, dominated that experiment.",
+                        "The paper measured 0.17 to 0.87 mm: model error, not tracker noise, dominated that \
+                         experiment.",
                     )
                     .and_then(of_paper),
                 elastic_errors,
@@ -294,9 +296,9 @@ fn set_up(study: &Study) -> Text {
         None => Text::new("none"),
     };
     Text::new(format!(
-        "Section IV of the paper ({PAPER}) on this cell. Robot: {}. Every number is simulated unless it is marked as the \
-         paper's; the true joint stiffness stands beside the identified one below. Displacement noise at variance factor \
-         1: ",
+        "Section IV of the paper ({PAPER}) on this cell. Robot: {}. Every number is simulated unless it is marked as \
+         the paper's; the true joint stiffness stands beside the identified one below. Displacement noise at variance \
+         factor 1: ",
         visible(&study.robot)
     ))
     .number(noise)

@@ -197,9 +197,9 @@ fn next(validation: &Validation, findings: &[Finding]) -> Text {
     if findings.iter().any(|f| f.code == codes::SEEN_POSTURES) {
         return Text::new("Validate on postures that took no part: ")
             .code("stiffarm identify --exclude")
-            .words(" keeps some of those measured out, or ")
+            .words(" leaves out some that were measured, or ")
             .code("--folds")
-            .words(" predicts each by a fit without it.");
+            .words(" predicts each posture by a fit without it.");
     }
     if validation.noise_expectation_m > 0.0 && validation.deviation_rms_m > MODEL * validation.noise_expectation_m {
         return Text::new("At postures like these count on errors of ")

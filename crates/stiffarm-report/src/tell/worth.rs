@@ -26,8 +26,8 @@ pub(super) struct Worth<'a> {
 /// Unit and digits of an index.
 pub fn index_quantity(index: Index) -> Quantity {
     let (unit, factor) = index.shown_in();
-    // No plan is better in practice by what a fourth digit of an error says, nor by a third of what stands on sizes that are
-    // expected.
+    // No plan is better in practice by what a fourth digit of an error says, nor by a third of what stands on sizes
+    // that are expected.
     let digits = match index {
         Index::Prediction => 2,
         _ if unit == "%" => 3,
@@ -41,7 +41,8 @@ pub(super) fn index_number(index: Index, value: impl Into<Option<f64>>) -> Numbe
     Number::new(value).of(index_quantity(index))
 }
 
-/// Which joint will be least sure, as sentences: by the ± that `identify` is expected to print, else by the noise alone.
+/// Which joint will be least sure, as sentences: by the ± that `identify` is expected to print, else by the noise
+/// alone.
 pub(super) fn least_sure(evaluation: &GroupEvaluation, joints: &[String]) -> Text {
     let errors = &evaluation.relative_standard_error;
     let forecast = evaluation.forecast.as_ref().map(|forecast| &forecast.total);
@@ -80,7 +81,8 @@ pub(super) fn joint_names(joints: &[String], evaluation: &GroupEvaluation) -> Ve
 }
 
 /// Expected errors joint by joint, singular values, correlations, the parts of the novel index, and all indices.
-/// `characteristic_length_m` is that of the options; `bounds` are relative standard errors that no plan of as many postures goes below.
+/// `characteristic_length_m` is that of the options; `bounds` are relative standard errors that no plan of as many
+/// postures goes below.
 pub(super) fn worth_sections(
     context: &Given<'_>,
     characteristic_length_m: Option<f64>,
@@ -166,8 +168,8 @@ pub(super) fn joint_table(joints: &[String], groups: &[Worth<'_>], bounds: &[Joi
     let forecast = groups.iter().find_map(|g| g.evaluation.forecast.as_ref());
     let caption = match forecast {
         Some(forecast) => format!(
-            "Relative standard error of the joint stiffness by noise alone, and the ± at {} % that identify will print, \
-             systematic errors included",
+            "Relative standard error of the joint stiffness by noise alone, and the ± at {} % that identify will \
+             print, systematic errors included",
             level(forecast.confidence)
         ),
         None => "Relative standard error of the joint stiffness by noise alone".to_string(),

@@ -175,7 +175,7 @@ fn a_map_names_its_places() {
     let said = map(1400.0);
     insta::assert_snapshot!(story(&said.verdict), @"
     The tool tip was held at 20 positions, x 1400 to 2200 mm, y −500 to 500 mm, z = 800 mm, with its axis along (0, 0, −1), under a force of (0, 0, 1) N, 1 N along the direction: the cell's [work] gives a load in the axes of a path, which a map has not; 20 of them are reachable within all limits.
-    It gives way least at x = 1400, y = −500, z = 800 mm, by 3.45 µm; 1.2 times as far at x = 2200, y = −500, z = 800 mm, by 4.14 µm.
+    The tip gives way least at x = 1400, y = −500, z = 800 mm, by 3.45 µm; 1.2 times as much at x = 2200, y = −500, z = 800 mm, by 4.14 µm.
     Put the work where the tip gives way little; stiffarm map cell.toml k.json --place path.csv finds the place for a whole path, and an identified stiffness instead of the assumed one gives every number its ±.
     ");
     assert_eq!(summary(&said), ["map"]);

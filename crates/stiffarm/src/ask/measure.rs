@@ -41,8 +41,8 @@ const STEP_DEG: f64 = 0.01;
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 #[serde(default)]
 pub struct MeasureOptions {
-    /// Good enough, at 95 % with all errors together: `2%` for every joint's stiffness known to 2 %, or `0.05mm` for
-    /// the deflection at each of the cell's tasks predicted to 0.05 mm
+    /// When it is enough, at 95 % with all errors together: `2%` means that every joint's stiffness is known to 2 %,
+    /// `0.05mm` that the deflection at each of the cell's tasks is predicted to 0.05 mm
     #[cfg_attr(feature = "clap", arg(long, value_name = "2%|0.05mm", value_parser = goal))]
     pub until: Option<Goal>,
     /// Do not search for a posture that would help more than the next planned one
@@ -180,8 +180,8 @@ impl Judgement {
     }
 }
 
-/// What `measurements` are worth beside a plan; `measurements` are the error of a table in which no posture is complete yet
-/// where there is none.
+/// What `measurements` are worth beside a plan; `measurements` are the error of a table in which no posture is complete
+/// yet where there is none.
 ///
 /// # Errors
 /// Readings that cannot be read or hold something wrong, a goal at tasks that the cell does not have, stopped.

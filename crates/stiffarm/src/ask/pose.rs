@@ -150,7 +150,7 @@ pub struct PoseOptions {
     /// Frame that poses are given in
     #[cfg_attr(feature = "clap", arg(long, value_name = "FRAME", default_value = "controller", value_parser = choice(FRAME)))]
     pub frame: PoseFrame,
-    /// What the poses that are read and written are of
+    /// Point whose poses are read and written
     #[cfg_attr(feature = "clap", arg(long, value_name = "POINT", default_value = "flange", value_parser = choice(POINT)))]
     pub point: PosePoint,
 }
@@ -223,8 +223,8 @@ impl PoseKind {
         let maker = cell.setup.robot.controller().map(Controller::title);
         if let Some((height, maker)) = self.height_left_out(cell).zip(maker) {
             let sentence = format!(
-                "Pendants of {maker} count z from the height of axis 2, {:.0} mm above the frame of these poses, which is \
-                 the cell's: z on the pendant is smaller by that.",
+                "Pendants of {maker} count z from the height of axis 2, {:.0} mm above the frame of these poses, which \
+                 is the cell's: z on the pendant is smaller by that.",
                 m_to_mm(height)
             );
             findings.push(Finding::caution("pendant-height", "robot.controller", sentence));

@@ -54,8 +54,8 @@ pub struct PredictOptions {
     #[serde(flatten)]
     #[cfg_attr(feature = "clap", command(flatten))]
     pub path: PathOptions,
-    /// The cell's own [load], acting at its loading point, instead of a load at the tip; the deflection is that of the
-    /// tip all the same
+    /// Load the arm by the cell's own [load] at its loading point, not at the tip; the deflection is still that of the
+    /// tip
     #[cfg_attr(feature = "clap", arg(long))]
     pub cell_load: bool,
     /// With --cell-load: which of several load cases

@@ -241,8 +241,8 @@ fn crossed(
     })
 }
 
-/// That the errors of these displacements come mostly from directions in which no reading of the identification has loaded
-/// the arm.
+/// That the errors of these displacements come mostly from directions in which no reading of the identification has
+/// loaded the arm.
 ///
 /// # Errors
 /// As [`never_loaded`].
@@ -272,8 +272,8 @@ fn seen(saved: &Saved, result: &Validation) -> Option<Finding> {
         false => saved.angles.iter().any(|q| is_same_posture(q, &posture.angles)),
     };
     let seen = result.postures.iter().filter(|posture| is_seen(posture));
-    let mut seen: Vec<&str> = seen.map(|posture| posture.posture.as_str()).collect();
-    seen.dedup();
+    let seen: Vec<&str> = seen.map(|posture| posture.posture.as_str()).collect();
+    let seen = each_once(&seen);
     let (verb, them) = match seen.len() {
         0 => return None,
         1 => ("Posture", "its deviations"),

@@ -164,7 +164,8 @@ impl<'f> InterimEstimate<'f> {
         }
     }
 
-    /// Of `left` postures those that are missing until the mixed model, which `identify` takes by default, can be fitted.
+    /// Of `left` postures those that are missing until the mixed model, which `identify` takes by default, can be
+    /// fitted.
     pub fn missing_postures(&self, left: usize) -> usize {
         match ElasticChoice::or_default(None, self.fit.options()) {
             ElasticChoice::Mixed => {
@@ -178,8 +179,8 @@ impl<'f> InterimEstimate<'f> {
     /// Says that a goal counts as not reached while postures are missing.
     pub(crate) fn too_few(&self, left: usize) -> Option<Finding> {
         let sentence = format!(
-            "Fewer than {FEWEST_POSTURES} postures do not show what gives way beyond the joint axes: until then ± holds only if \
-             nothing does, and the goal counts as not reached."
+            "Fewer than {FEWEST_POSTURES} postures do not show what gives way beyond the joint axes: until then ± \
+             holds only if nothing does, and the goal counts as not reached."
         );
         (self.missing_postures(left) > 0).then(|| Finding::note("too-few-postures", "goal", sentence))
     }
@@ -274,8 +275,8 @@ fn out_of_reach(systematic: &SystematicErrors, confidence: f64, goal: f64) -> Re
         return Ok(None);
     };
     let sentence = format!(
-        "The force is known to {} (one standard uncertainty{}), which alone leaves ± {} of every stiffness: no number of \
-         postures reaches ± {}. Declare uncertainty.force_scale_percent where it is known better, or ask for less.",
+        "The force is known to {} (one standard uncertainty{}), which alone leaves ± {} of every stiffness: no number \
+         of postures reaches ± {}. Declare uncertainty.force_scale_percent where it is known better, or ask for less.",
         percent(scale.size),
         if scale.declared { "" } else { ", assumed" },
         percent(quantile * scale.size),

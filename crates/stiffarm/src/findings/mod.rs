@@ -122,12 +122,12 @@ pub(crate) fn probability(p: f64) -> String {
     }
 }
 
-/// Findings of several parts of a result, each once.
-pub(crate) fn each_once<'a>(all: impl IntoIterator<Item = &'a Finding>) -> Vec<Finding> {
-    let mut out: Vec<Finding> = Vec::new();
-    for finding in all {
-        if !out.contains(finding) {
-            out.push(finding.clone());
+/// Each of these once, in their order: findings of several parts of a result, or names that need not stand together.
+pub fn each_once<'a, T: PartialEq + Clone + 'a>(all: impl IntoIterator<Item = &'a T>) -> Vec<T> {
+    let mut out: Vec<T> = Vec::new();
+    for one in all {
+        if !out.contains(one) {
+            out.push(one.clone());
         }
     }
     out

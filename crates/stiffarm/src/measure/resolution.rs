@@ -62,7 +62,8 @@ impl Resolution {
             return None;
         }
         let sentence = format!(
-            "All {} readings are multiples of {shown}: they were rounded before they came here. That is a noise of {} in each coordinate (step/√12) beside {} of the tracker, with which it is counted.",
+            "All {} readings are multiples of {shown}: they were rounded before they came here. That is a noise of {} \
+             in each coordinate (step/√12) beside {} of the tracker, with which it is counted.",
             readings.len(),
             length(std),
             length(tracker_std),

@@ -54,6 +54,13 @@ fn a_saved_stiffness_is_validated_at_the_postures_asked_for() {
         assert_eq!(codes.into_iter().any(|code| code == "seen-postures"), is_seen);
     }
 
+    // Each is named once: the states of a posture need not stand together.
+    let twice = Measured::from([measured.postures.clone(), measured.postures.clone()].concat());
+    (saved.angles, saved.postures) = (Vec::new(), vec!["1".to_string(), "2".to_string()]);
+    let validated = ValidateOptions::default().held_out(&cell, Some("this"), &saved, twice).unwrap();
+    let seen = validated.remarks.into_iter().find(|finding| finding.code == "seen-postures").unwrap();
+    assert!(seen.sentence.starts_with("Postures 1 and 2 "), "{}", seen.sentence);
+
     let negative = ValidateOptions { tolerance_mm: Some(-1.0), ..request.clone() };
     let refused = negative.held_out(&cell, None, &saved, measured.clone());
     assert_eq!(key(refused.unwrap_err()), wrong("tolerance_mm"));

@@ -65,8 +65,8 @@ impl JsonSchema for RawColumns {
                 "ignore": {
                     "type": "array",
                     "items": { "type": "string" },
-                    "description": "Headings of columns that do not matter, or their places where no column has that heading: \
-                                    \"C\" as in a spreadsheet, or \"3\"; \"\" stands for columns without one.",
+                    "description": "Headings of columns that do not matter, or their places where no column has that \
+                                    heading: \"C\" as in a spreadsheet, or \"3\"; \"\" stands for columns without one.",
                 },
                 "order": {
                     "type": "array",

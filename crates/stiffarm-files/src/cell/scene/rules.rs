@@ -186,7 +186,8 @@ pub(super) fn displacement(
         let message = "A limit of the displacement needs a load that is known before it is measured.";
         let error = source.error(Code::Conflict, list, message);
         return Err(error.hint(
-            "remove displacement_mm, or set load.kind to \"rope\", \"cylinder\", \"weight\" or \"wrench\" as the load will be",
+            "remove displacement_mm, or set load.kind to \"rope\", \"cylinder\", \"weight\" or \"wrench\" as the load \
+             will be",
         ));
     }
     let Some(prior) = prior else {
@@ -242,7 +243,8 @@ pub(super) fn check_places(source: &Source<'_>, raw: &RawCell, setup: &Setup, sc
                 )
             } else {
                 format!(
-                    "Measuring point {} is {:.1} mm from \"{name}\", and beams keep {:.1} mm from every shape: none reaches it.",
+                    "Measuring point {} is {:.1} mm from \"{name}\", and beams keep {:.1} mm from every shape: none \
+                     reaches it.",
                     point.name,
                     depth * 1e3,
                     sight.clearance * 1e3

@@ -162,7 +162,8 @@ impl<'o> Order<'o> {
             if twice <= missing { ("late", *twice, *missing) } else { ("early", *missing, *twice) };
         let others = fitting.iter().filter(|(i, _)| i == twice).map(|(_, j)| *j);
         let message = format!(
-            "The readings of lines {} to {} stand one row {late}: line {} is that of line {} once more, and {} has no reading.",
+            "The readings of lines {} to {} stand one row {late}: line {} is that of line {} once more, and {} has no \
+             reading.",
             self.line(first),
             self.line(last),
             self.line(*twice),

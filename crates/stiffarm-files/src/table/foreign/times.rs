@@ -18,8 +18,8 @@ const MIDNIGHT: f64 = 43200.0;
 /// The heading of days since some date, as spreadsheets count them.
 const DAYS: &str = "time_d";
 
-const HINT: &str = "times are read as 2026-11-23T14:05:12, 23.11.2026 14:05:12, 11/23/2026 2:05:12 PM, 14:05:12 or seconds; \
-                    ignore in [columns] of the cell file leaves the column out";
+const HINT: &str = "times are read as 2026-11-23T14:05:12, 23.11.2026 14:05:12, 11/23/2026 2:05:12 PM, 14:05:12 or \
+                    seconds; ignore in [columns] of the cell file leaves the column out";
 
 /// Turns the column of times into seconds since the first of them, where it is not seconds
 /// already; a column `date` beside it belongs to it.

@@ -114,7 +114,8 @@ fn kind(table: &Table<'_>, heading: &NamedColumns<'_, '_>, joints: usize) -> Res
         let message = "The table has both roll, pitch, yaw and a tool axis.";
         let error = table.heading_error(Some(turns.max(axis)), Code::Conflict, message);
         return Err(error.hint(
-            "keep roll, pitch, yaw for a fixed orientation, or axis_x, axis_y, axis_z where the tool may turn about its axis",
+            "keep roll, pitch, yaw for a fixed orientation, or axis_x, axis_y, axis_z where the tool may turn about \
+             its axis",
         ));
     }
     match (angles, position, turns, axis) {
@@ -132,7 +133,8 @@ fn kind(table: &Table<'_>, heading: &NamedColumns<'_, '_>, joints: usize) -> Res
             let message = "The table has neither joint angles nor poses.";
             let error = table.heading_error(None, Code::TableHeading, message);
             Err(error.hint(format!(
-                "give q1_deg to q{joints}_deg, or x_mm, y_mm, z_mm with roll_deg, pitch_deg, yaw_deg or axis_x, axis_y, axis_z"
+                "give q1_deg to q{joints}_deg, or x_mm, y_mm, z_mm with roll_deg, pitch_deg, yaw_deg or axis_x, \
+                 axis_y, axis_z"
             )))
         }
     }

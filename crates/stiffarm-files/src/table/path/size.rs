@@ -41,7 +41,8 @@ pub(super) fn check_size(table: &Table<'_>, columns: &PathColumns, cell: &Cell, 
     let nearest = distances.fold(f64::INFINITY, f64::min);
     if nearest > FARTHEST_REACHES * arm.reach {
         let message = format!(
-            "The numbers look like another unit: the nearest point is {nearest:.0} m away, and the arm is {:.1} m long.",
+            "The numbers look like another unit: the nearest point is {nearest:.0} m away, and the arm is {:.1} m \
+             long.",
             arm.reach
         );
         return match suffix {

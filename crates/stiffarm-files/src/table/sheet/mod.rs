@@ -23,7 +23,8 @@ use stiffarm::model::posture::Posture;
 #[non_exhaustive]
 pub struct SheetOptions {
     /// Load states in the order in which they are taken; if none is named, `loaded`, or
-    /// the cell's load cases with an unloaded state before each. An unloaded state comes first where none is among them.
+    /// the cell's load cases with an unloaded state before each. An unloaded state comes first where none is among
+    /// them.
     pub states: Vec<String>,
     /// Whether each posture ends with another unloaded state, which shows the drift.
     pub drift: bool,
@@ -189,8 +190,8 @@ impl Sheet {
 /// one state, or with the one number in the state's name (`up-250`, `500N`) where it is a
 /// force that the cell's load can have.
 ///
-/// Where the cell has several stations of the tracker, the column `station` says from which the posture is read: the one
-/// that sees most of its points.
+/// Where the cell has several stations of the tracker, the column `station` says from which the posture is read: the
+/// one that sees most of its points.
 ///
 /// Rows stand in measuring order; where the load stays on between postures, every second posture
 /// is measured from the last state to the first.

@@ -111,8 +111,8 @@ pub(in crate::table) fn counts(headings: &[Heading]) -> Option<String> {
         _ => ["N", "n"],
     };
     Some(format!(
-        "\"{}\" holds counts, whose size only the sensor's calibration tells: divide them by its counts per {}, and name \
-         the column {stem}_{}",
+        "\"{}\" holds counts, whose size only the sensor's calibration tells: divide them by its counts per {}, and \
+         name the column {stem}_{}",
         heading.shown, unit[0], unit[1]
     ))
 }

@@ -97,7 +97,8 @@ fn not_seen(table: &Table<'_>, sheet: &str, hidden: &Hidden) -> Option<Finding> 
         parts.push(format!("{} hidden {noun} ({names})", columns.len()));
     }
     let sentence = format!(
-        "The sheet \"{sheet}\" of {} has {}, which count like all others. Take the filter off and delete what is not to count.",
+        "The sheet \"{sheet}\" of {} has {}, which count like all others. Take the filter off and delete what is not \
+         to count.",
         table.files[0],
         parts.join(" and ")
     );
@@ -152,7 +153,10 @@ fn read(bytes: &[u8], foreign: &Columns) -> Result<Sheet> {
     let mut others = others.iter().take(OTHERS);
     let with_data = others.find(|name| holds_something(&mut workbook, name));
     let aside = with_data.map(|other| {
-        format!("only the first sheet, \"{first}\", is read; \"{other}\" holds data, too: move the table's sheet to the front, or name it in [columns] of the cell file: sheet = \"{other}\"")
+        format!(
+            "only the first sheet, \"{first}\", is read; \"{other}\" holds data, too: move the table's sheet to \
+            the front, or name it in [columns] of the cell file: sheet = \"{other}\""
+        )
     });
     Ok(Sheet { aside, ..first_sheet })
 }

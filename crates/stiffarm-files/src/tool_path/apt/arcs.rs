@@ -74,8 +74,8 @@ impl Arcs {
         }
         if both.iter().sum::<i32>() < 0 {
             builder.remark("arc-sense", "", line, Severity::Caution, || {
-                "An arc ({}) would go on smoothly from and to the straight moves beside it if it ran the other way round. It \
-                 is read as the other arcs of the file: look at its points."
+                "An arc ({}) would go on smoothly from and to the straight moves beside it if it ran the other way \
+                 round. It is read as the other arcs of the file: look at its points."
                     .to_string()
             });
         }
@@ -92,8 +92,8 @@ impl State<'_, '_> {
         };
         if tangent == contrary {
             self.builder.remark("arc-sense-assumed", "", line, Severity::Caution, || {
-                "Nothing in the file says which way round its arcs run (the first: {}): they are read counter-clockwise \
-                 about their axes, as ISO 4343 has them. NX writes them clockwise."
+                "Nothing in the file says which way round its arcs run (the first: {}): they are read \
+                 counter-clockwise about their axes, as ISO 4343 has them. NX writes them clockwise."
                     .to_string()
             });
         }
@@ -201,7 +201,10 @@ impl State<'_, '_> {
     pub(super) fn goes_round(&mut self, statement: &Statement<'_>) -> Result<()> {
         let not_read = || {
             let error = statement.wrong("This arc is not read here.");
-            error.hint("an arc is `INDIRV/direction` and `TLON,GOFWD/(CIRCLE/centre,radius),ON,(LINE/centre,end)`, or a `CIRCLE/` before the `GOTO/` that ends it")
+            error.hint(
+                "an arc is `INDIRV/direction` and `TLON,GOFWD/(CIRCLE/centre,radius),ON,(LINE/centre,end)`, or \
+                a `CIRCLE/` before the `GOTO/` that ends it",
+            )
         };
         let words: Vec<&str> = statement.words.iter().map(String::as_str).collect();
         let words: Vec<&str> = words.into_iter().filter(|word| !["TLON", "GOFWD", "CANON"].contains(word)).collect();
@@ -238,8 +241,8 @@ impl State<'_, '_> {
         let rounded = ROUNDED.max(1e-4 * radius);
         let along = axis.cross(&spoke).dot(&way) / spoke.norm();
         if (spoke.norm() - radius).abs() > rounded || along.is_nan() || along.abs() < 0.99 {
-            let message = "This arc does not begin where the tool is: the point before is not on its circle, or the direction \
-                           (INDIRV) not that of the circle there.";
+            let message = "This arc does not begin where the tool is: the point before is not on its circle, or the \
+                           direction (INDIRV) not that of the circle there.";
             return Err(statement.wrong(message));
         }
         let axis = if along < 0.0 { -axis } else { axis };

@@ -47,7 +47,8 @@ impl State<'_, '_> {
         }
         if is_other {
             self.builder.remark("set-up", "CSYS", statement.head.line_number(), Severity::Note, || {
-                "The set-up changes ({}): the points of all count from one frame, and the workpiece is taken to stay where it is."
+                "The set-up changes ({}): the points of all count from one frame, and the workpiece is taken to stay \
+                 where it is."
                     .to_string()
             });
         }

@@ -112,8 +112,8 @@ impl State<'_, '_> {
             turns => format!(" ({:.4} mm for a turn of the spindle)", clues.feed / turns),
         };
         let sentence = format!(
-            "The program names no unit and is read in millimetres: its cuts span {:.3} × {:.3} × {:.3} mm, with feeds up to \
-             {} mm/min{for_a_turn}. If these are inches, write G20 at its head; G21 settles it otherwise ({{}}).",
+            "The program names no unit and is read in millimetres: its cuts span {:.3} × {:.3} × {:.3} mm, with feeds \
+             up to {} mm/min{for_a_turn}. If these are inches, write G20 at its head; G21 settles it otherwise ({{}}).",
             span.x, span.y, span.z, clues.feed
         );
         let line = self.builder.points.iter().find_map(|point| point.line);

@@ -255,7 +255,7 @@ impl State<'_, '_> {
         let Some(circle) = self.circle(block, start, end * unit, is_left)? else {
             return Err(last
                 .place
-                .wrong("This is no arc: its end is not on the circle about its centre through the point before."));
+                .wrong("This is not an arc: its end is not on the circle about its centre through the point before."));
         };
         self.inverse(block, Some(circle.length()));
         let from = TipTarget::Axis(start, before);

@@ -142,7 +142,8 @@ impl State<'_, '_> {
         let is_shift = matches!(code, 58.0 | 59.0)
             && !block.words.iter().any(|word| word.letter == b'G' && word.number.value != code);
         if let Some(axis) = block.words.iter().find(|word| word.axis().is_some()).filter(|_| is_shift) {
-            let why = "is a shift of the frame on Siemens controls and a point on others: put the offset into a block of its own.";
+            let why = "is a shift of the frame on Siemens controls and a point on others: put the offset into a block \
+                of its own.";
             return Err(block.refused(axis, why));
         }
         let offset = [code, number];

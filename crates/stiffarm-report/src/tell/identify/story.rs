@@ -224,7 +224,8 @@ pub(super) fn next(options: &IdentifiedOptions, joints: &Joints<'_>, identified:
             Text::new("Identify again")
         };
         return text.words(
-            ": that adds the systematic errors, the search for readings that do not fit, and the next posture to measure.",
+            ": that adds the systematic errors, the search for readings that do not fit, and the next posture to \
+             measure.",
         );
     }
     let missing = joints.of(|verdict| !is_within(verdict));

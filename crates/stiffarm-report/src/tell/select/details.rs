@@ -49,8 +49,8 @@ pub(super) fn repeats(plan: &Plan) -> Vec<Block> {
         return Vec::new();
     }
     let why = Text::new(
-        "Against noise alone they are worth more once again than any other posture; what else may be wrong shows better at \
-         another one",
+        "Against noise alone they are worth more once again than any other posture; what else may be wrong shows \
+         better at another one",
     );
     let why = why.words(" (").code("--index prediction").words(").");
     vec![Block::List(each), Block::Text(why)]

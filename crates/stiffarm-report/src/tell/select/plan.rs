@@ -23,7 +23,8 @@ impl Telling<SelectResultOptions> for Plan {
         let context = &Given { cell: with_load.as_ref().or(context.cell), ..*context };
         let count = plan.selection.group.len();
         let postures = posture_table(
-            "The postures in measuring order, controller angles, and the least room beyond what the cell asks for (0: on the limit)",
+            "The postures in measuring order, controller angles, and the least room beyond what the cell asks for (0: \
+             on the limit)",
             &plan.posture_names,
             &plan.selection.group,
             &plan.selection.limits,
@@ -128,7 +129,8 @@ fn cell_section(context: &Given<'_>, plan: &Plan) -> Result<Section> {
     }
     let explained = match groups.len() {
         1 => {
-            "Step through the postures in measuring order; each shows its room and the two bodies that come nearest to each other."
+            "Step through the postures in measuring order; each shows its room and the two bodies that come nearest to \
+             each other."
         }
         _ => "Step through the postures in measuring order, and lay the postures that were there before over them.",
     };
@@ -167,8 +169,8 @@ fn limit_section(options: &SelectResultOptions, context: &Given<'_>, plan: &Plan
     let limits = &plan.selection.limits;
     if hides_points(context, limits) {
         blocks.push(Block::Text(
-            "The tracker does not see every point. Hidden points count in the index as if they were read: the plan is a \
-             little worse than it says."
+            "The tracker does not see every point. Hidden points count in the index as if they were read: the plan is \
+             a little worse than it says."
                 .into(),
         ));
     }

@@ -57,9 +57,10 @@ impl Telling<SelectResultOptions> for SpaceFillingPlan {
         let angles = result.postures.iter().cloned();
         let group = PostureGroup::named("space-filling", &result.posture_names, angles);
         let mut sections = vec![context.cell_section(
-        &[group],
-        "Step through the postures in measuring order; each shows its room and the two bodies that come nearest to each other.",
-    )?];
+            &[group],
+            "Step through the postures in measuring order; each shows its room and the two bodies that come nearest to \
+         each other.",
+        )?];
         let worth = Worth { evaluation, posture_names: &result.posture_names };
         sections.extend(worth_sections(context, options.characteristic_length_m, &result.joints, &[worth], &[]));
         let way = route_section(context, &result.posture_names, &result.route, &result.findings);

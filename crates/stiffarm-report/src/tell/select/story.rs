@@ -40,7 +40,8 @@ fn done(options: &SelectResultOptions, plan: &Plan) -> Text {
     let were = if count == 1 { "was" } else { "were" };
     if options.mode == Mode::From {
         return Text::new(format!(
-            "The initial group of {count} {} was improved, as in the paper, by a local search inside the cell's limits.",
+            "The initial group of {count} {} was improved, as in the paper, by a local search inside the cell's \
+             limits.",
             if count == 1 { "posture" } else { "postures" }
         ));
     }
@@ -210,7 +211,8 @@ fn next(plan: &Plan) -> Text {
     }
     if plan.selection.load.is_some() {
         return Text::new(
-            "Rig the load as listed below and put it into the cell file first: the plan holds for it alone. Then measure.",
+            "Rig the load as listed below and put it into the cell file first: the plan holds for it alone. Then \
+             measure.",
         );
     }
     if is_beyond_first_order(&plan.evaluation) {
@@ -240,8 +242,8 @@ fn next(plan: &Plan) -> Text {
     text = text.code("stiffarm identify").words(" give the stiffness.");
     if !plan.repeats.is_empty() {
         text = text.words(
-            " Some postures are the same on purpose, listed with the moves: measured again, they tell more than another one; \
-             drive away in between.",
+            " Some postures are the same on purpose, listed with the moves: measured again, they tell more than \
+             another one; drive away in between.",
         );
     }
     text

@@ -30,7 +30,8 @@ impl<O> Telling<O> for ElasticSimulation {
             "at the cell's tasks".to_string()
         } else {
             format!(
-                "at random postures inside the cell's limits, under forces as large as its load's in all directions ({} deflections)",
+                "at random postures inside the cell's limits, under forces as large as its load's in all directions \
+                 ({} deflections)",
                 result.predicted_count
             )
         };
@@ -40,8 +41,8 @@ impl<O> Telling<O> for ElasticSimulation {
             size.significant(2).unit(class.unit()).text()
         });
         let done = Text::new(format!(
-            "In each of {} runs{} an arm was drawn that gives way at joints and base beyond its axes, by springs with {} of {}; it \
-         was measured, identified, and its deflections were predicted {place}.",
+            "In each of {} runs{} an arm was drawn that gives way at joints and base beyond its axes, by springs with \
+         {} of {}; it was measured, identified, and its deflections were predicted {place}.",
             result.runs,
             stopped(result.interrupted, levels.map(|level| level.runs)),
             result.sizes_from.in_words(),
@@ -234,8 +235,8 @@ fn prediction_figure(result: &ElasticSimulation) -> Figure {
     Figure::one(
         "prediction-error",
         "Error of predicted deflections",
-        "RMS error of a predicted deflection over all runs. The lower, the better; expected: what the mixed model would \
-         reach if the sizes of all springs and of the noise were known.",
+        "RMS error of a predicted deflection over all runs. The lower, the better; expected: what the mixed model \
+         would reach if the sizes of all springs and of the noise were known.",
         Panel::new(
             "",
             Axis::categorical("", all.iter().map(|row| row.0.clone())),

@@ -34,9 +34,9 @@ struct Shown<'a> {
 }
 
 /// Why the median stands for the mean.
-const BEYOND: &str = "Where a joint's relative standard error is above 10 %, single runs near a compliance of zero dominate the \
-                      mean, and the closed form no longer holds: read the median. The expectation of |k̂ − k|/k is infinite \
-                      at every noise level; means are truncated, of the runs made.";
+const BEYOND: &str = "Where a joint's relative standard error is above 10 %, single runs near a compliance of zero \
+                      dominate the mean, and the closed form no longer holds: read the median. The expectation of |k̂ \
+                      − k|/k is infinite at every noise level; means are truncated, of the runs made.";
 
 impl Telling<Options> for Simulation {
     fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
@@ -175,14 +175,15 @@ fn is_beyond(level: &LevelResult) -> bool {
 fn next(best: Option<&Shown<'_>>) -> Text {
     if is_unsure(best) {
         Text::new(
-            "That is too unsure to rely on: some joint's relative standard error is above 10 %. Choose better postures with ",
+            "That is too unsure to rely on: some joint's relative standard error is above 10 %. Choose better postures \
+             with ",
         )
         .code("stiffarm select")
         .words(", or measure more points.")
     } else {
-        Text::new("Where that is sure enough, measure; ")
+        Text::new("If that is sure enough, measure; if not, ")
             .code("stiffarm select")
-            .words(" finds postures that give more. What else may be wrong than the tracker is in ")
+            .words(" finds postures that tell more. Errors beside the tracker's are simulated with ")
             .code("--force-error-percent")
             .words(", ")
             .code("--joint-angle-error-deg")

@@ -1,4 +1,5 @@
-//! What the residuals and the errors common to the experiment say of an identification, as far as the user lets it come.
+//! What the residuals and the errors common to the experiment say of an identification, as far as the user lets it
+//! come.
 
 use crate::error::{Code, Result};
 use crate::estimate::diagnose::Diagnosis;
@@ -26,7 +27,8 @@ impl Examination {
         if profiles {
             out.profile = unless_stopped("profile", left_out, profile(fit))?.flatten();
         }
-        // Before the diagnosis, which takes long and may be stopped; again where that finds a quantity of the set-up off.
+        // Before the diagnosis, which takes long and may be stopped; again where that finds a quantity of the set-up
+        // off.
         let errors = systematic_errors_with(fit, mixed, None);
         out.systematic_errors = unless_stopped("systematic_errors", left_out, errors)?;
         let diagnosis = diagnosed(fit, mixed);

@@ -120,9 +120,9 @@ impl Reduced {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Identified {
-    /// The estimates. `joints` are those of the elastic model that predicts (the axes' own stand in `elastic.axes`), everything
-    /// else is of the joint axes alone; ±, intervals and verdicts hold all errors where `systematic_errors` are known, else
-    /// the scatter of the readings alone.
+    /// The estimates. `joints` are those of the elastic model that predicts (the axes' own stand in `elastic.axes`),
+    /// everything else is of the joint axes alone; ±, intervals and verdicts hold all errors where `systematic_errors`
+    /// are known, else the scatter of the readings alone.
     #[serde(flatten)]
     pub identification: Identification,
     /// From raw readings to displacements; `null` for a table of displacements.
@@ -335,8 +335,8 @@ impl Identified {
         };
         let missing = |part: &&str| self.not_computed.iter().any(|name| name == part);
         if ["elastic", "systematic_errors"].iter().any(missing) {
-            let sentence = "The identification was stopped before it had the elastic model and the systematic errors: bands hold the \
-                            scatter of the readings alone. Identify again and let it end.";
+            let sentence = "The identification was stopped before it had the elastic model and the systematic errors: \
+                            bands hold the scatter of the readings alone. Identify again and let it end.";
             let code = "stiffness-unfinished";
             predictor.doubts.push(Finding::caution(code, "stiffness", sentence));
         }

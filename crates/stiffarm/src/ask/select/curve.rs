@@ -113,8 +113,8 @@ fn last_size(
 }
 
 /// The bound of the index for one posture, from which that for n follows: the
-/// bound is σ·sqrt(φ(M₀)/n) with the same M₀ for every n. That of the index prediction, which knows something before the
-/// first posture, is that of the group alone.
+/// bound is σ·sqrt(φ(M₀)/n) with the same M₀ for every n. That of the index prediction, which knows something before
+/// the first posture, is that of the group alone.
 fn one_posture_bound(cell: &Cell, index: Index, group: &[Vec<f64>], control: Control<'_>) -> Result<f64> {
     let options = CertificateOptions::default();
     let certificate = certify(cell, index, group, &options, control.quiet())?;

@@ -35,8 +35,8 @@ pub struct InTime {
     pub prediction: f64,
 }
 
-/// The cell under the loads that are best in `seconds`, how many postures there are for them, and what each way gives, the
-/// best first. Under another index than prediction all loads are taken, and nothing is weighed.
+/// The cell under the loads that are best in `seconds`, how many postures there are for them, and what each way gives,
+/// the best first. Under another index than prediction all loads are taken, and nothing is weighed.
 ///
 /// # Errors
 /// Too little time for a posture, or too much; as [`select`].

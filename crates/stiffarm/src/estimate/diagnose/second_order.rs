@@ -78,8 +78,8 @@ pub(super) fn watched_shares(
 
 /// The identified joints are so soft that the load has no equilibrium.
 pub(super) fn unstable() -> Finding {
-    let sentence = "With joints as soft as these the arm has no stable equilibrium under its load: something is off by a \
-                    factor. Check the units of displacements and forces.";
+    let sentence = "With joints as soft as these the arm has no stable equilibrium under its load: something is off by \
+                    a factor. Check the units of displacements and forces.";
     Finding::serious("no-equilibrium", "model", sentence)
 }
 

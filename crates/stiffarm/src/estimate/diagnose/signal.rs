@@ -187,8 +187,8 @@ impl CorrelatedPair {
             "the difference of what they give is known better than either"
         };
         let message = format!(
-            "The data hardly tell {a} and {b} apart (correlation {:.2}): {meaning}, and an error of one is an error of the \
-             other.",
+            "The data hardly tell {a} and {b} apart (correlation {:.2}): {meaning}, and an error of one is an error of \
+             the other.",
             self.correlation
         );
         Finding::caution(codes::CORRELATED, format!("{a}, {b}"), message)

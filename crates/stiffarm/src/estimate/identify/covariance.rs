@@ -293,7 +293,10 @@ pub(super) fn covariance(
                 "The weights need the tracker's accuracy, and these displacements come without it.",
             )
             .key("tracker")
-            .hint("give range_um and angle_urad in [tracker] of the cell, or u95x_mm, u95y_mm, u95z_mm in the table, and the raw readings")),
+            .hint(
+                "give range_um and angle_urad in [tracker] of the cell, or u95x_mm, u95y_mm, u95z_mm in the table, \
+                and the raw readings",
+            )),
         }
     };
     let readings: Vec<Matrix3<f64>> = labels.iter().map(|l| reading(of(l))).collect::<Result<_>>()?;

@@ -195,8 +195,8 @@ impl<'a> Likelihood<'a> {
     }
 
     /// The same with the average of the observed and the expected curvature: a class scatters as w = ∂V/∂θ P y, and
-    /// wᵀP w is all it takes (Gilmour, Thompson & Cullis, Biometrics 51, 1995, 1440–1450, doi:10.2307/2533274); less what ln s²
-    /// takes of it.
+    /// wᵀP w is all it takes (Gilmour, Thompson & Cullis, Biometrics 51, 1995, 1440–1450, doi:10.2307/2533274); less
+    /// what ln s² takes of it.
     pub(super) fn slopes(&self, sizes: &Sizes) -> Option<Slopes> {
         let solved = self.solve(sizes)?;
         let (fixed, unknowns) = (self.rows.fixed, solved.change.len());

@@ -2,10 +2,10 @@
 //! base give way a little in all other directions, too.
 //!
 //! y = Ψ h + Σ_c B_c u_c + ε, with the axis compliances h as fixed effects and as random effects u_c ~ N(0, ω_c²) the
-//! other entries of a symmetric 6 × 6 compliance at each joint and at the base (c being shifts, turns and their coupling)
-//! and what an arm is made of: bearings that tilt in proportion to their joint, links that bend and twist as even beams.
-//! Compliances that cannot be negative scatter about a common mean of the same size. The sizes ω_c come from the data by
-//! restricted likelihood together with σ and τ, h and u from the mixed-model equations.
+//! other entries of a symmetric 6 × 6 compliance at each joint and at the base (c being shifts, turns and their
+//! coupling) and what an arm is made of: bearings that tilt in proportion to their joint, links that bend and twist as
+//! even beams. Compliances that cannot be negative scatter about a common mean of the same size. The sizes ω_c come
+//! from the data by restricted likelihood together with σ and τ, h and u from the mixed-model equations.
 //!
 //! That real arms give way beyond their axes is known (Pashkevich, Klimchik and Chablat,
 //! Enhanced stiffness modeling of manipulators with passive joints, Mechanism and Machine
@@ -226,8 +226,8 @@ impl MixedFit {
         Ok(self.response.get_or_init(|| Arc::new(response)).clone())
     }
 
-    /// The likelier model of springs alone, without bearings and beams, less this one: change of all unknowns. What an arm is
-    /// made of is an assumption, and where it matters both differ.
+    /// The likelier model of springs alone, without bearings and beams, less this one: change of all unknowns. What an
+    /// arm is made of is an assumption, and where it matters both differ.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -250,7 +250,8 @@ impl MixedFit {
         Ok(springs - &self.compliance.values)
     }
 
-    /// What turns the unknowns into the compliance with which the joint axes alone best reproduce the arm over its cell.
+    /// What turns the unknowns into the compliance with which the joint axes alone best reproduce the arm over its
+    /// cell.
     ///
     /// # Errors
     /// As [`Reproduced::over_cell`].

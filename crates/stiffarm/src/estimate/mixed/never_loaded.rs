@@ -1,10 +1,11 @@
-//! What of a prediction's error lies in directions that no reading has loaded, and what one further load would leave of it.
+//! What of a prediction's error lies in directions that no reading has loaded, and what one further load would leave of
+//! it.
 //!
 //! With the random effects in units of their prior, u = P^(1/2) v, readings leave of v the covariance C_v ≤ I. Along
 //! eigenvectors of C_v the posterior is uncorrelated; those of which more than half of the prior variance is left have
-//! been told by no reading. The part of a row s of a prediction in such a direction w is cov(s x, w)²/var w, with whatever
-//! the joint axes make up for in it; the parts of all directions and what the axes scatter beside them add up to the
-//! variance of s x. What a further load leaves is the covariance after its rows, C − C Xᵀ(V + X C Xᵀ)⁻¹X C, the
+//! been told by no reading. The part of a row s of a prediction in such a direction w is cov(s x, w)²/var w, with
+//! whatever the joint axes make up for in it; the parts of all directions and what the axes scatter beside them add up
+//! to the variance of s x. What a further load leaves is the covariance after its rows, C − C Xᵀ(V + X C Xᵀ)⁻¹X C, the
 //! sizes held: it needs no reading.
 
 use super::doubt::MOST_SWEEPS;
@@ -73,8 +74,8 @@ pub(crate) fn never_loaded(cell: &Cell, saved: &Saved, work: &[WorkRows]) -> Res
             .to_string(),
     };
     let sentence = format!(
-        "Of the {} (RMS) by which these displacements may be off, {} lie in directions in which no reading has loaded the \
-         arm, most of all in {}. {remedy}",
+        "Of the {} (RMS) by which these displacements may be off, {} lie in directions in which no reading has loaded \
+         the arm, most of all in {}. {remedy}",
         length(numbers.error),
         length(numbers.untold),
         list(&numbers.places),
@@ -197,8 +198,8 @@ fn after(spread: &Spread, setup: &Setup, predictor: &IdentifiedCompliance, loads
     Ok(covariance)
 }
 
-/// Places whose knowledge would take away most of the variance behind `with` = S C, in words, with what loads them at work
-/// and loaded them in the readings.
+/// Places whose knowledge would take away most of the variance behind `with` = S C, in words, with what loads them at
+/// work and loaded them in the readings.
 fn places_of(
     cell: &Cell,
     predictor: &IdentifiedCompliance,

@@ -52,7 +52,8 @@ impl MixedFit {
                 class_columns *= size.sqrt();
             }
         }
-        // With what is known of them the effects scatter less, and not about zero: v with this precision about this mean.
+        // With what is known of them the effects scatter less, and not about zero: v with this precision about this
+        // mean.
         let count = prior_rows.ncols();
         let precision = prior_rows.tr_mul(&prior_rows) + DMatrix::identity(count, count);
         let mean = precision.clone().cholesky();

@@ -113,8 +113,8 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Where a search near `sizes` starts. A class that was nothing starts as little, or stays nothing where it would be
-    /// less likely as that.
+    /// Where a search near `sizes` starts. A class that was nothing starts as little, or stays nothing where it would
+    /// be less likely as that.
     fn near(&mut self, sizes: &Sizes) -> DVector<f64> {
         let shared = self.shared();
         let ratio = (shared == 1).then(|| sizes.gamma.ln());

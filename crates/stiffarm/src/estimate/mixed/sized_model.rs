@@ -33,11 +33,12 @@ pub(super) struct Choice {
 }
 
 /// The likeliest model of all postures but `left_out` (ascending), whose axes alone have the compliances `axes` and the
-/// ratio `gamma`; `white` are the columns of all effects in their units. The sizes are looked for near `near`, or from several
-/// starts.
+/// ratio `gamma`; `white` are the columns of all effects in their units. The sizes are looked for near `near`, or from
+/// several starts.
 ///
-/// What a drawing knows of bearings and links counts as read once more, with the noise of these readings as its unit: the
-/// sizes are looked for without it, then with it twice, as the noise is less then. The likelihoods stay those of the readings.
+/// What a drawing knows of bearings and links counts as read once more, with the noise of these readings as its unit:
+/// the sizes are looked for without it, then with it twice, as the noise is less then. The likelihoods stay those of
+/// the readings.
 ///
 /// # Errors
 /// As [`fit_choice`]; interrupted.

@@ -93,8 +93,8 @@ impl Rows {
         self.classes.len() - usize::from(self.held.is_some())
     }
 
-    /// `random` has one column per random effect, not yet white; `white` are the whitened displacements; the columns of the
-    /// fixed effects `idle` are zero.
+    /// `random` has one column per random effect, not yet white; `white` are the whitened displacements; the columns of
+    /// the fixed effects `idle` are zero.
     pub(super) fn new(
         whitened: &Whitened,
         random: &DMatrix<f64>,
@@ -144,8 +144,8 @@ impl Rows {
         }
     }
 
-    /// The same with random effects of other units: one of them is `scales` of those before, the columns of `means` share a
-    /// mean; and with what `prior` knows of them.
+    /// The same with random effects of other units: one of them is `scales` of those before, the columns of `means`
+    /// share a mean; and with what `prior` knows of them.
     pub(super) fn of_effects(
         &self,
         scales: impl Iterator<Item = f64> + Clone,
@@ -329,8 +329,8 @@ impl Rows {
         RatioSums { second: &x * x.transpose(), first, trace, squares }
     }
 
-    /// Derivatives by ln γ at `solution` (of X's columns, −1 for the last), where `whitened` makes of columns x of unknowns
-    /// those whose squares are xᵀ(XᵀV⁻¹X)⁻¹x, and `inverse` is that inverse.
+    /// Derivatives by ln γ at `solution` (of X's columns, −1 for the last), where `whitened` makes of columns x of
+    /// unknowns those whose squares are xᵀ(XᵀV⁻¹X)⁻¹x, and `inverse` is that inverse.
     pub(super) fn by_ratio(
         &self,
         gamma: f64,

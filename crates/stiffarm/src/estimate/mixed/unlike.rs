@@ -76,8 +76,8 @@ pub(super) fn loaded(place: Option<usize>, by_force: bool, work: &[WorkRows], se
     format!(" ({verb}{axis} with {now:.0} {unit} here, {then:.0} {unit} in the readings)")
 }
 
-/// That no reading has turned the base about a direction about which the work does, where that is so: the model takes what
-/// it gives there from elsewhere, and its bands cannot know better.
+/// That no reading has turned the base about a direction about which the work does, where that is so: the model takes
+/// what it gives there from elsewhere, and its bands cannot know better.
 pub(super) fn never_turned(cell: &Cell, saved: &Saved, work: &[WorkRows], seen: &[PostureTerms]) -> Option<Finding> {
     let at_work = || work.iter().map(|point| &point.terms);
     let unlike = LoadDifference::new(None, false, at_work(), seen.iter())?;
@@ -99,8 +99,8 @@ pub(super) fn never_turned(cell: &Cell, saved: &Saved, work: &[WorkRows], seen: 
         }
     }
     let sentence = format!(
-        "No reading has turned the base about {} ({then:.0} N·m, here {now:.0} N·m RMS): what it gives way there is taken \
-         from what the rest of the arm does, and a base that is softer that way is not in the bands.{remedy}",
+        "No reading has turned the base about {} ({then:.0} N·m, here {now:.0} N·m RMS): what it gives way there is \
+         taken from what the rest of the arm does, and a base that is softer that way is not in the bands.{remedy}",
         unlike.axis(None).unwrap_or_default(),
     );
     Some(Finding::note("never-turned", "load", sentence))

@@ -1,8 +1,8 @@
 //! What readings show where a quantity has another value.
 //!
-//! Displacements are linear in the wrench. So one matrix of each posture, the displacements under unit wrenches, answers
-//! for anchor, loading point, gravity, sensor and every force at once, exactly and for any change of these: what remains
-//! of each is how the wrench changes, six closed numbers.
+//! Displacements are linear in the wrench. So one matrix of each posture, the displacements under unit wrenches,
+//! answers for anchor, loading point, gravity, sensor and every force at once, exactly and for any change of these:
+//! what remains of each is how the wrench changes, six closed numbers.
 
 use super::facts::Quantity;
 use super::stated::StatedExperiment;
@@ -155,8 +155,8 @@ impl<'a> Answers<'a> {
         Ok(())
     }
 
-    /// How the readings change with number `k` of the quantity `which` of `values`, which are at these; as a fit there sees
-    /// it, in the axes of the base.
+    /// How the readings change with number `k` of the quantity `which` of `values`, which are at these; as a fit there
+    /// sees it, in the axes of the base.
     ///
     /// # Errors
     /// As [`shift`](Self::shift).

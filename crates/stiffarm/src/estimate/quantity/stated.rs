@@ -205,8 +205,8 @@ impl<'a> StatedExperiment<'a> {
         Ok(out)
     }
 
-    /// Whether the joint stood on the side to which the load of the readings turns it before it acted: the cell says how
-    /// postures are reached.
+    /// Whether the joint stood on the side to which the load of the readings turns it before it acted: the cell says
+    /// how postures are reached.
     fn is_reached_from_load(&self, joint: usize, m: usize) -> Result<bool> {
         let posture = &self.experiment.postures()[m];
         let Some(terms) = self.experiment.terms(m) else {
@@ -219,8 +219,8 @@ impl<'a> StatedExperiment<'a> {
         Ok(side.is_some_and(|side| side * terms.torque()[joint] >= 0.0))
     }
 
-    /// The wrench of measured posture `m` with quantities at these values, which make the set-up `setup`, and the loading
-    /// point there, about which it is.
+    /// The wrench of measured posture `m` with quantities at these values, which make the set-up `setup`, and the
+    /// loading point there, about which it is.
     ///
     /// # Errors
     /// A state that is under none of the loads.

@@ -17,9 +17,9 @@ const SEARCHES: usize = 8;
 const UNTOLD_ERROR: f64 = 0.3;
 const UNTOLD_FORCE_ERROR: f64 = 1e3;
 
-/// The fit where the readings want the quantities that its options name in `free`, and these with their errors: found by
-/// least squares beside the compliances, and beside springs beyond the axes where `elastic` grants these. The errors that
-/// are common to the experiment have then what the readings leave of each. `None` where nothing is to be free.
+/// The fit where the readings want the quantities that its options name in `free`, and these with their errors: found
+/// by least squares beside the compliances, and beside springs beyond the axes where `elastic` grants these. The errors
+/// that are common to the experiment have then what the readings leave of each. `None` where nothing is to be free.
 ///
 /// # Errors
 /// A name that there is not, or twice; a quantity on which these readings do not depend, or that they cannot tell.
@@ -81,7 +81,7 @@ fn wanted(stated: &StatedExperiment<'_>, names: &[String]) -> Result<Vec<Quantit
             let free_names: Vec<&str> = Quantity::can_be_free().collect();
             let message = match Quantity::named(name) {
                 Some(quantity) if quantity.terms(0).is_some() => {
-                    format!("\"{name}\" is no number of the set-up but gives way.")
+                    format!("\"{name}\" is not a quantity of the set-up: it gives way.")
                 }
                 Some(_) => format!("No reading tells \"{name}\" beside the stiffness."),
                 None => format!("There is no quantity \"{name}\" of the set-up."),

@@ -1,9 +1,9 @@
 //! Does what the cell states of the set-up fit the readings?
 //!
-//! Springs beyond the axes are flexible enough to swallow an anchor or a loading point that is written down wrongly: what
-//! is left looks like noise, and the stiffness is wrong. So each quantity of the set-up is freed in turn and found by
-//! Gauss and Newton beside the compliances, and the explanations compete by restricted likelihood, of the axes alone and
-//! of the mixed model. A quantity is rejected where the readings are far likelier with another value of it, springs
+//! Springs beyond the axes are flexible enough to swallow an anchor or a loading point that is written down wrongly:
+//! what is left looks like noise, and the stiffness is wrong. So each quantity of the set-up is freed in turn and found
+//! by Gauss and Newton beside the compliances, and the explanations compete by restricted likelihood, of the axes alone
+//! and of the mixed model. A quantity is rejected where the readings are far likelier with another value of it, springs
 //! beyond the axes granted before and after, and the axes alone leave clearly less; it is doubtful where these do not.
 
 mod explained;
@@ -56,8 +56,8 @@ const ALIKE_LIKELIHOOD_RATIO: f64 = 10.0;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FreedQuantity {
     /// Stable name: `anchor`, `loading-point`, `gravity`, `registration`, `force-beside`, `force-offset`, `sign`,
-    /// `common-shift`, `sensor-axes`, `sensor-origin`, `sensor-in-base-axes`, `measuring-points`, `joint-angle`, `coupling`,
-    /// `rows`, `base-tilt`, `lost-motion`.
+    /// `common-shift`, `sensor-axes`, `sensor-origin`, `sensor-in-base-axes`, `measuring-points`, `joint-angle`,
+    /// `coupling`, `rows`, `base-tilt`, `lost-motion`.
     pub name: String,
     /// Key of the cell that states it, else what it is about.
     #[serde(default)]
@@ -256,8 +256,8 @@ fn leave_out_swallowed(stated: &StatedExperiment<'_>, mixed: &MixedFit, alone: &
     let before = value(stated.fit, None);
     let mut linear = None;
     alone.retain(|at| {
-        // Derivatives at the stated value know nothing of a sign or an exchange of axes, and little of what is far off and
-        // leaves clearly less.
+        // Derivatives at the stated value know nothing of a sign or an exchange of axes, and little of what is far off
+        // and leaves clearly less.
         let [all, left] = [stated.fit, &at.fit].map(|fit| rms(fit.residual().as_slice()));
         let is_far = left < CLEAR_RESIDUAL_SHARE * all || at.values[0].1.turn != Matrix3::identity();
         if before - at.value > CLEAR_LIKELIHOOD && is_far {

@@ -224,7 +224,8 @@ pub(super) fn finding(
     };
     let remedy = match (quantity, &cell.sensor) {
         (Quantity::Sign, Some(_)) => {
-            "Look up whether the sensor reports the force on the robot or by it (sensor.reports); a displacement is the loaded position less the unloaded one"
+            "Look up whether the sensor reports the force on the robot or by it (sensor.reports); a displacement is \
+             the loaded position less the unloaded one"
         }
         _ => quantity.facts().check,
     };

@@ -78,8 +78,8 @@ impl SystematicSource {
     fn remedy(&self, seen: ReadingReference) -> &'static str {
         match (self.name.as_str(), seen.base) {
             ("lost-motion", _) if seen.against_preload => {
-                "declare what the joints have as [uncertainty] lost_motion_arcmin; the preload keeps it out of k, and at \
-                 work it acts again"
+                "declare what the joints have as [uncertainty] lost_motion_arcmin; the preload keeps it out of k, and \
+                 at work it acts again"
             }
             ("base-tilt", BaseSeen::Shift) => {
                 "the reflectors on the base show its shift, not its tilt; three apart show that too"
@@ -140,16 +140,16 @@ pub(super) fn findings(systematic: &SystematicErrors, seen: ReadingReference) ->
 
 /// What is believed of postures whose approach the cell gives.
 pub(super) fn reached_from_load() -> Finding {
-    let message = "Each posture is taken as reached from the side of its load ([route] approach_deg): no reading shows lost \
-                   motion, and none bounds it. Take the key out if they were not.";
+    let message = "Each posture is taken as reached from the side of its load ([route] approach_deg): no reading shows \
+                   lost motion, and none bounds it. Take the key out if they were not.";
     let code = "reached-from-load";
     Finding::note(code, "route.approach_deg", message)
 }
 
 /// What is believed of readings under a preload alone.
 pub(super) fn not_read_unloaded() -> Finding {
-    let message = "Differences are against a preload, and nothing was read unloaded before it: no reading shows lost motion, \
-                   which acts again at work, and none bounds it. Read the points unloaded too.";
+    let message = "Differences are against a preload, and nothing was read unloaded before it: no reading shows lost \
+                   motion, which acts again at work, and none bounds it. Read the points unloaded too.";
     let code = "lost-motion-not-seen";
     Finding::note(code, "preload", message)
 }

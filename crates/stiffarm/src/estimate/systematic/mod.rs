@@ -47,7 +47,8 @@ pub struct SystematicPart {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SystematicSource {
     /// Stable name: `force-scale`, `anchor`, `loading-point`, `registration`,
-    /// `base-tilt`, `sensor`, `force-beside`, `common-shift`, `lost-motion`, `springs`; with `free` any that was identified.
+    /// `base-tilt`, `sensor`, `force-beside`, `common-shift`, `lost-motion`, `springs`; with `free` any that was
+    /// identified.
     pub name: String,
     /// Standard uncertainty, SI.
     pub size: f64,

@@ -19,8 +19,8 @@
 //! statement again.
 //!
 //! The ways to a preload, which no fit against it has, are more rows of QS and QΔ with the unknowns as they are
-//! (`preload.rs`). The readings under the preload are in both, and count as if they were not: the errors of the way and of
-//! the unknowns partly cancel where all of it acts, so that bands at work are rather too wide.
+//! (`preload.rs`). The readings under the preload are in both, and count as if they were not: the errors of the way and
+//! of the unknowns partly cancel where all of it acts, so that bands at work are rather too wide.
 //!
 //! σ is an estimate from the same residuals: σ̂²/σ² = w is χ² over its degrees of freedom ν.
 //! Given w, A and b are w times as large, and the likelihood above times the density of w

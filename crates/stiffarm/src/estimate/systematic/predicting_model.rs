@@ -33,8 +33,8 @@ pub(super) struct PredictingModel<'a> {
     pub half_widths: Vec<Option<f64>>,
     /// True where springs of the base are among the values, and not of size zero.
     pub base_turns: bool,
-    /// What the values change by where springs alone are expected, without bearings and beams; of the mixed model, where it
-    /// matters.
+    /// What the values change by where springs alone are expected, without bearings and beams; of the mixed model,
+    /// where it matters.
     pub springs_alone: Option<DVector<f64>>,
     /// The quantity of the set-up that the readings want elsewhere, and by how much it may be off.
     pub off: Option<(Quantity, f64)>,

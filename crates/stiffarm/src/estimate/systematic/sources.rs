@@ -36,7 +36,8 @@ pub(super) struct Part {
     pub change: Option<DVector<f64>>,
 }
 
-/// The sources that matter for the measurements of `experiment`, whose rows are those of `system`; the force scale first.
+/// The sources that matter for the measurements of `experiment`, whose rows are those of `system`; the force scale
+/// first.
 pub(super) fn sources(
     believed: &PredictingModel<'_>,
     experiment: &Experiment,

@@ -61,8 +61,8 @@ pub fn cross_validate_mixed(mixed: &MixedFit, count: usize, tolerance_m: Option<
 /// Postures nearer than this in every joint are one and the same to a validation \[rad\].
 const SAME_POSTURE_ANGLE: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
-/// The postures of each of `count` folds (indices of blocks), where some of them are so near each other that they have to
-/// be left out together.
+/// The postures of each of `count` folds (indices of blocks), where some of them are so near each other that they have
+/// to be left out together.
 ///
 /// # Errors
 /// Postures that are all near each other, or a wrong number of folds.

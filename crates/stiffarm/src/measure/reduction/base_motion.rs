@@ -286,8 +286,8 @@ pub(super) fn findings(postures: &[PostureSeries<'_>], motions: &[BaseMotion], r
             if most.turn_removed { Severity::Note } else { Severity::Caution },
             "base",
             format!(
-                "The base moves by {}{turn} under load (posture {}, state {}), {:.0} times what noise alone would show. \
-                 {how}",
+                "The base moves by {}{turn} under load (posture {}, state {}), {:.0} times what noise alone would \
+                 show. {how}",
                 length(Vector3::from(most.shift_m).norm()),
                 most.posture,
                 most.state,
@@ -305,8 +305,9 @@ pub(super) fn findings(postures: &[PostureSeries<'_>], motions: &[BaseMotion], r
             "base-turn-noise",
             "base",
             format!(
-                "Taking back the turn of the base adds noise of {} to each displacement component, common to the points \
-                 of a posture (posture {}).{beside} Place the base reflectors further apart, or read them more often.",
+                "Taking back the turn of the base adds noise of {} to each displacement component, common to the \
+                 points of a posture (posture {}).{beside} Place the base reflectors further apart, or read them more \
+                 often.",
                 length(most.noise_m),
                 most.posture
             ),

@@ -49,8 +49,8 @@ struct StationFit {
 }
 
 /// Puts the readings of all stations into the axes of one: of the first that `stated_transform` fits, else of the
-/// first. Postures of a station whose unloaded readings do not say where it stands are left out, with a remark. The result
-/// names the station with most postures where one does not fit the model by itself.
+/// first. Postures of a station whose unloaded readings do not say where it stands are left out, with a remark. The
+/// result names the station with most postures where one does not fit the model by itself.
 ///
 /// # Errors
 /// No station says where it stands.
@@ -228,8 +228,8 @@ pub(super) fn finding(stations: &[StationRegistration]) -> Option<Finding> {
         _ => format!(" Nothing checks the angles of postures {}, each the only one of its station.", list(&unchecked)),
     };
     let sentence = format!(
-        "The tracker read from {} stations, each registered by itself: {}. The RMS is the distance of the unloaded points \
-         from the kinematic model.{unchecked}",
+        "The tracker read from {} stations, each registered by itself: {}. The RMS is the distance of the unloaded \
+         points from the kinematic model.{unchecked}",
         stations.len(),
         list(&each)
     );

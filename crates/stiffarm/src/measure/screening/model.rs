@@ -69,8 +69,8 @@ fn check_given(work: &mut Work, stated_transform: Option<&Isometry3<f64>>, frame
     }
 }
 
-/// The slips of hand that mirror the readings as `mirror` undoes it, registered as `frame`, and leave the tracker as it is
-/// `stated_transform` has it, or parallel to the base.
+/// The slips of hand that mirror the readings as `mirror` undoes it, registered as `frame`, and leave the tracker as it
+/// is `stated_transform` has it, or parallel to the base.
 fn axis_slips_of(
     mirror: &Matrix3<f64>,
     frame: &Frame,

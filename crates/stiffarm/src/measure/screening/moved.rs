@@ -258,9 +258,9 @@ fn unused(work: &Work, station: &str) -> String {
     names.find(is_new).unwrap_or_default()
 }
 
-/// The number of its run for each state of each posture. An unloaded one has that of its item; one under load that of the
-/// last item before it, but where the frame changes before the next: then that in which it lies nearer to where the arm
-/// has it, within what a load does.
+/// The number of its run for each state of each posture. An unloaded one has that of its item; one under load that of
+/// the last item before it, but where the frame changes before the next: then that in which it lies nearer to where the
+/// arm has it, within what a load does.
 fn runs_of_states(work: &Work, order: &Order, runs: &[Run]) -> Vec<Vec<usize>> {
     let run_of = |i: usize| runs.iter().rposition(|run| run.first <= i).unwrap_or(0);
     let of_posture = |(p, posture): (usize, &super::sheet::Posture)| {
@@ -318,9 +318,9 @@ pub(super) fn sentence(s: &Suspicion, [before, after, off]: [&str; 3]) -> String
     };
     let turn = s.angles_deg.first().copied().unwrap_or_default();
     format!(
-        "{from}: one for all leaves the unloaded points {before} from the kinematic model, one of its own for each part \
-         {after}; they lie {off} apart at the points, with a turn of {turn:.2}°. If the tracker was moved or knocked, \
-         {name}.{divided} If the robot was moved, for example on a rail, what stands beside it (anchor, obstacles) is \
-         elsewhere, too: identify what was read at each of its places with a cell of its own."
+        "{from}: one for all leaves the unloaded points {before} from the kinematic model, one of its own for each \
+         part {after}; they lie {off} apart at the points, with a turn of {turn:.2}°. If the tracker was moved or \
+         knocked, {name}.{divided} If the robot was moved, for example on a rail, what stands beside it (anchor, \
+         obstacles) is elsewhere, too: identify what was read at each of its places with a cell of its own."
     )
 }

@@ -5,6 +5,7 @@ use super::frame::{rms, state_pairs};
 use super::sheet::{Sheet, State};
 use super::units::Unit;
 use super::{ALIKE_MISFIT_RATIO, BELIEVED_RATIO, Cause, FITTED_RATIO, Suspicion, Work, rigid, tool, words};
+use crate::findings::each_once;
 use crate::model::cell::Cell;
 use crate::model::load::Load;
 use crate::numerics::order::sort_by_number;
@@ -124,7 +125,8 @@ impl Slip {
                 }
             }
             Undo::AnglesOf(of, _) | Undo::Exchange(of, _) if !self.is_whole(&work.sheet) => {
-                // A row is not at home among other angles than its posture's: it changes place, or nothing is known of it.
+                // A row is not at home among other angles than its posture's: it changes place, or nothing is known of
+                // it.
                 for at in self.at.iter().flatten() {
                     if let Undo::Exchange(..) = self.undo {
                         work.sheet.exchange(*at, *of);
@@ -358,8 +360,8 @@ impl SettledSlip {
         let likeliest = phrase(&self.slip);
         let others = self.others.iter().map(phrase);
         // The sign of an angle is tried both as it stands and as fitted.
-        out.alternatives = others.filter(|other| *other != likeliest).collect();
-        out.alternatives.dedup();
+        let others: Vec<String> = others.filter(|other| *other != likeliest).collect();
+        out.alternatives = each_once(&others);
         out.certain = out.alternatives.is_empty();
         out
     }

@@ -56,7 +56,8 @@ impl Unreachable {
             _ if self.rotation_rad > 0.0 => {
                 let angle = short(rad_to_deg(self.rotation_rad));
                 format!(
-                    "No posture holds the flange at the pose: the nearest pose found is {distance} mm and {angle}° away."
+                    "No posture holds the flange at the pose: the nearest pose found is {distance} mm and {angle}° \
+                     away."
                 )
             }
             Region::Beyond => format!("The pose lies {distance} mm beyond the arm's reach."),

@@ -94,8 +94,8 @@ impl Robot {
         self.convention
     }
 
-    /// The robot of the catalogue that is like this arm if its rows are read in the other convention, where read as they
-    /// are it is like none.
+    /// The robot of the catalogue that is like this arm if its rows are read in the other convention, where read as
+    /// they are it is like none.
     pub fn like_in_other_convention(&self) -> Option<&'static CatalogueEntry> {
         let (current, _) = nearest(self.convention, &self.rows)?;
         let (other, entry) = nearest(self.convention.other(), &self.rows)?;

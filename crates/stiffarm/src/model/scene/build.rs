@@ -33,8 +33,8 @@ pub struct SceneParts {
 impl SceneParts {
     /// Finds the pairs to be kept apart. Links next to each other are not, nor what stands, nor the
     /// shapes of the tool among themselves. Two parts of arm and tool that are too near in every posture
-    /// within `bounds` \[rad\] are so because their shapes are drawn large: they are left out, and the scene says so. So is
-    /// the first link with what stands around it.
+    /// within `bounds` \[rad\] are so because their shapes are drawn large: they are left out, and the scene says so.
+    /// So is the first link with what stands around it.
     ///
     /// # Errors
     /// A name that appears twice, or an ignored pair without such parts.

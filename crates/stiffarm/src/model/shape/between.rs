@@ -1,7 +1,7 @@
 //! Signed distance of two convex solids.
 //!
-//! From a capsule it is the distance from the capsule's segment, from a plane that of a support point. Boxes and cylinders
-//! are compared by the origin's distance from their Minkowski difference (Gilbert, Johnson and Keerthi
+//! From a capsule it is the distance from the capsule's segment, from a plane that of a support point. Boxes and
+//! cylinders are compared by the origin's distance from their Minkowski difference (Gilbert, Johnson and Keerthi
 //! 1988, doi:10.1109/56.2083). Where they overlap, a layer is taken off one of them, each of its faces by
 //! the same thickness, until it only touches: the distance is minus that thickness, of the two the thicker. That is the
 //! depth below the surface of the deepest point that is inside both.

@@ -63,8 +63,8 @@ impl Readings {
         }
     }
 
-    /// tr(A·G) at the controller angles `q` \[rad\] with A = `adjoint`, and its derivatives in `gradient`; not finite where
-    /// a load has no direction.
+    /// tr(A·G) at the controller angles `q` \[rad\] with A = `adjoint`, and its derivatives in `gradient`; not finite
+    /// where a load has no direction.
     pub(super) fn trace(&mut self, q: &[f64], adjoint: &DMatrix<f64>, gradient: &mut [f64]) -> f64 {
         gradient.fill(0.0);
         match self {

@@ -146,8 +146,8 @@ fn tool(cell: &Cell, slips: &mut Slips<'_>) {
             );
         } else if distance > longest {
             let sentence = format!(
-                "{what} lies {:.0} mm from the flange, and the longest link of the arm is {:.0} mm: is it in base axes? \
-                 Points of the tool are in flange axes.",
+                "{what} lies {:.0} mm from the flange, and the longest link of the arm is {:.0} mm: is it in base \
+                 axes? Points of the tool are in flange axes.",
                 m_to_mm(distance),
                 m_to_mm(longest)
             );

@@ -68,8 +68,8 @@ impl<'p> Exchanges<'p> {
         std::mem::take(&mut self.order)
     }
 
-    /// A shorter order, where one is found from `best` with two neighbouring stretches exchanged, which no single exchange
-    /// undoes, and other equivalents of a few postures.
+    /// A shorter order, where one is found from `best` with two neighbouring stretches exchanged, which no single
+    /// exchange undoes, and other equivalents of a few postures.
     pub fn kicked(
         &mut self,
         best: &[usize],

@@ -289,7 +289,8 @@ fn findings(result: &Compensation, options: &CompensateOptions) -> Vec<Finding> 
                 "correction-within-uncertainty",
                 "correction",
                 format!(
-                    "At {within} of {count} points the correction is smaller than its own uncertainty: there it may as well harm."
+                    "At {within} of {count} points the correction is smaller than its own uncertainty: there it may as \
+                     well harm."
                 ),
             ));
         }

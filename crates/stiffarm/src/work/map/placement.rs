@@ -217,8 +217,8 @@ fn findings(cell: &Cell, predictor: &IdentifiedCompliance, result: &Placement) -
     let mut out = Vec::new();
     if result.interrupted {
         out.push(stopped(format!(
-            "Stopped: {} places were tried, spread over the grid; a better one may be among the others. Deflections are \
-             those of the {} searched points of the path.",
+            "Stopped: {} places were tried, spread over the grid; a better one may be among the others. Deflections \
+             are those of the {} searched points of the path.",
             result.candidates.len(),
             result.searched_points
         )));
@@ -239,7 +239,8 @@ fn findings(cell: &Cell, predictor: &IdentifiedCompliance, result: &Placement) -
             let place = place_words(best.position_m);
             let sentence = match (result.gain, given_place.deflection_rms_m) {
                 (Some(gain), Some(from)) if gain > 1.0 => format!(
-                    "At {place} the path bends the arm by {size} (RMS), {gain:.2} times less than at the given place ({}).",
+                    "At {place} the path bends the arm by {size} (RMS), {gain:.2} times less than at the given place \
+                     ({}).",
                     length(from)
                 ),
                 (Some(_), Some(from)) => format!(

@@ -115,8 +115,8 @@ impl Search<'_> {
                 self.arm.at_work().why_not(q)?.unwrap_or_default()
             ),
             None => format!(
-                "Each point by itself has a free posture, but no way that was found leads through them all without a jump{}: \
-                 at point {}, {}.",
+                "Each point by itself has a free posture, but no way that was found leads through them all without a \
+                 jump{}: at point {}, {}.",
                 match self.options.start {
                     Some(_) => " near the posture that is asked for",
                     None => "",

@@ -192,7 +192,8 @@ fn iterated(search: &Search<'_>, pose: &Isometry3<f64>, last: &[f64]) -> Option<
 fn jump(search: &Search<'_>, i: usize, j: usize, step: f64) -> Error {
     let joint = &search.arm.robot().joints()[j].name;
     let message = format!(
-        "From point {} to {} {joint} would jump by {:.1}°: the points are far apart, or the path passes a singular posture.",
+        "From point {} to {} {joint} would jump by {:.1}°: the points are far apart, or the path passes a singular \
+         posture.",
         search.points[i - 1].name,
         search.points[i].name,
         rad_to_deg(step)

@@ -27,7 +27,8 @@ const HALF_TURNS: [HalfTurn; 4] = [
     HalfTurn { of_tool: false, axis: Vector3::y, hint: "with the workpiece turned by 180° about its y it reaches them: check which way z of the workpiece frame points" },
 ];
 
-/// `error` of a path through `poses`, whose turn about the tool axis is `free`, with what would make all of it reachable.
+/// `error` of a path through `poses`, whose turn about the tool axis is `free`, with what would make all of it
+/// reachable.
 pub(super) fn with_hint(search: &Search<'_>, poses: &[Isometry3<f64>], free: bool, error: Error) -> Error {
     if ![Code::Unreachable, Code::OutsideLimits].contains(&error.code()) {
         return error;

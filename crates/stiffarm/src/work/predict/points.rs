@@ -279,15 +279,15 @@ fn findings(result: &Prediction) -> Vec<Finding> {
     };
     let sentence = match (result.model, result.linear_suffices) {
         (Model::Equilibrium, true) => format!(
-            "Deflections are those of the exact equilibrium; the linear model, Eq. (7), differs by at most {gap}, {small}, and \
-             would do."
+            "Deflections are those of the exact equilibrium; the linear model, Eq. (7), differs by at most {gap}, \
+             {small}, and would do."
         ),
         (Model::Equilibrium, false) => format!(
             "Deflections are those of the exact equilibrium; the linear model, Eq. (7), differs by up to {gap}."
         ),
         (Model::Linear, true) => format!(
-            "Deflections are those of the linear model, Eq. (7), which suffices: the exact equilibrium differs by at most \
-             {gap}, {small}."
+            "Deflections are those of the linear model, Eq. (7), which suffices: the exact equilibrium differs by at \
+             most {gap}, {small}."
         ),
         (Model::Linear, false) => format!(
             "Deflections are those of the linear model, Eq. (7), which leaves out up to {gap}: use the equilibrium."
@@ -314,7 +314,8 @@ fn findings(result: &Prediction) -> Vec<Finding> {
             "common-error-dominates",
             "band",
             format!(
-                "Systematic errors are most of the band at {} of the points: what `identify` names as the largest of them would narrow it most.",
+                "Systematic errors are most of the band at {} of the points: what `identify` names as the largest of \
+                 them would narrow it most.",
                 percent(dominated as f64 / result.points.len() as f64)
             ),
         ));

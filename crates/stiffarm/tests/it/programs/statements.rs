@@ -161,6 +161,16 @@ fn a_line_that_is_taken_out_or_moved_is_named() {
             "{language:?}: {differences:?}"
         );
     }
+    // Of a file that is not there all lines are missing, comments aside.
+    let mut files = written(Language::Krl);
+    let points = files.pop().unwrap();
+    let missing = compare_statements(&written(Language::Krl), &files, Language::Krl, 6);
+    let lines = points.text.lines().filter(|line| !line.starts_with([';', '&']));
+    let lines: Vec<Difference> = lines
+        .map(|line| Difference::MissingLine { file: points.name.clone(), text: line.trim().to_string() })
+        .collect();
+    assert!(points.name.ends_with(".dat") && lines.len() > 3);
+    assert_eq!(missing, lines);
     // The same lines, and the job ends before the last posture.
     let mut files = edited(Language::Inform, "\r\nEND\r\n", "\r\n");
     files[0].text = files[0].text.replacen("MOVJ C00003", "END\r\nMOVJ C00003", 1);

@@ -211,3 +211,16 @@ fn findings_in_words() {
     show("a loaded state without force", &cell, &no_force, &none);
     insta::assert_snapshot!("findings", text);
 }
+
+#[test]
+fn a_hint_names_each_measured_posture_once() {
+    let cell = reference_cell();
+    let levels = states(&[("unloaded", 0.0, 1), ("up", 0.5, 1), ("full", 1.0, 1)]);
+    let options = Experiment { states: levels, force: ForceRecord::Load, ..Experiment::default() };
+    let mut measured = reduced(&cell, &take(&cell, &options, 1)).measured;
+    // The states of a posture need not stand together.
+    measured.sort_by(|a, b| a.state.cmp(&b.state));
+    assert_eq!(measured.len(), 12);
+    let error = Measured::from(measured).exclude(&["9".to_string()]).unwrap_err();
+    assert_eq!(error.hint_text(), Some("measured postures: 1, 2, 3, 4, 5, 6"));
+}

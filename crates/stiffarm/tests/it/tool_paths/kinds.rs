@@ -18,9 +18,11 @@ fn endings_that_say_nothing_are_looked_into() {
         ("a.mpf", GCODE, Some(Kind::Gcode), false),
         ("a.txt", "PARTNO A\nFROM / 0, 0, 50\nGOTO / 0, 0, 1\n", Some(Kind::Apt), true),
         ("a.txt", "TOOL PATH/A,TOOL,T1\n", Some(Kind::Apt), true),
+        ("a.txt", "partno a\nGoto/0,0,1\n", Some(Kind::Apt), true),
         ("a.txt", "MODULE a\nENDMODULE\n", robot(Language::Rapid), true),
         ("a.txt", "/PROG  A\n/MN\n", robot(Language::Ls), true),
         ("a.txt", "/JOB\n//NAME A\n", robot(Language::Inform), true),
+        ("a.txt", "/job\n//NAME A\n", robot(Language::Inform), true),
         ("a.txt", "&ACCESS RVP\nDEF a ( )\n", robot(Language::Krl), true),
         ("a.txt", "def a():\n  movel(p[0,0,0,0,0,0])\nend\n", robot(Language::Urscript), true),
         // Tables.

@@ -250,6 +250,78 @@ fn krl_as_posts_write_it_is_read() -> Check {
 }
 
 #[test]
+fn words_of_krl_moves_stand_for_themselves() -> Check {
+    let dat = format!("DEFDAT a\nBASE_DATA[3]={BASE}\nBASE_DATA[4]={TOOL}\nDECL E6POS XP1={POINT}\nENDDAT\n");
+    let after = |tail: &str| krl(&format!("DEF a ( )\n$VEL.CP=0.5\nBAS (#BASE,3)\nLIN XP1 C_DIS{tail}\nEND\n"), &dat);
+    for (tail, feed, is_other) in [
+        ("", 0.5, false),
+        (" WITH $VEL.CP=0.1", 0.1, false),
+        (" with $vel.cp = 0.1, $base=base_data[4]", 0.1, true),
+        (" With $Base=BASE_DATA[4]", 0.5, true),
+        (" withdraw $BASE=BASE_DATA[4]", 0.5, false),
+        (" ; WITH $VEL.CP=0.1, $BASE=BASE_DATA[4]", 0.5, false),
+    ] {
+        let path = after(tail)?;
+        assert_eq!(path.points[0].feed, Some(feed), "{tail}");
+        assert_eq!(codes(&path).contains(&"program-frame"), is_other, "{tail}: {:?}", path.findings);
+    }
+    Ok(())
+}
+
+#[test]
+fn programs_say_the_same_in_small_letters() -> Check {
+    let (user, object) = objects();
+    let body =
+        format!("PROC main()\nVAR speeddata vw:=[20,1,1,1];\nMoveL\\Conc,{TARGET},vw,z1,t\\WObj:=w\\Corr;\nENDPROC");
+    let points = [listed(1, "1.0", ""), listed(2, "2.0", ""), listed(3, "3.0", "")];
+    let registers = ["1500.5", "-200", "612.25", "10", "-20", "35"].iter().zip(1..);
+    let registers: Vec<String> = registers.map(|(number, at)| format!("  PR[9,{at}]={number}")).collect();
+    let mut lines: Vec<&str> = registers.iter().map(String::as_str).collect();
+    lines.extend(["  UFRAME[3]=PR[9]", "  UFRAME_NUM=3", "L P[1] 50mm/sec FINE Skip,LBL[1]"]);
+    lines.extend(["L P[2] 12cm/min FINE Wjnt", "L P[3] 9inch/min FINE COORD"]);
+    let job = "MFRAME UF#(2) P00005 P00005\nMOVL C00001 V=46.0 UNTIL IN#(1)=ON\nMOVC C00001 V=1\nMOVC C00002 V=1\n\
+               MOVC C00003 V=2 FPT\nMOVC C00004 V=1\nMOVC C00001 V=1\nEND\n";
+    let cl_data =
+        "TOOL PATH/A,TOOL,T1\nUNITS/MM\nFEDRAT/MMPM,600\nSPINDL/RPM,6000,CLW\nGOTO/1,2,3,0,0,1\nEND-OF-PATH\n";
+    for (name, text) in [
+        ("a.mod", rapid([&user, &object], &body)),
+        ("a.ls", ls(&lines, &points)),
+        ("a.jbi", format!("{JOB}{job}")),
+        ("a.apt", cl_data.to_string()),
+        (
+            "a.nc",
+            "%\nN10 G90 G54 G17 G21\nN20 G0 X1 Y2 Z3 S3000 M3\nCR=3\nG1 X4 F600\nG2 X8 Y2 CR=5\nM30\n".to_string(),
+        ),
+    ] {
+        let (path, small) = (read(name, &text)?, read(name, &text.to_ascii_lowercase())?);
+        assert_eq!(codes(&path), codes(&small), "{name}: {:?} {:?}", path.findings, small.findings);
+        let said = |path: &ReadPath| -> Vec<_> {
+            let points = path.points.iter();
+            points.map(|point| (point.feed, point.feature.as_ref().map(|name| name.to_ascii_uppercase()))).collect()
+        };
+        assert_eq!((said(&path), positions(&path)), (said(&small), positions(&small)), "{name}");
+    }
+    Ok(())
+}
+
+#[test]
+fn moves_that_fanuc_calculates_are_refused_in_any_case() -> Check {
+    let points = [listed(1, "1.0", ""), listed(2, "2.0", ""), listed(3, "3.0", "")];
+    let path = read("a.ls", &ls(&["L P[1:no Offset] 50mm/sec FINE", "L P[3:PR[1] 50mm/sec FINE"], &points))?;
+    assert_eq!((xs(&path), codes(&path)), (vec![1.0, 3.0], vec![]));
+    for word in ["Offset,PR[1]", "offset", "TOOL_OFFSET", "inc", "VOffset,VR[1]", "SEARCH[X]"] {
+        let last = format!("L P[3] 50mm/sec FINE {word}");
+        let error = read("a.ls", &ls(&["L P[1] 50mm/sec FINE", &last], &points)).unwrap_err();
+        assert!(error.message().contains("is calculated by the controller"), "{word}: {}", error.message());
+        // The second line of an arc.
+        let arc = format!("C P[2]\n    :  P[3] 50mm/sec FINE {word}");
+        let error = read("a.ls", &ls(&["L P[1] 50mm/sec FINE", &arc], &points)).unwrap_err();
+        assert!(error.message().contains("is calculated by the controller"), "{word}: {}", error.message());
+    }
+    Ok(())
+}
+
+#[test]
 fn rapid_as_posts_write_it_is_read() -> Check {
     let (user, object) = objects();
     let text = format!(

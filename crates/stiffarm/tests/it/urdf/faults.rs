@@ -201,6 +201,20 @@ fn two_joints_that_one_moves_are_refused() {
 }
 
 #[test]
+fn limits_in_degrees_are_said_as_they_stand() {
+    let limit = r#"<limit lower="-180" upper="180" effort="1" velocity="1"/>"#;
+    let [_, j2] = arm();
+    let direct = joint("j1", "revolute", "a", "b", &format!("<axis xyz=\"0 0 1\"/>{limit}"));
+    let lever = joint("lever", "revolute", "b", "l", &format!("{limit}<mimic joint=\"j2\"/>"));
+    for (joints, name) in [([direct, j2.clone()].as_slice(), "j1"), ([arm()[0].clone(), j2, lever].as_slice(), "lever")]
+    {
+        let error = refused(&robot("abcl", joints), &options("a", "c"));
+        let message = format!("The joint \"{name}\" has a limit of -180 rad, which is 29 turns: are these degrees?");
+        assert_eq!(error.message(), message);
+    }
+}
+
+#[test]
 fn what_says_nothing_here_may_be_anything() {
     let [j1, j2] = arm();
     let text = robot("abc", &[j1, j2]);

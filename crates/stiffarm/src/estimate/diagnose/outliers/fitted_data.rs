@@ -218,8 +218,8 @@ impl<'a> FittedData<'a> {
         Ok(self.postures.get_or_init(|| out))
     }
 
-    /// Each posture against the mixed model of the others, its sizes found without it, whose prediction is as sure as its band
-    /// says.
+    /// Each posture against the mixed model of the others, its sizes found without it, whose prediction is as sure as
+    /// its band says.
     fn mixed_fits(&self, mixed: &MixedFit) -> Result<Vec<PostureFit>> {
         let system = mixed.system();
         let folds = mixed.folds_of(system.blocks.len())?;
@@ -241,8 +241,8 @@ impl<'a> FittedData<'a> {
         each.collect()
     }
 
-    /// Probability of the error with which `compliance` predicts block `b`: its square in the covariance of the prediction
-    /// and of the readings, with the degrees of freedom of the combination that it is.
+    /// Probability of the error with which `compliance` predicts block `b`: its square in the covariance of the
+    /// prediction and of the readings, with the degrees of freedom of the combination that it is.
     fn mixed_p(
         &self,
         system: &MeasuredSystem,

@@ -211,15 +211,16 @@ impl Outlier {
             }
             OutlierKind::Posture => {
                 let message = format!(
-                    "Posture {} does not fit the others ({p}): look for a wrong angle, load or reading of all its points.",
+                    "Posture {} does not fit the others ({p}): look for a wrong angle, load or reading of all its \
+                     points.",
                     name(&self.posture)
                 );
                 (codes::OUTLYING_POSTURE, message)
             }
             OutlierKind::Point => {
                 let message = format!(
-                    "Point {} does not fit the others in many postures ({p}): look for a loose reflector or a wrong place \
-                     in the tool.",
+                    "Point {} does not fit the others in many postures ({p}): look for a loose reflector or a wrong \
+                     place in the tool.",
                     name(&self.point)
                 );
                 (codes::OUTLYING_POINT, message)

@@ -183,7 +183,8 @@ impl LoadStates {
             add(
                 "load-curvature",
                 format!(
-                    "The arm {way} with the load: at the largest load {} ± {} of the displacement is beyond proportion.",
+                    "The arm {way} with the load: at the largest load {} ± {} of the displacement is beyond \
+                     proportion.",
                     percent(bend.value),
                     percent(bend.standard_error)
                 ),
@@ -227,8 +228,8 @@ impl LoadStates {
             add(
                 "load-scatter",
                 format!(
-                    "Load states scatter about their curves by {}, more than the cell's noise explains ({}): drift, or a \
-                     load that had not settled.",
+                    "Load states scatter about their curves by {}, more than the cell's noise explains ({}): drift, or \
+                     a load that had not settled.",
                     length(self.scatter_m),
                     probability(p)
                 ),

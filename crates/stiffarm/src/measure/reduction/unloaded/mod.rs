@@ -263,8 +263,8 @@ fn check_own(summary: &UnloadedRegistration, findings: &mut Vec<Finding>) {
             codes::REGISTRATION_OUTLIER,
             names.join(", "),
             format!(
-                "{}: the unloaded points lie up to {} from where the model puts them, the others within {}. Left out of \
-                 the registration; look for a mistyped angle or exchanged points.",
+                "{}: the unloaded points lie up to {} from where the model puts them, the others within {}. Left out \
+                 of the registration; look for a mistyped angle or exchanged points.",
                 postures_first(&names),
                 length(worst),
                 length(summary.rms_m)
@@ -276,8 +276,8 @@ fn check_own(summary: &UnloadedRegistration, findings: &mut Vec<Finding>) {
             codes::REGISTRATION_RESIDUAL,
             "registration",
             format!(
-                "After registration the unloaded points still lie {} (RMS) from where the model puts them, more than an \
-                 industrial arm is wrong by. Check units, joint signs, coupling and the tool's points.",
+                "After registration the unloaded points still lie {} (RMS) from where the model puts them, more than \
+                 an industrial arm is wrong by. Check units, joint signs, coupling and the tool's points.",
                 length(summary.rms_m)
             ),
         ));

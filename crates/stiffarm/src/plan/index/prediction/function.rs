@@ -115,8 +115,8 @@ impl PredictionFunction {
         0.5 * error.ln()
     }
 
-    /// tr(A·XᵀX) of the readings X at `q`, ready for [`add_gradient`](Self::add_gradient); not a number where a load has no
-    /// direction.
+    /// tr(A·XᵀX) of the readings X at `q`, ready for [`add_gradient`](Self::add_gradient); not a number where a load
+    /// has no direction.
     pub(crate) fn trace(&mut self, q: &[f64], a: &DMatrix<f64>) -> f64 {
         self.adjoint = None;
         if !self.place(q) {

@@ -99,8 +99,8 @@ impl PredictionModel {
         Ok(model)
     }
 
-    /// The same, or where the load comes with measurements for deflections at the cell's tasks, if it has any, and of the
-    /// measuring points at `candidates`; what gives way beyond the axes is `factor` times as large as expected.
+    /// The same, or where the load comes with measurements for deflections at the cell's tasks, if it has any, and of
+    /// the measuring points at `candidates`; what gives way beyond the axes is `factor` times as large as expected.
     ///
     /// # Errors
     /// As [`of_cell`](Self::of_cell).
@@ -189,7 +189,8 @@ impl PredictionModel {
             each.flatten().for_each(|terms| add(&self.readings(&[terms])));
         }
         let (values, vectors) = eigen(gram)?;
-        let directions: Vec<usize> = (0..random).filter(|i| values[*i] > UNSEEN_SHARE * values.max()).collect();
+        let least = UNSEEN_SHARE * values.max();
+        let directions: Vec<usize> = (0..random).filter(|i| values[*i] > least).collect();
         let seen = vectors.select_columns(&directions);
         self.prior.root *= &seen;
         let targets = &self.targets.all;

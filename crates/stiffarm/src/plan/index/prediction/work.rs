@@ -13,9 +13,9 @@ const WORK_POSTURES: usize = 20;
 const STATED_DRAW: (u64, u64) = (1, 0x5747);
 
 /// Where deflections of the tip are to be predicted, and under which load: at the cell's tasks if it has any, and
-/// anywhere, which few tasks say nothing of: at random postures inside its limits, always the same, under forces as large
-/// as its load's along each axis at the first measuring point, which together stand for all directions (under the load as
-/// it is where that has no force, and where all of them turn a joint that it never turns).
+/// anywhere, which few tasks say nothing of: at random postures inside its limits, always the same, under forces as
+/// large as its load's along each axis at the first measuring point, which together stand for all directions (under the
+/// load as it is where that has no force, and where all of them turn a joint that it never turns).
 ///
 /// # Errors
 /// No tasks where the load comes with measurements; no posture inside the limits.
