@@ -76,7 +76,7 @@ impl<O> Telling<O> for CellCheck {
 fn joints(context: &Given<'_>, check: &CellCheck) -> DataTable {
     let robot = context.cell.map(|cell| cell.setup.robot.joints());
     let range = |range: [f64; 2]| {
-        let [low, high] = range.map(rad_to_shortest_deg);
+        let [low, high] = range.map(|angle| with_minus(rad_to_shortest_deg(angle).to_string()));
         Text::from(format!("{low} to {high}"))
     };
     let names = check.joints.iter();
