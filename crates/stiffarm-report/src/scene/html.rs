@@ -1,6 +1,7 @@
 //! A scene as part of a page.
 
 use super::data::Scene;
+use crate::figure::svg::escape;
 use std::fmt::Write as _;
 
 /// The script of every page with scenes: three.js and the viewer. It adds one global, `stiffarm`.
@@ -32,26 +33,11 @@ pub fn scene_html(scene: &Scene, id: &str, title: &str, fallback: &str) -> Strin
         html,
         "<div class=\"scene\" id=\"{id}\" data-title=\"{title}\">\n<div class=\"scene-fallback\">{fallback}</div>\n\
          <script type=\"application/json\">{json}</script>\n</div>\n",
-        id = escaped(id),
-        title = escaped(title),
+        id = escape(id),
+        title = escape(title),
         json = inert(&json),
     );
     html
-}
-
-/// Text as the value of an attribute.
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            c => out.push(c),
-        }
-    }
-    out
 }
 
 /// JSON that ends no script element and begins no comment, whatever its strings say.

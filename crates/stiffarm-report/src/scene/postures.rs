@@ -1,8 +1,8 @@
 //! A cell at one posture after the other.
 
 use super::data::{Closest, SceneLoad, ScenePosture};
+use super::limits::{least_room, sentences, violated_parts};
 use super::numbers::{digits, length, place, pose, vector};
-use crate::cell::cautions::{Cautions, least_room, sentences};
 use stiffarm::Result;
 use stiffarm::model::cell::{Cell, PostureMargins};
 use stiffarm::model::load::{Load, Wrench};
@@ -13,26 +13,27 @@ use stiffarm::nalgebra::{DVector, Vector3};
 use stiffarm::units::rad_to_deg;
 
 /// What is asked of every posture, made ready once.
-pub(super) struct Looks<'a> {
+pub(super) struct AtPostures<'a> {
     cell: &'a Cell,
     setups: Vec<Setup>,
     margins: PostureMargins<'a>,
     stiffness: Option<&'a [f64]>,
     model: Model,
     /// Number of bodies before those of the cell's scene.
-    before: usize,
+    robot_bodies: usize,
 }
 
-impl<'a> Looks<'a> {
-    pub(super) fn new(cell: &'a Cell, stiffness: Option<&'a [f64]>, model: Model, before: usize) -> Result<Self> {
+impl<'a> AtPostures<'a> {
+    pub(super) fn new(cell: &'a Cell, stiffness: Option<&'a [f64]>, model: Model, robot_bodies: usize) -> Result<Self> {
         if let Some(stiffness) = stiffness {
             joint_compliance(&cell.setup.robot, stiffness)?;
         }
-        Ok(Looks { cell, setups: cell.setup.cases(), margins: cell.posture_margins()?, stiffness, model, before })
+        let (setups, margins) = (cell.setup.cases(), cell.posture_margins()?);
+        Ok(AtPostures { cell, setups, margins, stiffness, model, robot_bodies })
     }
 
-    /// A posture as data and its terms, under `wrench` where the load is measured and that is known.
-    pub(super) fn look(&mut self, posture: &Posture, wrench: Option<&Wrench>) -> Result<(ScenePosture, PostureTerms)> {
+    /// A posture as data, under `wrench` where the load is measured and that is known.
+    pub(super) fn at(&mut self, posture: &Posture, wrench: Option<&Wrench>) -> Result<ScenePosture> {
         let is_measured = self.cell.setup.load == Load::Measured;
         let none = Wrench::force(Vector3::zeros());
         let any = wrench.or(is_measured.then_some(&none));
@@ -44,15 +45,16 @@ impl<'a> Looks<'a> {
             }
         }
         let margins = self.margins.named(&posture.q)?;
-        let cautions = Cautions::of(self.cell, &margins);
-        let red = cautions.parts.iter().enumerate().filter(|(_, red)| **red);
+        let violated = violated_parts(self.cell, &margins);
         let scene = &self.cell.scene;
-        let shown = ScenePosture {
+        Ok(ScenePosture {
             name: posture.name.clone(),
+            q: posture.q.clone(),
             angles_deg: posture.q.iter().map(|q| digits(rad_to_deg(*q))).collect(),
             links: terms.frames().links().iter().map(pose).collect(),
             loads,
             seen: scene.seen_by_each(&terms).into_iter().map(|s| s.points).collect(),
+            best_station: scene.seen(&terms).map(|s| s.station),
             closest: scene.closest(&terms).map(|pair| Closest {
                 names: pair.names,
                 distance: length(pair.distance),
@@ -60,9 +62,9 @@ impl<'a> Looks<'a> {
             }),
             room: least_room(&margins),
             violated: sentences("It", &margins),
-            caution: red.map(|(number, _)| self.before + number).collect(),
-        };
-        Ok((shown, terms))
+            caution: violated.iter().map(|number| self.robot_bodies + number).collect(),
+            margins,
+        })
     }
 
     fn load(&self, setup: &Setup, posture: &Posture, wrench: Option<&Wrench>) -> Result<SceneLoad> {

@@ -96,8 +96,6 @@ pub(in crate::tell) fn residual_section(
          arrows that point alike at all points of a posture are a shift that its points share, arrows without order are noise.\
          {states}"
     );
-    context.scene_section(scene, &postures, &text).map(|mut section| {
-        section.title = format!("{label} on the cell in 3D");
-        Some(section)
-    })
+    let title = format!("{label} on the cell in 3D");
+    Ok(Some(Section { title, ..context.scene_section(scene, &text) }))
 }
