@@ -2,7 +2,7 @@
 
 use crate::figure::drawing::{DISTINCT_ITEMS, Tone};
 use crate::figure::svg::canvas::{Canvas, INK, Point, Stroke};
-use crate::figure::svg::look::Look;
+use crate::figure::svg::series_style::SeriesStyle;
 
 /// Red that no other mark has; 5.9 to 1 against white.
 pub(super) const CAUTION: &str = "#c8102e";
@@ -61,8 +61,8 @@ pub(super) fn stroke(tone: Tone, caution: bool) -> Stroke<'static> {
 /// Draws the marker of a tone.
 pub(super) fn marker(canvas: &mut Canvas, at: Point, tone: Tone, caution: bool) {
     let ring = |colour| Stroke::solid(colour, 1.4);
-    let look = |colour, variant| Look { colour, dash: "", variant };
-    let own = |colour: &'static str| if caution { CAUTION } else { colour };
+    let look = |colour, variant| SeriesStyle { colour, dash: "", variant };
+    let or_red = |colour: &'static str| if caution { CAUTION } else { colour };
     match tone {
         Tone::Item(n) if n >= DISTINCT_ITEMS => {}
         Tone::Item(n) => {
@@ -71,13 +71,13 @@ pub(super) fn marker(canvas: &mut Canvas, at: Point, tone: Tone, caution: bool) 
             let variant = (n % ITEMS.len() + n / ITEMS.len()) % MARKERS;
             look(colour, variant).marker(canvas, at, MARKER, false);
         }
-        Tone::Skeleton => canvas.circle(at, 2.9, "#ffffff", ring(own(INK))),
-        Tone::Fixed => look(own("#4a4a4a"), 0).landmark(canvas, at, 4.2),
-        Tone::Pull => look(own("#8a4b08"), 3).marker(canvas, at, 3.9, false),
-        Tone::Ray => look(own("#2a7fb8"), 2).marker(canvas, at, 4.2, false),
+        Tone::Skeleton => canvas.circle(at, 2.9, "#ffffff", ring(or_red(INK))),
+        Tone::Fixed => look(or_red("#4a4a4a"), 0).landmark(canvas, at, 4.2),
+        Tone::Pull => look(or_red("#8a4b08"), 3).marker(canvas, at, 3.9, false),
+        Tone::Ray => look(or_red("#2a7fb8"), 2).marker(canvas, at, 4.2, false),
         Tone::Target if caution => canvas.circle(at, 3.4, CAUTION, Stroke::solid("#ffffff", 0.6)),
         Tone::Target => canvas.circle(at, 2.3, "#ffffff", Stroke::solid(INK, 1.1)),
-        _ => canvas.circle(at, 2.6, own("#6f6f6f"), Stroke::solid("#ffffff", 0.6)),
+        _ => canvas.circle(at, 2.6, or_red("#6f6f6f"), Stroke::solid("#ffffff", 0.6)),
     }
     if caution && matches!(tone, Tone::Item(_) | Tone::Skeleton | Tone::Pull) {
         canvas.circle(at, 6.5, "none", ring(CAUTION));
@@ -91,13 +91,13 @@ mod tests {
 
     #[test]
     fn no_two_items_look_alike() {
-        let looks: HashSet<String> = (0..DISTINCT_ITEMS)
+        let markers: HashSet<String> = (0..DISTINCT_ITEMS)
             .map(|n| {
                 let mut canvas = Canvas::default();
                 marker(&mut canvas, (0.0, 0.0), Tone::Item(n), false);
                 canvas.finish()
             })
             .collect();
-        assert_eq!(looks.len(), DISTINCT_ITEMS);
+        assert_eq!(markers.len(), DISTINCT_ITEMS);
     }
 }
