@@ -42,13 +42,9 @@ pub(super) fn key(scene: &Scene, arms: &[Arm<'_>], others: &[Vec<usize>], elemen
     let entry = |label: &str, sample, tone, caution| KeyEntry { label: label.to_string(), sample, tone, caution };
     let mut entries = Vec::new();
     for (label, sample, tone) in rows {
-        for red in [false, true] {
-            // Red things of a kind that is there in its own colour, too, go without an entry.
-            let first = !red || !has(sample, tone, false);
-            if has(sample, tone, red) && first {
-                entries.push(entry(label, sample, tone, red));
-            }
-        }
+        // In red where nothing of the kind is there in its own colour.
+        let red = [false, true].into_iter().find(|red| has(sample, tone, *red));
+        entries.extend(red.map(|red| entry(label, sample, tone, red)));
     }
     let bound = |red| elements.iter().any(|element| element.tone == Tone::Bound && element.caution == red);
     if bound(false) || bound(true) {

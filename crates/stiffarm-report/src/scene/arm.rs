@@ -6,7 +6,7 @@ use stiffarm::model::shape::Solid;
 use stiffarm::nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 /// Joints that are nearer to each other are one point of the arm \[m\].
-const SAME: f64 = 1e-5;
+const SAME: f64 = 1e-6;
 
 /// A posture with its places in the base frame \[m\].
 #[derive(Debug, Clone)]

@@ -7,6 +7,7 @@ use serde::Serialize;
 use stiffarm::model::cell::{LimitKind, LimitMargin};
 use stiffarm::model::shape::Solid;
 use stiffarm::nalgebra::{Unit, Vector3};
+use stiffarm::units::degrees;
 
 /// A cell at groups of postures.
 ///
@@ -73,6 +74,24 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// The same at work: its loading point is the tool tip, which moves by these shifts \[m\] posture by posture, and
+    /// not by the joints alone; group by group. What the measuring points do is left out.
+    #[must_use]
+    pub fn at_work(mut self, shifts: &[Vec<Triple>]) -> Self {
+        self.loaded = Some("tip");
+        for load in &mut self.loads {
+            load.kind = "at work";
+        }
+        for (group, shifts) in self.groups.iter_mut().zip(shifts) {
+            for (posture, shift) in group.postures.iter_mut().zip(shifts) {
+                for load in &mut posture.loads {
+                    load.deflection = vec![*shift];
+                }
+            }
+        }
+        self
+    }
+
     /// The bodies of the cell with their numbers, without those that only three dimensions show.
     pub(crate) fn parts(&self) -> impl Iterator<Item = (usize, &Body)> + Clone {
         self.bodies.iter().enumerate().skip(self.robot_bodies)
@@ -200,10 +219,8 @@ pub struct ScenePosture {
     /// Its name.
     pub name: String,
     /// Controller angles \[rad\].
-    #[serde(skip)]
+    #[serde(rename = "angles_deg", with = "degrees")]
     pub q: Vec<f64>,
-    /// Controller angles \[°\].
-    pub angles_deg: Vec<f64>,
     /// Frame of each link, unloaded.
     pub links: Vec<Pose>,
     /// What each load does, by number of load case; empty where the load is not known.

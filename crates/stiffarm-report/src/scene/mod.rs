@@ -15,7 +15,6 @@ mod numbers;
 mod postures;
 mod solids;
 pub(crate) mod stage;
-mod with;
 
 pub use data::{
     ArmShapes, Body, BodyKind, Closest, Group, KeepOut, LoadKind, NamedPlace, Scene, SceneLimits, SceneLoad,
@@ -27,7 +26,7 @@ pub use numbers::{Pose, Triple};
 
 use crate::series_colour;
 use arm::Arm;
-use numbers::{length, place, pose, share, vector};
+use numbers::pose;
 use postures::AtPostures;
 use stage::Stage;
 use stiffarm::Result;
@@ -57,18 +56,12 @@ impl<'a> SceneGroup<'a> {
 }
 
 /// How the arm bends.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct SceneOptions<'a> {
     /// Joint stiffness k \[N·m/rad\], one per spring; `None` takes the cell's own, where it has one.
     pub stiffness: Option<&'a [f64]>,
     /// The model that gives the deflections.
     pub model: Model,
-}
-
-impl Default for SceneOptions<'_> {
-    fn default() -> Self {
-        SceneOptions { stiffness: None, model: Model::Equilibrium }
-    }
 }
 
 /// The cell at these groups of postures.
@@ -121,14 +114,14 @@ pub fn scene(cell: &Cell, groups: &[SceneGroup<'_>], options: &SceneOptions<'_>)
     let stage = Stage::of(&scene, &arms, arms.first());
     let first_turn = first_look::first_look(&scene, robot.length(), &arms);
     let corners = stage.corners();
-    scene.extent = [place(&corners[0]), place(&corners[7])];
-    scene.force_length = length(stage.force_length);
-    scene.first_turn = first_turn.map(share);
+    scene.extent = [corners[0].into(), corners[7].into()];
+    scene.force_length = stage.force_length;
+    scene.first_turn = first_turn;
     Ok(scene)
 }
 
 fn named(name: &str, at: &Vector3<f64>) -> NamedPlace {
-    NamedPlace { name: name.to_string(), at: place(at) }
+    NamedPlace { name: name.to_string(), at: (*at).into() }
 }
 
 fn loads(setup: &Setup) -> Vec<LoadKind> {
@@ -142,9 +135,9 @@ fn loads(setup: &Setup) -> Vec<LoadKind> {
             Load::Constant { .. } => "wrench",
             Load::Measured | Load::Cases(_) => "measured",
         },
-        at: place(&setup.tool.loading_point),
+        at: setup.tool.loading_point.into(),
         anchor: match &setup.load {
-            Load::Rope { anchor, .. } => Some(place(anchor)),
+            Load::Rope { anchor, .. } => Some((*anchor).into()),
             _ => None,
         },
     });
@@ -155,13 +148,13 @@ fn limits(cell: &Cell) -> SceneLimits {
     let limits = &cell.limits;
     let first = cell.setup.robot.joints().first().map(|joint| joint.placement).unwrap_or_default();
     SceneLimits {
-        tool_box: limits.tool_box.map(|ends| ends.map(|p| place(&p))),
+        tool_box: limits.tool_box.map(|ends| ends.map(Triple::from)),
         floor: limits.floor,
         wrist_height: limits.wrist_height,
         keep_out: limits.keep_out_radius.map(|radius| KeepOut {
-            origin: place(&first.translation.vector),
-            axis: vector(&(first.rotation * Vector3::z())),
-            radius: length(radius),
+            origin: first.translation.vector.into(),
+            axis: (first.rotation * Vector3::z()).into(),
+            radius,
         }),
         rope_cone: cell.scene.rope().and_then(|rope| rope.cone),
     }

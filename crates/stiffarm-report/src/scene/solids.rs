@@ -1,6 +1,6 @@
 //! Solids as JSON.
 
-use super::numbers::{Pose, Triple, length, place, pose, vector};
+use super::numbers::{Pose, Triple, pose};
 use serde::{Serialize, Serializer};
 use stiffarm::model::shape::{Capsule, Solid};
 
@@ -19,14 +19,14 @@ enum SceneSolid {
 }
 
 pub(super) fn solids<S: Serializer>(solids: &[Solid], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(solids.iter().map(|solid| match solid {
-        Solid::Capsule(Capsule { a, b, radius }) => {
-            SceneSolid::Capsule { a: place(a), b: place(b), radius: length(*radius) }
-        }
-        Solid::Block { pose: at, half } => SceneSolid::Block { pose: pose(at), half: place(half) },
+    serializer.collect_seq(solids.iter().map(|solid| match *solid {
+        Solid::Capsule(Capsule { a, b, radius }) => SceneSolid::Capsule { a: a.into(), b: b.into(), radius },
+        Solid::Block { pose: at, half } => SceneSolid::Block { pose: pose(&at), half: half.into() },
         Solid::Cylinder { pose: at, half_length, radius } => {
-            SceneSolid::Cylinder { pose: pose(at), half_length: length(*half_length), radius: length(*radius) }
+            SceneSolid::Cylinder { pose: pose(&at), half_length, radius }
         }
-        Solid::HalfSpace { point, normal } => SceneSolid::Plane { point: place(point), normal: vector(normal) },
+        Solid::HalfSpace { point, normal } => {
+            SceneSolid::Plane { point: point.into(), normal: normal.into_inner().into() }
+        }
     }))
 }

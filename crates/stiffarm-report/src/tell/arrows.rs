@@ -1,7 +1,7 @@
 //! Residuals as arrows at the measuring points, on the cell in 3D.
 
 use crate::order::in_order;
-use crate::scene::{Arrow, SceneGroup, SceneOptions};
+use crate::scene::{Arrow, ArrowSet, Scene, SceneGroup, SceneOptions};
 use crate::tell::Given;
 use crate::tell::Section;
 use stiffarm::Result;
@@ -89,7 +89,8 @@ pub(in crate::tell) fn residual_section(
         arrows
     });
     let scene = context.scene(&groups, &options)?;
-    let scene = scene.map(|scene| if arrows.is_empty() { scene } else { scene.with_arrows(label, arrows) });
+    let arrows = (!arrows.is_empty()).then(|| ArrowSet { label: label.into(), arrows });
+    let scene = scene.map(|scene| Scene { arrows, ..scene });
     let states = if all.len() > names.len() { " Of several load states the one that moves most is shown." } else { "" };
     let text = format!(
         "The measured postures in their order. Arrows at the measuring points are {explained}, drawn much larger than they are: \

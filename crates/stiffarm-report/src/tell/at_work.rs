@@ -158,13 +158,14 @@ impl AtWork<'_> {
             scene = scene.at_work(&each(shown, |p| p.shift_m));
         }
         if let (Some(name), Some((_, points))) = (self.path, self.groups.first()) {
-            scene = scene.with_path(path(name, points));
+            scene.path = Some(path(name, points));
         }
         let ellipsoids = shown.iter().enumerate().flat_map(|(group, points)| {
             let points = points.iter().enumerate();
             points.filter_map(move |(posture, point)| ellipsoid(group, posture, point))
         });
-        Ok(scene.with_ellipsoids(ellipsoids.collect()))
+        scene.ellipsoids = ellipsoids.collect();
+        Ok(scene)
     }
 }
 
