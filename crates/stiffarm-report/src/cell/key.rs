@@ -10,6 +10,7 @@ pub(super) fn key(scene: &Scene, arms: &[Arm<'_>], others: &[Vec<usize>], elemen
     let has = |sample: Sample, tone: Tone, red: bool| {
         elements.iter().any(|element| {
             let same = match element.geometry {
+                _ if tone == Tone::Bound => sample == Sample::Line,
                 Geometry::Solid(_) | Geometry::Hull(_) => sample == Sample::Area,
                 Geometry::Line(_) => matches!(sample, Sample::Line | Sample::LineAndPoint),
                 Geometry::Arrow(_) => sample == Sample::Arrow,
@@ -23,7 +24,7 @@ pub(super) fn key(scene: &Scene, arms: &[Arm<'_>], others: &[Vec<usize>], elemen
         scene.loads.iter().map(|load| load.kind).partition(|kind| ["rope", "cylinder"].contains(kind));
     let rope = if ropes.contains(&"rope") { "rope" } else { "cylinder" };
     let force = if forces == ["weight"] { "weight" } else { "force" };
-    let rows: [(&str, Sample, Tone); 14] = [
+    let rows: [(&str, Sample, Tone); 15] = [
         ("arm", Sample::Area, Tone::Body),
         ("joints", Sample::LineAndPoint, Tone::Skeleton),
         ("tool", Sample::Area, Tone::Attached),
@@ -38,6 +39,7 @@ pub(super) fn key(scene: &Scene, arms: &[Arm<'_>], others: &[Vec<usize>], elemen
         ("beam, hidden", Sample::Line, Tone::FaintRay),
         ("obstacle", Sample::Area, Tone::Fixed),
         ("floor, wall", Sample::Area, Tone::Ground),
+        ("limit", Sample::Line, Tone::Bound),
     ];
     let entry = |label: &str, sample, tone, caution| KeyEntry { label: label.to_string(), sample, tone, caution };
     let mut entries = Vec::new();
@@ -45,10 +47,6 @@ pub(super) fn key(scene: &Scene, arms: &[Arm<'_>], others: &[Vec<usize>], elemen
         // In red where nothing of the kind is there in its own colour.
         let red = [false, true].into_iter().find(|red| has(sample, tone, *red));
         entries.extend(red.map(|red| entry(label, sample, tone, red)));
-    }
-    let bound = |red| elements.iter().any(|element| element.tone == Tone::Bound && element.caution == red);
-    if bound(false) || bound(true) {
-        entries.push(entry("limit", Sample::Line, Tone::Bound, !bound(false)));
     }
     if elements.iter().any(|element| element.caution) {
         entries.push(entry("violates a limit", Sample::Area, Tone::Body, true));

@@ -43,7 +43,7 @@ pub fn cell_drawing(cell: &Cell, postures: &[Posture], full: Full) -> Result<Dra
 }
 
 impl Scene {
-    /// The scene as a drawing, at the postures of one group or of all; those of all are counted from 0 through the groups.
+    /// The scene as a drawing at the postures of one group, or of all, which are counted through the groups.
     pub fn drawing(&self, group: Option<usize>, full: Full) -> Drawing {
         let groups = self.groups.iter().enumerate().filter(|(number, _)| group.is_none_or(|group| group == *number));
         let arms: Vec<Arm<'_>> =

@@ -1,7 +1,8 @@
-//! A cell in three dimensions for a page: its data, and the script that shows them.
+//! A cell at postures as data, and the script that shows it in three dimensions on a page.
 //!
-//! [`scene`] asks the library about every posture once; the page computes nothing but where to draw. The script is
-//! three.js and `assets/viewer/`, joined as [`VIEWER_SCRIPT`]; `assets/README.md` says where three.js comes from.
+//! [`scene`] asks the library about every posture once; page and [`Scene::drawing`] compute nothing but where to draw.
+//! The script is three.js and `assets/viewer/`, joined as [`VIEWER_SCRIPT`]; `assets/README.md` says where three.js
+//! comes from.
 
 pub(crate) mod arm;
 mod bodies;
