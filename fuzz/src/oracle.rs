@@ -89,18 +89,18 @@ pub fn same_but_digits(a: &str, b: &str) -> bool {
     a.len() == b.len() && a.iter().zip(&b).all(near)
 }
 
-/// No word of `text` is a number that is not finite. `given` are the inputs: a name
+/// No word of `text` is a number that is not finite. `input` holds the inputs: a name
 /// that came from them may be such a word.
 ///
 /// # Errors
 /// There is one; the text is its line.
-pub fn text_is_finite(text: &str, given: &str) -> Result<(), String> {
+pub fn text_is_finite(text: &str, input: &str) -> Result<(), String> {
     let bad = |line: &str| {
         line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| matches!(word, "NaN" | "inf" | "infinity"))
     };
-    let given = given.to_lowercase();
+    let input = input.to_lowercase();
     // Words of the command's own: `--exclude`d names, comments.
-    if ["nan", "inf"].iter().any(|word| given.contains(word)) {
+    if ["nan", "inf"].iter().any(|word| input.contains(word)) {
         return Ok(());
     }
     match text.lines().find(|line| bad(line)) {
@@ -144,10 +144,12 @@ fn walk(value: &Value, schema: &Value, root: &Value, path: &str) -> Result<(), S
         Value::Null if !takes(value, schema) => Err(format!("not finite: {path} is null")),
         Value::Object(entries) => {
             let other = schema.get("additionalProperties").filter(|o| o.is_object());
-            let known = schema.get("properties");
-            entries.iter().try_for_each(|(key, value)| match known.and_then(|known| known.get(key)).or(other) {
-                Some(inner) => walk(value, inner, root, &format!("{path}.{key}")),
-                None => Ok(()),
+            let properties = schema.get("properties");
+            entries.iter().try_for_each(|(key, value)| {
+                match properties.and_then(|properties| properties.get(key)).or(other) {
+                    Some(inner) => walk(value, inner, root, &format!("{path}.{key}")),
+                    None => Ok(()),
+                }
             })
         }
         Value::Array(items) => {
@@ -164,8 +166,8 @@ fn walk(value: &Value, schema: &Value, root: &Value, path: &str) -> Result<(), S
 
 fn resolved<'s>(schema: &'s Value, root: &'s Value) -> &'s Value {
     let reference = schema.get("$ref").and_then(Value::as_str);
-    let found = reference.and_then(|r| root.pointer(r.strip_prefix('#')?));
-    found.unwrap_or(schema)
+    let target = reference.and_then(|r| root.pointer(r.strip_prefix('#')?));
+    target.unwrap_or(schema)
 }
 
 /// Whether the schema's type is the value's.
@@ -193,9 +195,9 @@ pub fn holds_serious(value: &Value) -> bool {
     match value {
         Value::Array(items) => items.iter().any(holds_serious),
         Value::Object(map) => {
-            let own = map.iter().filter(|(key, _)| *key != "sealed");
-            let mut own = own.map(|(_, item)| item);
-            map.get("severity").is_some_and(|weight| weight == "serious") || own.any(holds_serious)
+            let members = map.iter().filter(|(key, _)| *key != "sealed");
+            let mut members = members.map(|(_, item)| item);
+            map.get("severity").is_some_and(|weight| weight == "serious") || members.any(holds_serious)
         }
         _ => false,
     }

@@ -61,9 +61,9 @@ mod tests {
         for name in ["b", "a/c/d", "a/e"] {
             write(&folder.path().join(name), name).unwrap();
         }
-        let found = below(folder.path()).unwrap();
-        assert_eq!(Vec::from_iter(found.keys()), ["a/c/d", "a/e", "b"]);
-        assert_eq!(text(&found["a/c/d"]).unwrap(), "a/c/d");
+        let files = below(folder.path()).unwrap();
+        assert_eq!(Vec::from_iter(files.keys()), ["a/c/d", "a/e", "b"]);
+        assert_eq!(text(&files["a/c/d"]).unwrap(), "a/c/d");
         let none = folder.path().join("none");
         assert_eq!((below(&none).unwrap_err().code, read(&none).unwrap_err().code), (3, 3));
     }

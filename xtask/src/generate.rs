@@ -97,16 +97,16 @@ mod tests {
         let expected = files.map(|(path, text)| (path.to_string(), text.as_bytes().to_vec()));
         let expected = Files::from(expected);
         files::write(&root.join("cells/comau.toml"), "format = 2\n").unwrap();
-        let told = |check| compare(root, &expected, check).map_err(|failure| failure.message);
-        let both = told(true).unwrap_err();
+        let compared = |check| compare(root, &expected, check).map_err(|failure| failure.message);
+        let both = compared(true).unwrap_err();
         assert!(both.ends_with(": cells/comau.toml, docs/errors.md"));
-        told(false).unwrap();
-        told(true).unwrap();
+        compared(false).unwrap();
+        compared(true).unwrap();
         for (path, text) in files {
             assert_eq!(files::text(&root.join(path)).unwrap(), text);
         }
         files::write(&root.join("cells/old.toml"), "").unwrap();
-        assert!(told(false).unwrap_err().ends_with(": cells/old.toml"));
+        assert!(compared(false).unwrap_err().ends_with(": cells/old.toml"));
         assert!(root.join("cells/old.toml").is_file());
     }
 }

@@ -90,6 +90,6 @@ pub fn alone(workspace: &Workspace, options: &PagesOptions) -> Result<(), Failur
 fn full_path(name: &str) -> PathBuf {
     let folders = std::env::var_os("PATH").unwrap_or_default();
     let mut places = std::env::split_paths(&folders).map(|folder| folder.join(name));
-    let found = places.find(|place| place.is_file());
-    found.unwrap_or_else(|| PathBuf::from(name))
+    let place = places.find(|place| place.is_file());
+    place.unwrap_or_else(|| PathBuf::from(name))
 }

@@ -115,10 +115,10 @@ fn run_rust(workspace: &Workspace, reference: Option<&Path>) -> Result<(Tally, O
 /// What was not run: the ignored tests, and the reference data where they are required, missing and no test says so.
 fn skips(ignored: &[Ignored], reference: &Result<PathBuf, String>, require: &[Part]) -> Vec<Skip> {
     let mut skips: Vec<Skip> = ignored.iter().map(|test| skip_of(test, reference)).collect();
-    let told = skips.iter().any(|skip| skip.part == Part::Reference);
+    let is_listed = skips.iter().any(|skip| skip.part == Part::Reference);
     if let Err(why) = reference
         && require.contains(&Part::Reference)
-        && !told
+        && !is_listed
     {
         skips.push(without_reference("reference", why));
     }

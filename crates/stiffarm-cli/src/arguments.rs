@@ -28,11 +28,11 @@ pub fn arguments(words: &[OsString], inputs: &[Input], outputs: &[FileId]) -> Ve
             return value.to_string();
         }
         let mut inputs = inputs.iter();
-        let found = inputs.find(|input| match value {
+        let input = inputs.find(|input| match value {
             "-" => input.is_stdin,
             value => input.name == value,
         });
-        found.map_or_else(|| value.to_string(), |input| format!("{{{}}}", input.role.replace(' ', "_")))
+        input.map_or_else(|| value.to_string(), |input| format!("{{{}}}", input.role.replace(' ', "_")))
     };
     let mut out = Vec::new();
     let mut rest = words.iter().peekable();

@@ -74,14 +74,14 @@ pub fn described() -> Vec<Described> {
 }
 
 fn command(command: &Command) -> Described {
-    let own = command.get_arguments().filter(|argument| {
+    let arguments = command.get_arguments().filter(|argument| {
         let id = argument.get_id().as_str();
         !argument.is_global_set() && !["help", "version"].contains(&id)
     });
     Described {
         name: command.get_name().to_string(),
         about: command.get_about().map(ToString::to_string).unwrap_or_default(),
-        arguments: own.map(argument).collect(),
+        arguments: arguments.map(argument).collect(),
     }
 }
 
@@ -115,8 +115,8 @@ fn kind(argument: &Arg) -> Kind {
         ValueHint::AnyPath => return Kind::Path,
         _ => {}
     }
-    let own = argument.get_value_parser().type_id();
-    let is = |types: &[TypeId]| types.iter().any(|one| own == *one);
+    let parser_type = argument.get_value_parser().type_id();
+    let is = |types: &[TypeId]| types.iter().any(|one| parser_type == *one);
     if is(&[TypeId::of::<u64>(), TypeId::of::<usize>(), TypeId::of::<u16>(), TypeId::of::<u8>()]) {
         return Kind::Whole;
     }

@@ -74,7 +74,7 @@ pub fn of_option(error: Error, command: &clap::Command) -> Error {
     let option = |field: &str| {
         let long = field.replace('_', "-");
         let mut options = command.get_arguments().filter_map(clap::Arg::get_long);
-        options.any(|own| own == long).then(|| format!("--{long}"))
+        options.any(|name| name == long).then(|| format!("--{long}"))
     };
     let place = error.place();
     let field = place.key.as_deref().filter(|_| place.file.is_none());
@@ -93,19 +93,19 @@ pub fn of_option(error: Error, command: &clap::Command) -> Error {
         Code::InvalidValue => Code::Usage,
         code => code,
     };
-    let given = Error::new(code, said(error.message())).key(key);
-    given.hint_if(error.hint_text().map(said))
+    let renamed = Error::new(code, said(error.message())).key(key);
+    renamed.hint_if(error.hint_text().map(said))
 }
 
 /// Prints what clap says: help and version on standard output, usage errors on
 /// standard error, or as JSON where the line asks for it.
 pub fn usage(stop: &clap::Error, json_wanted: bool, captured: Option<&RefCell<Captured>>) -> u8 {
-    let own = stop.source().and_then(|own| own.downcast_ref::<Error>());
-    if let Some(own) = own {
-        let own = own.clone().key(argument(stop).unwrap_or_default());
+    let cause = stop.source().and_then(|cause| cause.downcast_ref::<Error>());
+    if let Some(cause) = cause {
+        let cause = cause.clone().key(argument(stop).unwrap_or_default());
         let [out, err] = match json_wanted {
-            true => [json(&own), String::new()],
-            false => [String::new(), draw(&own, |_| None)],
+            true => [json(&cause), String::new()],
+            false => [String::new(), draw(&cause, |_| None)],
         };
         match captured {
             Some(captured) => {
@@ -118,7 +118,7 @@ pub fn usage(stop: &clap::Error, json_wanted: bool, captured: Option<&RefCell<Ca
                 let _ = anstream::stderr().write_all(rendered(&err).as_bytes());
             }
         }
-        return exit_code(own.code());
+        return exit_code(cause.code());
     }
     let code = u8::try_from(stop.exit_code()).unwrap_or(2);
     if let Some(captured) = captured {
@@ -149,7 +149,7 @@ pub fn usage(stop: &clap::Error, json_wanted: bool, captured: Option<&RefCell<Ca
 fn argument(stop: &clap::Error) -> Option<&str> {
     match stop.get(ContextKind::InvalidArg)? {
         // "--index <NAME>"
-        ContextValue::String(own) => own.split(' ').next(),
+        ContextValue::String(text) => text.split(' ').next(),
         _ => None,
     }
 }

@@ -72,8 +72,8 @@ fn inode(_: &Metadata) -> Option<(u64, u64)> {
 #[cfg(unix)]
 pub fn of_stdin() -> Option<FileId> {
     use std::os::fd::AsFd;
-    let own = std::io::stdin().as_fd().try_clone_to_owned().ok()?;
-    let meta = fs::File::from(own).metadata().ok()?;
+    let stdin = std::io::stdin().as_fd().try_clone_to_owned().ok()?;
+    let meta = fs::File::from(stdin).metadata().ok()?;
     Some(FileId { path: None, inode: Some(inode(&meta)?) })
 }
 

@@ -35,7 +35,7 @@ mod text;
 pub use commands::generated::generated as schemas;
 pub use described::{Argument, Described, Kind, described};
 pub use host::Host;
-pub use saved::{Telling, figures, page, told};
+pub use saved::{Telling, drawing, figures, page, told};
 
 use answer::Answer;
 use args::{Cli, Command};
@@ -83,7 +83,7 @@ fn run_words(words: &[OsString], captured: Option<Rc<RefCell<Captured>>>, host: 
     let color = args::color_of(words);
     let mut command = args::grouped(Cli::command()).color(color);
     let parsed = command.try_get_matches_from_mut(words);
-    let named = parsed.as_ref().ok().and_then(|own| own.subcommand_name());
+    let named = parsed.as_ref().ok().and_then(|matches| matches.subcommand_name());
     let named = named.unwrap_or_default().to_string();
     let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
@@ -99,8 +99,8 @@ fn run_words(words: &[OsString], captured: Option<Rc<RefCell<Captured>>>, host: 
         session.deliver(page, run(&session, &cli.command)?)
     });
     ran.unwrap_or_else(|fault| {
-        let asked = command.find_subcommand(&named).unwrap_or(&command);
-        error::report(&session, &error::of_option(fault, asked))
+        let subcommand = command.find_subcommand(&named).unwrap_or(&command);
+        error::report(&session, &error::of_option(fault, subcommand))
     })
 }
 

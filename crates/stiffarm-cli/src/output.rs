@@ -115,6 +115,6 @@ impl Session {
 /// # Errors
 /// A cell that cannot take its postures.
 pub fn told<O, R: Telling<O>>(envelope: &Envelope<O, R>, cell: Option<&Cell>) -> Result<Told> {
-    let given = Given { command: &envelope.command, name: "result", cell, pictures: false };
-    envelope.result.told(&envelope.options, &given)
+    let context = Given { command: &envelope.command, name: "result", cell, pictures: false };
+    envelope.result.told(&envelope.options, &context)
 }

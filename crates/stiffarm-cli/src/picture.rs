@@ -10,7 +10,7 @@ pub const INSTEAD: &str = "convert the SVG with another program, print the page 
 /// Whether pictures in this format are made by other programs only.
 pub fn is_foreign(format: &str) -> bool {
     let foreign = ["pdf", "png"];
-    foreign.iter().any(|own| format.eq_ignore_ascii_case(own))
+    foreign.iter().any(|name| format.eq_ignore_ascii_case(name))
 }
 
 /// Refuses a picture whose name promises another format than SVG.

@@ -5,12 +5,13 @@ use crate::screen::plain;
 use crate::text;
 use stiffarm::Result;
 use stiffarm::model::cell::Cell;
+use stiffarm::model::posture::Posture;
 use stiffarm_files::envelope::to_json;
 use stiffarm_files::result::read_result;
 use stiffarm_report::page::{pictures, render_told};
 use stiffarm_report::report::report;
-use stiffarm_report::shown_figure;
 use stiffarm_report::tell::{WithCell, tell};
+use stiffarm_report::{Full, cell_drawing, shown_drawing, shown_figure, usual_posture};
 
 /// How much of a result is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,12 +49,23 @@ pub fn page(json: &str, cell: Option<&Cell>) -> Result<String> {
     page_of_saved(&read_result(json.as_bytes(), "result")?, cell)
 }
 
-/// The figures of the [`page`] as JSON, in its order: data, and what the page decides of how they look.
+/// The figures and the drawings of the [`page`] as JSON, in its order: data, and what the page decides of how they look.
 ///
 /// # Errors
 /// As [`told`].
 pub fn figures(json: &str, cell: Option<&Cell>) -> Result<String> {
     let saved = read_result(json.as_bytes(), "result")?;
-    let (figures, _) = pictures(&report(&[WithCell::new(&saved, cell)])?);
-    to_json(&figures.iter().map(shown_figure).collect::<Vec<_>>())
+    let (figures, drawings) = pictures(&report(&[WithCell::new(&saved, cell)])?);
+    let figures: Vec<_> = figures.iter().map(shown_figure).collect();
+    to_json(&(figures, drawings.iter().map(shown_drawing).collect::<Vec<_>>()))
+}
+
+/// The drawing of a cell at these postures as JSON, one of them in full.
+///
+/// # Errors
+/// Angles that do not fit the robot.
+pub fn drawing(cell: &Cell, postures: &[Posture], full: usize) -> Result<String> {
+    let usual = if postures.is_empty() { vec![usual_posture(cell)?] } else { Vec::new() };
+    let postures = if postures.is_empty() { &usual } else { postures };
+    to_json(&shown_drawing(&cell_drawing(cell, postures, Full::Number(full))?))
 }

@@ -94,8 +94,8 @@ fn lines_in(sentence: &str, columns: usize, indent: usize) -> Vec<String> {
     let mut out = vec![String::new()];
     let mut at = 0;
     for word in sentence.split(' ') {
-        let own = width(word);
-        if at > indent && at + 1 + own > columns {
+        let word_width = width(word);
+        if at > indent && at + 1 + word_width > columns {
             out.push(String::new());
             at = indent;
         } else if at > 0 || out.len() > 1 || !out[0].is_empty() {
@@ -108,7 +108,7 @@ fn lines_in(sentence: &str, columns: usize, indent: usize) -> Vec<String> {
         }
         let last = out.len() - 1;
         out[last] += word;
-        at += own;
+        at += word_width;
     }
     out
 }
@@ -118,9 +118,9 @@ pub fn lines(text: &str, columns: usize) -> Vec<String> {
     let mut out = vec![String::new()];
     for word in text.split(' ') {
         let last = out.len() - 1;
-        let own = width(word);
+        let word_width = width(word);
         let used = width(&out[last]);
-        if used > 0 && used + 1 + own <= columns {
+        if used > 0 && used + 1 + word_width <= columns {
             out[last] = format!("{} {word}", out[last]);
             continue;
         }
@@ -153,13 +153,13 @@ pub fn width(text: &str) -> usize {
 
 /// Hidden characters in letters, but for line ends and tabs.
 fn shown(text: &str) -> Cow<'_, str> {
-    let kept = |c: char| c == '\n' || c == '\t';
-    if !text.chars().any(|c| is_hidden(c) && !kept(c)) {
+    let is_layout = |c: char| c == '\n' || c == '\t';
+    if !text.chars().any(|c| is_hidden(c) && !is_layout(c)) {
         return Cow::Borrowed(text);
     }
     let mut out = String::new();
     for c in text.chars() {
-        if kept(c) { out.push(c) } else { out += &visible(c.encode_utf8(&mut [0; 4])) }
+        if is_layout(c) { out.push(c) } else { out += &visible(c.encode_utf8(&mut [0; 4])) }
     }
     Cow::Owned(out)
 }

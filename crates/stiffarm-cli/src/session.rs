@@ -190,8 +190,8 @@ impl Session {
     /// Hash of the input of a role that was read last.
     pub fn last_hash(&self, role: &str) -> Option<String> {
         let inputs = self.inputs.borrow();
-        let found = inputs.iter().rev().find(|input| input.role == role);
-        found.map(|input| input.sha256.clone())
+        let input = inputs.iter().rev().find(|input| input.role == role);
+        input.map(|input| input.sha256.clone())
     }
 
     /// The words of the command line that the result depends on, inputs as `{role}`.

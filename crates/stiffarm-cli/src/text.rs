@@ -11,14 +11,14 @@ const MOST_ROWS: usize = 36;
 
 /// What came out, and what is serious.
 fn opening(told: &Told) -> String {
-    let [_, came, _] = &told.verdict;
+    let [_, outcome, _] = &told.verdict;
     // What is serious may be what came out.
-    let (first, serious): (Vec<&Finding>, Vec<&Finding>) = of(told, Severity::Serious).partition(|f| came.says(f));
+    let (first, serious): (Vec<&Finding>, Vec<&Finding>) = of(told, Severity::Serious).partition(|f| outcome.says(f));
     let mut out = if first.is_empty() {
-        sentence(came)
+        sentence(outcome)
     } else {
         let word = format!("{}: ", weight(Severity::Serious));
-        sentence(&Text::new(word).then(came.clone()))
+        sentence(&Text::new(word).then(outcome.clone()))
     };
     out.extend(serious.into_iter().map(finding));
     out

@@ -44,9 +44,9 @@ pub(super) fn refused(bytes: &[u8]) -> Option<Error> {
         return None;
     }
     let is_so = |kind: &&Kind| {
-        let own = bytes.get(kind.at..).is_some_and(|rest| rest.starts_with(kind.bytes));
+        let has_signature = bytes.get(kind.at..).is_some_and(|rest| rest.starts_with(kind.bytes));
         // One letter alone is little.
-        own && (kind.at == 0 || beginning.contains(&0))
+        has_signature && (kind.at == 0 || beginning.contains(&0))
     };
     let kind = KINDS.iter().find(is_so)?;
     let message = format!("This is {}, not text.", kind.what);

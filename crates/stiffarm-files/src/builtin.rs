@@ -77,11 +77,11 @@ pub fn mesh_text(name: &str) -> Option<&'static str> {
 /// # Errors
 /// There is no built-in file of this name.
 pub fn bytes(name: &str) -> Result<&'static [u8]> {
-    let found = text(&KINDS.concat(), name);
-    found.map(str::as_bytes).ok_or_else(|| {
-        let known: Vec<String> = names().iter().map(|n| format!("{PREFIX}{n}")).collect();
+    let content = text(&KINDS.concat(), name);
+    content.map(str::as_bytes).ok_or_else(|| {
+        let built_in: Vec<String> = names().iter().map(|n| format!("{PREFIX}{n}")).collect();
         Error::new(Code::UnknownName, format!("There is no built-in file \"{PREFIX}{name}\"."))
-            .hint(format!("built in: {}", known.join(", ")))
+            .hint(format!("built in: {}", built_in.join(", ")))
     })
 }
 
@@ -100,8 +100,8 @@ pub fn cell(name: &str) -> Result<Cell> {
 /// # Errors
 /// There is no built-in group of this name, or it belongs to another robot.
 pub fn postures(name: &str, robot: &Robot) -> Result<Vec<Posture>> {
-    let known = || POSTURES.map(|(name, _)| name).to_vec();
-    let text = postures_text(name).ok_or_else(|| unknown("posture group", name, known()))?;
+    let group_names = || POSTURES.map(|(name, _)| name).to_vec();
+    let text = postures_text(name).ok_or_else(|| unknown("posture group", name, group_names()))?;
     read_postures(text.as_bytes(), &format!("{PREFIX}{name}"), robot)
 }
 
@@ -114,10 +114,11 @@ pub fn measurements(name: &str, cell: &Cell) -> Result<Measurements> {
 }
 
 fn text(files: &[(&'static str, &'static str)], name: &str) -> Option<&'static str> {
-    files.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
+    files.iter().find(|(file_name, _)| *file_name == name).map(|(_, text)| *text)
 }
 
-fn unknown(what: &str, name: &str, known: Vec<&'static str>) -> Error {
-    let hint = did_you_mean(name, known.iter().copied()).unwrap_or_else(|| format!("built in: {}", known.join(", ")));
+fn unknown(what: &str, name: &str, built_in: Vec<&'static str>) -> Error {
+    let hint =
+        did_you_mean(name, built_in.iter().copied()).unwrap_or_else(|| format!("built in: {}", built_in.join(", ")));
     Error::new(Code::UnknownName, format!("There is no built-in {what} \"{name}\".")).hint(hint)
 }

@@ -100,8 +100,8 @@ impl SavedResult {
     /// The hash of the input of a role.
     pub fn input(&self, role: &str) -> Option<&str> {
         let mut inputs = self.inputs.iter();
-        let found = inputs.find(|(own, _)| own == role);
-        found.map(|(_, hash)| hash.as_str())
+        let input = inputs.find(|(input_role, _)| input_role == role);
+        input.map(|(_, hash)| hash.as_str())
     }
 }
 

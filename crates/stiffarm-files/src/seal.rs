@@ -73,10 +73,10 @@ pub(super) fn unseal(json: &mut Value) -> Result<()> {
         return Err(fault(message).key(SEAL).hint("make it again with this version, for a stiffness: identify again"));
     };
     let all = BTreeMap::deserialize(&*json).map_err(|e| fault(&format!("{e}.")))?;
-    let own = Seal::of(all, Parts::deserialize(&*json).unwrap_or_default());
-    let changed = match (own.sealed != seal.sealed, own.file != seal.file) {
+    let computed = Seal::of(all, Parts::deserialize(&*json).unwrap_or_default());
+    let changed = match (computed.sealed != seal.sealed, computed.file != seal.file) {
         (true, _) => fault("What is calculated with was changed after it was written.").key(SECTION),
-        (_, true) if own.sealed.is_some() => fault(
+        (_, true) if computed.sealed.is_some() => fault(
             "The file was changed after it was written, beside what is calculated with: its numbers no longer belong together.",
         ),
         (_, true) => fault("The file was changed after it was written: its numbers no longer belong together."),

@@ -105,8 +105,8 @@ fn bare(list: &Value, cell: &Cell) -> Result<Vec<f64>> {
     };
     let names = cell.setup.robot.spring_names();
     if list.len() != names.len() {
-        let (found, joints) = (list.len(), names.len());
-        let message = format!("{found} stiffness values for the {joints} joints of the cell.");
+        let (count, joints) = (list.len(), names.len());
+        let message = format!("{count} stiffness values for the {joints} joints of the cell.");
         return Err(fault(message).key(BARE));
     }
     let [softest, stiffest] = PLAUSIBLE;

@@ -66,8 +66,8 @@ pub fn observation_matrix<'py>(
         Some(length) => Rows::FullPose { length },
     };
     let postures = postures(&angles)?;
-    let found = py.detach(|| matrix(&cell.cell.setup, &postures, rows));
-    array(py, found.raised(py)?)
+    let matrix = py.detach(|| matrix(&cell.cell.setup, &postures, rows));
+    array(py, matrix.raised(py)?)
 }
 
 /// Indices of many groups, each an array with an entry per group; NaN where one does not exist.
@@ -90,16 +90,16 @@ pub fn indices<'py>(
         let error = Error::new(Code::TooFewData, "The groups have no postures.");
         return Err(to_python(py, &error));
     }
-    let found = py.detach(|| {
+    let evaluations = py.detach(|| {
         let groups: Vec<Vec<&[f64]>> =
             values.chunks_exact(size).map(|group| group.chunks_exact(joints).collect()).collect();
         on_cores(|| evaluate_groups(cell.complete(), &groups, &wanted))
     });
-    let found = found.raised(py)?;
-    debug_assert_eq!(found.len(), count);
+    let evaluations = evaluations.raised(py)?;
+    debug_assert_eq!(evaluations.len(), count);
     let out = PyDict::new(py);
     for index in wanted {
-        let column = found.iter().map(|indices| indices.get(index).unwrap_or(f64::NAN));
+        let column = evaluations.iter().map(|indices| indices.get(index).unwrap_or(f64::NAN));
         out.set_item(index.as_str(), PyArray1::from_iter(py, column))?;
     }
     Ok(out)

@@ -29,8 +29,8 @@ impl Column {
             Column::Truths(values) => Arc::new(BooleanArray::from(values)),
             Column::Wholes(values) => Arc::new(Int64Array::from(values)),
             Column::Numbers(values) => {
-                let known = |v: f64| (!v.is_nan()).then_some(v);
-                Arc::new(values.into_iter().map(known).collect::<Float64Array>())
+                let unless_nan = |v: f64| (!v.is_nan()).then_some(v);
+                Arc::new(values.into_iter().map(unless_nan).collect::<Float64Array>())
             }
             Column::Texts(values) => Arc::new(StringArray::from(values)),
         }

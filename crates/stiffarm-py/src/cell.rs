@@ -32,10 +32,10 @@ pub struct PyCell {
 }
 
 impl PyCell {
-    fn read(name: &str, text: Vec<u8>, known: BTreeMap<String, Vec<u8>>, folder: Option<&Path>) -> Result<Self> {
+    fn read(name: &str, text: Vec<u8>, meshes: BTreeMap<String, Vec<u8>>, folder: Option<&Path>) -> Result<Self> {
         let files = RefCell::new(BTreeMap::new());
         let read = |file: &str| -> Result<Vec<u8>> {
-            let bytes = match known.get(file) {
+            let bytes = match meshes.get(file) {
                 Some(bytes) => bytes.clone(),
                 None => mesh(name, file, folder)?,
             };
@@ -104,8 +104,8 @@ impl PyCell {
     fn built_in(py: Python<'_>, name: &str) -> PyResult<Self> {
         let text = builtin::cell_text(name).ok_or_else(|| {
             let message = format!("There is no built-in cell \"{name}\".");
-            let known = builtin::cell_names().join(", ");
-            let error = Error::new(Code::UnknownName, message).hint(format!("built in: {known}"));
+            let names = builtin::cell_names().join(", ");
+            let error = Error::new(Code::UnknownName, message).hint(format!("built in: {names}"));
             to_python(py, &error)
         })?;
         let name = format!("{}{name}", builtin::PREFIX);

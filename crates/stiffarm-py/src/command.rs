@@ -31,8 +31,8 @@ pub fn run(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(u8, String, String, bool)> {
     let mut memory = BTreeMap::new();
-    for (name, given) in inputs {
-        match given {
+    for (name, input) in inputs {
+        match input {
             Given::Cell(cell) => {
                 let meshes = cell.files.iter();
                 memory.extend(meshes.map(|(file, bytes)| (beside(&name, file), bytes.clone())));
@@ -84,7 +84,7 @@ pub fn page(py: Python<'_>, json: &str, cell: Option<&PyCell>) -> PyResult<Strin
     py.detach(|| stiffarm_cli::page(json, cell)).raised(py)
 }
 
-/// The figures of a result's page as JSON.
+/// Figures and drawings of a result's page as JSON.
 #[pyfunction]
 #[pyo3(signature = (json, cell))]
 pub fn figures(py: Python<'_>, json: &str, cell: Option<&PyCell>) -> PyResult<String> {

@@ -82,8 +82,8 @@ pub fn jacobian<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let frames = frames(cell, &q).raised(py)?;
     let serial = frames.jacobian(&frames.point(&point(at)));
-    let found = serial * cell.cell.setup.robot.coupling();
-    array(py, DMatrix::from_column_slice(6, found.ncols(), found.as_slice()))
+    let jacobian = serial * cell.cell.setup.robot.coupling();
+    array(py, DMatrix::from_column_slice(6, jacobian.ncols(), jacobian.as_slice()))
 }
 
 /// A posture of a pose: controller angles, whether within the machine's limits, condition number, whether singular.

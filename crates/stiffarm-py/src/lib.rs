@@ -36,7 +36,7 @@ mod _stiffarm {
     #[pymodule_export]
     use crate::paths::{path_program, path_text};
     #[pymodule_export]
-    use crate::plans::{certificate, simulate_measurements};
+    use crate::plans::{certificate, drawing, simulate_measurements};
     #[pymodule_export]
     use crate::values::{degrees, json_of_toml, posture_text, radians, read_postures, toml_of_json};
 

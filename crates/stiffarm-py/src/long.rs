@@ -22,7 +22,7 @@ type Told = (String, usize, usize);
 #[derive(Default)]
 struct Shared {
     stop: AtomicBool,
-    told: Mutex<Option<Told>>,
+    latest: Mutex<Option<Told>>,
     /// What a function of the caller raised.
     failure: Mutex<Option<PyErr>>,
 }
@@ -33,8 +33,8 @@ impl Shared {
     }
 
     fn tell(&self, what: &str, done: usize, of: usize) {
-        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        *told = Some((what.to_string(), done, of));
+        let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
+        *latest = Some((what.to_string(), done, of));
     }
 
     fn fail(&self, error: PyErr) {
@@ -44,7 +44,7 @@ impl Shared {
     }
 
     fn take(&self) -> Option<Told> {
-        self.told.lock().unwrap_or_else(PoisonError::into_inner).take()
+        self.latest.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 }
 
@@ -118,9 +118,9 @@ pub fn watched<T: Send>(
                 interrupted = true;
                 shared.stop.store(true, Ordering::Relaxed);
             }
-            if let (Some(progress), Some(told)) = (progress, shared.take())
+            if let (Some(progress), Some(latest)) = (progress, shared.take())
                 && !shared.stopped()
-                && let Err(error) = progress.call1(told)
+                && let Err(error) = progress.call1(latest)
             {
                 shared.fail(error);
             }

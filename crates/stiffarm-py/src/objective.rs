@@ -41,9 +41,9 @@ impl Objective {
         given: PyReadonlyArray2<'_, f64>,
     ) -> PyResult<Self> {
         let index = Index::from_name(index).raised(py)?;
-        let given = crate::arrays::postures(&given)?;
+        let held = crate::arrays::postures(&given)?;
         let cell = cell.complete();
-        let function = IndexFunction::with_given(cell, index, postures, &given).raised(py)?;
+        let function = IndexFunction::with_given(cell, index, postures, &held).raised(py)?;
         Ok(Objective { function, index, size: postures * cell.setup.robot.joint_count() })
     }
 
@@ -95,7 +95,7 @@ impl Objective {
             return Err(to_python(py, &Error::invalid(message)));
         }
         let mut gradient = vec![0.0; self.size];
-        let found = self.function.smoothed(q.as_slice()?, sharpness, &mut gradient);
-        Ok((found.objective, found.exact, PyArray1::from_vec(py, gradient)))
+        let smoothed = self.function.smoothed(q.as_slice()?, sharpness, &mut gradient);
+        Ok((smoothed.objective, smoothed.exact, PyArray1::from_vec(py, gradient)))
     }
 }

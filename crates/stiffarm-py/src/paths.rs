@@ -28,8 +28,8 @@ impl Source for Files {
 
 /// The language of this name.
 fn language_of(name: &str) -> Result<PathLanguage> {
-    let found = LANGUAGES.iter().find(|(own, ..)| *own == name);
-    found.map(|(.., language)| *language).ok_or_else(|| {
+    let row = LANGUAGES.iter().find(|(label, ..)| *label == name);
+    row.map(|(.., language)| *language).ok_or_else(|| {
         let names: Vec<&str> = LANGUAGES.iter().map(|(name, ..)| *name).collect();
         let message = format!("There is no language \"{name}\" of paths.");
         let error = Error::new(Code::UnknownName, message).key("language");

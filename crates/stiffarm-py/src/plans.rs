@@ -1,4 +1,4 @@
-//! What no command answers: bounds of a plan of one's own, and a simulated measurement as a table.
+//! What no command answers: bounds of a plan of one's own, a simulated measurement as a table, and a cell as a drawing.
 
 use crate::arrays::postures;
 use crate::cell::PyCell;
@@ -42,14 +42,14 @@ pub fn certificate(
         let count = angles.as_array().nrows();
         named(py, (1..=count).map(|i| i.to_string()).collect(), angles)
     };
-    let (postures, given) = (numbered(&angles)?, numbered(&given)?);
+    let (postures, held) = (numbered(&angles)?, numbered(&given)?);
     watched(py, progress, |watched| {
         let mut options = CertificateOptions::default();
         options.samples = samples.unwrap_or(options.samples);
         let index = Index::from_name(index)?;
-        let found =
-            watched.with(|control| certify_further(cell.complete(), index, &given, &postures, &options, control))?;
-        to_json(&found)
+        let certificate =
+            watched.with(|control| certify_further(cell.complete(), index, &held, &postures, &options, control))?;
+        to_json(&certificate)
     })
 }
 
@@ -76,4 +76,17 @@ pub fn simulate_measurements(
         Ok(write_simulated(measured, cell))
     })
     .raised(py)
+}
+
+/// The drawing of a cell at these postures as JSON, one of them in full; without postures at one within its limits.
+#[pyfunction]
+pub fn drawing(
+    py: Python<'_>,
+    cell: &PyCell,
+    names: Vec<String>,
+    angles: PyReadonlyArray2<'_, f64>,
+    full: usize,
+) -> PyResult<String> {
+    let postures = named(py, names, &angles)?;
+    py.detach(|| stiffarm_cli::drawing(&cell.cell, &postures, full)).raised(py)
 }

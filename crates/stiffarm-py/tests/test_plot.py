@@ -1,9 +1,8 @@
-"""Figures: each from a real small result, with as many marks as the data has, units at the axes, and names as text."""
+"""Figures: drawn from the page's own figures, every number of them, with units at the axes, and names as text."""
 
 from __future__ import annotations
 
 import builtins
-import json
 import sys
 import warnings
 from collections.abc import Iterator
@@ -21,7 +20,6 @@ import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.text import Text  # noqa: E402
 
 from stiffarm import plot  # noqa: E402
-from stiffarm.plot import _chain  # noqa: E402
 
 HOSTILE = ["$x$", "</script>", "_hidden", "a\nb", "100 %_{2"]
 
@@ -51,300 +49,182 @@ def plan(cell: stiffarm.Cell) -> stiffarm.results.Plan:
 
 
 @pytest.fixture(scope="module")
-def found(cell: stiffarm.Cell, plan: Any) -> stiffarm.results.Identified:
+def identified(cell: stiffarm.Cell, plan: Any) -> stiffarm.results.Identified:
     return stiffarm.identify(cell, stiffarm.simulate_measurements(cell, plan))
 
 
-def drawn(figure: Any, path: Any = None) -> list[str]:
+@pytest.fixture(scope="module")
+def results(cell: stiffarm.Cell, group: Any, plan: Any, identified: Any) -> dict[str, Any]:
+    """A result of every command whose page has figures."""
+    groups = {"Group 1": group, "plan": plan}
+    return {
+        "select": plan,
+        "curve": stiffarm.select(cell, curve=True, count=3, rounds=1, index="expected-error"),
+        "evaluate": stiffarm.evaluate(cell, groups),
+        "simulate": stiffarm.simulate(cell, groups, runs=20, levels=[0.5, 1.0, 16.0]),
+        "elastic": stiffarm.simulate(cell, group, runs=2, elastic="mixed"),
+        "identify": identified,
+        "validate": stiffarm.validate(cell, identified, stiffarm.simulate_measurements(cell, group, seed=3), tolerance_mm=0.1),
+        "predict": stiffarm.predict(cell, identified, "builtin:contour"),
+        "compensate": stiffarm.compensate(cell, identified, "builtin:contour"),
+        "map": stiffarm.map(cell, "prior", steps=4),
+        "plane": stiffarm.map(cell, "prior", steps=5, from_mm=[900, -900, 1000], to_mm=[2500, 900, 1000]),
+    }
+
+
+NAMES = ["select", "curve", "evaluate", "simulate", "elastic", "identify", "validate", "predict", "compensate", "map", "plane"]
+
+
+def texts(figure: Any) -> list[str]:
     """Draws a figure and gives every text in it that is seen."""
     figure.canvas.draw()
-    return [text.get_text() for text in figure.findobj(Text) if text.get_visible() and text.get_text()]
+    return [text.get_text().replace("\n", " ") for text in figure.findobj(Text) if text.get_visible() and text.get_text()]
 
 
-def labels_have_units(ax: Any, *, x: bool = True) -> None:
-    assert "[" in ax.get_ylabel() and ax.get_ylabel().endswith("]")
-    if x:
-        assert ax.get_xlabel()
+def heading(axis: dict[str, Any]) -> str:
+    return " ".join(part for part in (axis["label"], f"[{axis['unit']}]" if axis["unit"] else "") if part)
 
 
-def sizes(figure: Any) -> list[float]:
-    return [t.get_fontsize() for t in figure.findobj(Text) if t.get_visible() and t.get_text().strip()]
+def numbers(panel: dict[str, Any], ax: Any, style: tuple[str, ...]) -> None:
+    """The values of series with these styles are those of the lines of the axes."""
+    drawn = [np.asarray(line.get_ydata(), dtype=float) for line in ax.lines]
+    for series in panel["series"]:
+        if series["style"] in style and series["y"]:
+            wanted = np.array([np.nan if y is None else y for y in series["y"]], dtype=float)
+            assert any(len(y) == len(wanted) and np.allclose(y, wanted, equal_nan=True) for y in drawn), series["label"]
 
 
-def test_simulation_has_a_mark_for_every_joint_group_and_level(cell: Any, group: Any, plan: Any) -> None:
-    levels = [0.5, 1.0, 3.0]
-    result = stiffarm.simulate(cell, {"Group 1": group, "plan": plan}, runs=20, levels=levels)
-    figure = plot.simulation(result)
-    panels = [ax for ax in figure.axes if ax.axison]
-    assert len(panels) == 6
-    for j, ax in enumerate(panels):
-        assert ax.get_title(loc="left") == cell.joint_names[j]
-        marks = [line for line in ax.lines if line.get_linestyle() == "None"]
-        assert sum(len(line.get_xdata()) for line in marks if line.get_marker() in "os") == 2 * len(levels)
-        expected = [line for line in ax.lines if line.get_linestyle() != "None"]
-        for line, data in zip(expected, result.to_dict()["groups"], strict=True):
-            wanted = [100 * level["expected_deviation"][j] for level in data["levels"]]
-            np.testing.assert_allclose(line.get_ydata(), wanted)
-    texts = drawn(figure)
-    assert "variance of the noise [× the cell's]" in texts
-    assert any("[%]" in text for text in texts)
-    assert {"Group 1", "plan", "simulated", "expected"} <= set(texts)
-    assert min(sizes(figure)) >= 8
+@pytest.mark.parametrize("name", NAMES)
+def test_every_figure_of_a_page_is_drawn_with_its_values(results: dict[str, Any], name: str) -> None:
+    result = results[name]
+    figures = result.figures()
+    assert figures and result.plot().axes
+    for figure_name, data in figures.items():
+        for width in (3.5, 7.0):
+            figure = result.plot(figure_name, width_in=width)
+            said = texts(figure)
+            # A colour bar is an axes of its own.
+            panels = [ax for ax in figure.axes if ax.axison and ax.get_label() != "<colorbar>"]
+            assert len(panels) == len(data["panels"]), figure_name
+            for panel, ax in zip(data["panels"], panels, strict=True):
+                numbers(panel, ax, ("Line", "Curve", "Dashed", "Points", "Hollow", "Outline", "Path"))
+                bars = [series for series in panel["series"] if series["style"] == "Bars"]
+                if bars and panel["y"]["scale"] == "Linear":
+                    heights = np.concatenate([[bar.get_height() for bar in group] for group in ax.containers])
+                    wanted = np.concatenate([[0.0 if y is None else y for y in series["y"]] for series in bars])
+                    np.testing.assert_allclose(np.nan_to_num(heights), wanted)
+                for axis in ("x", "y"):
+                    assert heading(panel[axis]) in {*said, ""}, (figure_name, heading(panel[axis]))
+            labels = {series["label"] for panel in data["panels"] for series in panel["series"] if series["style"] != "Map"}
+            assert {" ".join(label.split()) for label in labels} - {""} <= set(said), figure_name
+            # Sizes of a journal; exponents are smaller.
+            sizes = [text.get_fontsize() for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()]
+            assert min(sizes) >= 8 and figure.get_figwidth() == width
 
 
-def test_simulation_draws_medians_open_where_single_runs_dominate(cell: Any, group: Any) -> None:
-    result = stiffarm.simulate(cell, group, runs=20, levels=[1.0, 16.0])
-    beyond = np.array([level["beyond_first_order"] for level in result.to_dict()["groups"][0]["levels"]])
-    assert beyond.any() and not beyond.all()
-    figure = plot.simulation(result)
-    hollow = sum(
-        len(line.get_xdata()) for ax in figure.axes for line in ax.lines if line.get_markerfacecolor() == "white"
-    )
-    assert hollow == beyond.sum()
-    assert any("median" in text for text in drawn(figure))
+def test_looks_and_ends_of_axes_are_those_of_the_page(identified: Any) -> None:
+    data = identified.figures()["joint-stiffness"]
+    page = identified.page()
+    ax = identified.plot("joint-stiffness").axes[0]
+    for (colour, _, _), series in zip(data["shown"][0]["series"], data["panels"][0]["series"], strict=True):
+        assert colour in page
+        same = [line for line in ax.lines if len(line.get_ydata()) == len(series["y"]) and np.allclose(line.get_ydata(), series["y"])]
+        assert colour in [line.get_color() for line in same]
+    np.testing.assert_allclose(ax.get_ylim(), data["shown"][0]["y"])
+    assert len(ax.collections) >= 6  # an interval each
 
 
-def test_simulation_of_an_elastic_arm_is_refused(cell: Any, group: Any) -> None:
-    result = stiffarm.simulate(cell, group, runs=2, elastic="mixed")
-    with pytest.raises(stiffarm.StiffarmError) as error:
-        plot.simulation(result)
-    assert error.value.code == "unsupported"
+def test_the_cells_of_a_map_are_its_nodes(results: dict[str, Any]) -> None:
+    data = results["plane"].figures()["map"]
+    figure = results["plane"].plot("map")
+    mesh = next(c for c in figure.axes[0].collections if c.get_array() is not None)
+    values = [v for v in data["panels"][0]["series"][0]["colour"]["values"] if v is not None]
+    np.testing.assert_allclose(np.sort(np.ma.compressed(mesh.get_array())), np.sort(values))
+    assert figure.axes[-1].get_ylabel().endswith("]")
 
 
-def test_expected_errors_are_those_of_the_groups(cell: Any, group: Any, plan: Any) -> None:
-    ax = plot.expected(stiffarm.evaluate(cell, {"Group 1": group, "plan": plan}))
-    assert len(ax.lines) == 2 and all(len(line.get_xdata()) == 6 for line in ax.lines)
-    np.testing.assert_allclose(ax.lines[1].get_ydata(), 100 * plan.evaluation.relative_standard_error)
-    labels_have_units(ax)
-    alone = plot.expected(plan)
-    np.testing.assert_allclose(alone.lines[0].get_ydata(), ax.lines[1].get_ydata())
+def test_an_interval_that_is_open_above_is_an_arrow(identified: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    figures = identified.figures()
+    figures["joint-stiffness"]["panels"][0]["series"][0]["interval"][1][1] = None
+    monkeypatch.setattr(type(identified), "figures", lambda _: figures)
+    ax = identified.plot("joint-stiffness", panel=0).axes[0]
+    assert len([child for child in ax.get_children() if getattr(child, "arrow_patch", None) is not None]) == 1
 
 
-def test_validation_has_a_mark_for_every_point(cell: Any, found: Any, group: Any) -> None:
-    readings = stiffarm.simulate_measurements(cell, group, seed=3)
-    one = stiffarm.validate(cell, found, readings, tolerance_mm=0.1)
-    ax = plot.validation({"plan": one, "nominal": stiffarm.validate(cell, [1e6] * 6, readings)})
-    marks = [line for line in ax.lines if line.get_marker() in ("o", "s")]
-    assert [len(line.get_xdata()) for line in marks] == [24, 24]
-    np.testing.assert_allclose(marks[0].get_ydata(), [1e3 * p["deviation_m"] for p in one.to_dict()["points"]])
-    labels_have_units(ax)
-    assert {"tolerance", "noise alone", "plan", "nominal"} <= set(drawn(ax.figure))
+def test_several_results_have_the_same_axes(identified: Any) -> None:
+    figure = plot.figure({"first": identified, "second": identified}, "joint-stiffness", width_in=7)
+    assert [ax.get_title(loc="left") for ax in figure.axes[::2]] == ["first: stiffness", "second: stiffness"]
+    assert figure.axes[0].get_ylim() == figure.axes[2].get_ylim()
 
 
-def test_residuals_are_all_there_with_their_band(found: Any) -> None:
-    ax = plot.residuals(found)
-    marks = [line for line in ax.lines if line.get_marker() not in ("None", None, "")]
-    assert len(marks) == 4
-    values = np.sort(np.concatenate([line.get_ydata() for line in marks]))
-    wanted = [1e3 * c for p in found.to_dict()["postures"] for r in p["residuals"] for c in r["residual_m"]]
-    np.testing.assert_allclose(values, np.sort(wanted))
-    (band,) = ax.patches
-    ends = band.get_patch_transform().transform_path(band.get_path()).vertices[:, 1]
-    assert np.ptp(ends) == pytest.approx(2 * 1.96e3 * found.expected_std_m)
-    labels_have_units(ax)
-
-
-def test_stiffness_with_intervals_and_prior(found: Any) -> None:
-    ax = plot.stiffness(found)
-    dots = [line for line in ax.lines if line.get_marker() == "o"]
-    np.testing.assert_allclose([line.get_ydata()[0] for line in dots], found.stiffness / 1e3)
-    ends = [line.get_ydata() for line in ax.lines if line.get_marker() == "_"]
-    wanted = [np.array(j["interval"]) / 1e3 for j in found.to_dict()["joints"]]
-    np.testing.assert_allclose(ends, wanted)
-    labels_have_units(ax)
-    assert "prior" in drawn(ax.figure)
-
-
-def test_a_joint_without_stiffness_or_upper_end_says_so(found: Any) -> None:
-    document = json.loads(found.to_json())
-    document["result"]["joints"][0].update(stiffness=None, interval=None)
-    document["result"]["joints"][1].update(interval=[2.9e6, None])
-    ax = plot.stiffness(stiffarm.results.Identified(json.dumps(document)))
-    assert "not determined" in drawn(ax.figure)
-    assert sum(line.get_marker() == "o" for line in ax.lines) == 5
-    arrows = [child for child in ax.get_children() if getattr(child, "arrow_patch", None) is not None]
-    assert len(arrows) == 1
-
-
-def test_deflection_has_every_point_and_its_band(cell: Any, found: Any) -> None:
-    result = stiffarm.predict(cell, found, "builtin:contour")
-    ax = plot.deflection(result)
-    points = result.to_dict()["points"]
-    np.testing.assert_allclose(ax.lines[0].get_ydata(), [1e3 * p["deflection_m"] for p in points])
-    way = ax.lines[0].get_xdata()
-    assert way[0] == 0 and np.all(np.diff(way) > 0)
-    highest = ax.collections[0].get_paths()[0].vertices[:, 1].max()
-    assert highest == pytest.approx(max(1e3 * (p["deflection_m"] + p["band"]["size_m"][3]) for p in points))
-    assert ax.get_xlabel() == "way along the path [mm]"
-    labels_have_units(ax)
-    both = plot.deflection(stiffarm.compensate(cell, found, "builtin:contour"))
-    assert len(both.lines) == 2 and both.lines[1].get_ydata().max() < ax.lines[0].get_ydata().min()
-    with pytest.raises(stiffarm.StiffarmError):
-        plot.deflection(found)
-
-
-def test_curve_with_its_bound(cell: Any) -> None:
-    result = stiffarm.select(cell, curve=True, count=3, rounds=1, index="expected-error")
-    ax = plot.number_of_postures(result)
-    best, bound = ax.lines
-    assert list(best.get_xdata()) == [1, 2, 3]
-    assert np.all(bound.get_ydata() <= best.get_ydata())
-    labels_have_units(ax)
-    classical = plot.number_of_postures(stiffarm.select(cell, curve=True, count=2, rounds=1, index="condition", no_certificate=True))
-    assert len(classical.lines) == 1 and "condition" in classical.get_ylabel()
-
-
-def test_map_has_a_cell_for_every_node(cell: Any) -> None:
-    result = stiffarm.map(cell, "prior", steps=4)
-    nodes = result.to_dict()["nodes"]
-    for at in (None, ("y", 0.0), ("x", 1500.0)):
-        ax = plot.stiffness_map(result, at=at)
-        mesh = ax.collections[0]
-        axis, place = ("z", 1000.0) if at is None else at
-        grid = 1e3 * np.array(result.to_dict()[f"{axis}_m"])
-        number = len(grid) // 2 if at is None else int(np.argmin(abs(grid - place)))
-        slice_ = [n for n in nodes if abs(1e3 * n["position_m"]["xyz".index(axis)] - grid[number]) < 1e-6]
-        values = sorted(1e-3 * n["values"]["stiffness_n_per_m"] for n in slice_ if n["values"])
-        shown = np.ma.compressed(mesh.get_array())
-        np.testing.assert_allclose(np.sort(shown), values)
-        assert mesh.get_array().size == len(slice_)
-        assert f"[mm], at {axis} = {grid[number]:g} mm" in ax.get_xlabel() and ax.get_ylabel().endswith("[mm]")
-        assert "[N/mm]" in ax.figure.axes[-1].get_ylabel()
-        ax.figure.canvas.draw()
-    with pytest.raises(stiffarm.StiffarmError) as error:
-        plot.stiffness_map(result, "colour")
-    assert error.value.code == "unknown-name"
-    with pytest.raises(stiffarm.StiffarmError):
-        plot.stiffness_map(result, at=("w", 0.0))
-    with pytest.raises(stiffarm.StiffarmError) as error:
-        plot.stiffness_map(result, at=("z", -9999.0))
-    assert "outside the map" in error.value.message
-
-
-def test_cell_has_every_posture_point_and_load(cell: Any, plan: Any) -> None:
-    ax = plot.scene(cell, plan, front=2)
-    assert sum(line.get_gid() == "posture" for line in ax.lines) == 5
-    assert sum(line.get_gid() == "link" for line in ax.lines) >= 10
-    reflectors = [line for line in ax.lines if line.get_marker() == "o"]
-    assert len(reflectors[0].get_data_3d()[0]) == 6 * 4
-    (loading,) = [line for line in ax.lines if line.get_marker() == "D"]
-    pose = cell.robot.pose(plan.postures.angles[0])
-    at = 1e3 * (pose[:3, :3] @ cell.loading_point + pose[:3, 3])
-    np.testing.assert_allclose([axis[0] for axis in loading.get_data_3d()], at)
-    assert len(ax.collections) == 6  # one arrow each
-    texts = drawn(ax.figure)
-    assert {"x [mm]", "y [mm]", "z [mm]"} <= set(texts)
-    spans = [np.ptp(limits) for limits in (ax.get_xlim(), ax.get_ylim(), ax.get_zlim())]
-    np.testing.assert_allclose(ax._box_aspect / ax._box_aspect[0], np.array(spans) / spans[0], rtol=1e-9)
-    assert min(sizes(ax.figure)) >= 8
-    with pytest.raises(stiffarm.StiffarmError):
-        plot.scene(cell, plan, front=6)
-    with pytest.raises(stiffarm.StiffarmError):
-        plot.scene(cell, plan, ax=plt.figure().add_subplot())
-    with pytest.raises(stiffarm.StiffarmError):
-        plot.scene(cell, np.zeros((2, 5)))
-
-
-def test_cell_shows_what_stands_around(plan: Any) -> None:
-    ax = plot.scene(stiffarm.Cell.built_in("comau-shapes"), plan)
-    assert sum(line.get_gid() == "obstacle" for line in ax.lines) == 3 * 12
-    assert any(line.get_gid() == "tool" for line in ax.lines)
-    assert "tracker" in drawn(ax.figure)
-
-
-def test_every_kind_of_load_has_its_direction(cell: Any) -> None:
-    q = np.array([[0.1, 0.2, -1.6, 0.3, 0.7, 0.2]])
-    turn = cell.robot.pose(q[0])[:3, :3]
-    cases: dict[str, tuple[dict[str, Any], np.ndarray]] = {
-        "weight": (stiffarm.cell.weight(mass_kg=50), np.array([0.0, 0, -1])),
-        "base": (stiffarm.cell.wrench([0, 300, 0]), np.array([0.0, 1, 0])),
-        "tool": (stiffarm.cell.wrench([0, 300, 0], axes="tool"), turn[:, 1]),
-    }
-    for load, direction in cases.values():
-        changed = stiffarm.Cell.from_dict({**cell.to_dict(), "load": load, "limits": {}})
-        ax = plot.scene(changed, q)
-        (arrow,) = ax.collections
-        (loading,) = [line for line in ax.lines if line.get_marker() == "D"]
-        start = np.array([axis[0] for axis in loading.get_data_3d()])
-        tip = max(arrow._segments3d[0], key=lambda end: float(np.linalg.norm(end - start)))
-        np.testing.assert_allclose((tip - start) / np.linalg.norm(tip - start), direction, atol=1e-9)
-    measured = plot.scene(stiffarm.Cell.built_in("fanuc-r2000ic"))
-    assert not measured.collections
-
-
-@pytest.mark.parametrize("name", ["comau-nj165-3.0", "fanuc-r2000ic165f", "abb-irb4400l-30-243", "kuka-kr210-r2700-2"])
-def test_links_turn_with_their_joints(name: str) -> None:
-    """Between two bends the arm is rigid: lengths do not change, and it ends at the flange."""
-    robot = stiffarm.Robot.catalogue(name)
-    rng = np.random.default_rng(7)
-    lengths = []
-    for _ in range(8):
-        q = rng.uniform(-1, 1, robot.joint_count)
-        arm = _chain.links(robot, q)
-        np.testing.assert_allclose(arm[-1], robot.pose(q)[:3, 3], atol=1e-12)
-        lengths.append(np.linalg.norm(np.diff(arm, axis=0), axis=1))
-        lines = _chain.axes(robot, q)
-        # An axis is where its own angle does not move it.
-        for i, (point, direction) in enumerate(lines):
-            q2 = q.copy()
-            q2[i] += 0.9
-            point2, direction2 = _chain.axes(robot, q2)[i]
-            np.testing.assert_allclose(direction2, direction, atol=1e-9)
-            np.testing.assert_allclose(np.cross(direction, point2 - point), 0, atol=1e-9)
-    for one in lengths[1:]:
-        np.testing.assert_allclose(one, lengths[0], atol=1e-9)
+def test_axes_of_ones_own_keep_their_sizes(identified: Any) -> None:
+    with plt.rc_context({"font.size": 13, "xtick.labelsize": 13}):
+        figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3))
+        before = plt.get_fignums()
+        assert identified.plot(ax=left) is figure
+        assert identified.plot("residuals", panel=1, ax=right) is figure
+        assert plt.get_fignums() == before
+        figure.canvas.draw()
+        assert left.get_xticklabels()[0].get_fontsize() == 13
+    assert plt.rcParams["font.size"] == plt.rcParamsDefault["font.size"]
 
 
 def test_names_are_text(cell: Any, group: Any, plan: Any) -> None:
     groups = dict.fromkeys(HOSTILE, group)
-    shown = {" ".join(name.split()) for name in HOSTILE}
-    figure = plot.simulation(stiffarm.simulate(cell, groups, runs=3, levels=[1, 2]))
-    assert shown <= set(drawn(figure))
-    assert shown <= set(drawn(plot.expected(stiffarm.evaluate(cell, groups)).figure))
-    named = stiffarm.Postures(plan.postures.angles[:5], HOSTILE[:3] + ["a b", HOSTILE[4]])
-    found = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, named))
-    residuals = plot.residuals(found)
-    assert shown <= {label.get_text() for label in residuals.get_xticklabels()}
-    drawn(residuals.figure)
-    assert {f"{name}, 95 %" for name in shown} <= set(drawn(plot.stiffness(dict.fromkeys(HOSTILE, found)).figure))
-    assert not any(t.get_parse_math() for t in residuals.get_xticklabels())
-    points = stiffarm.Cell.from_dict(
-        cell.to_dict() | {"tool": stiffarm.cell.tool([200, 0, 250], {"$x$": [150, 0, 200], "</script>": [0, 150, 200]})}
-    )
-    found = stiffarm.identify(points, stiffarm.simulate_measurements(points, plan))
-    assert {"point $x$", "point </script>"} <= set(drawn(plot.residuals(found).figure))
-    checked = stiffarm.validate(points, found, stiffarm.simulate_measurements(points, group, seed=2))
-    assert "1-$x$" in drawn(plot.validation(checked).figure)
+    shown = {name.replace("\n", "\\n") for name in HOSTILE}
+    assert shown <= set(texts(stiffarm.evaluate(cell, groups).plot()))
+    named = stiffarm.Postures(plan.postures.angles[:5], [*HOSTILE[:3], "a b", HOSTILE[4]])
+    figure = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, named)).plot("residuals")
+    assert {*HOSTILE[:3], "a b", HOSTILE[4]} <= {label.get_text() for label in figure.axes[0].get_xticklabels()}
+    assert not any(text.get_parse_math() for text in figure.axes[0].get_xticklabels())
 
 
-def test_given_axes_are_drawn_into_and_keep_their_sizes(cell: Any, found: Any) -> None:
-    with plt.rc_context({"font.size": 13, "xtick.labelsize": 13}):
-        figure, panels = plt.subplots(1, 2, figsize=(9, 3))
-        before = plt.get_fignums()
-        assert plot.stiffness(found, ax=panels[0]) is panels[0]
-        assert plot.residuals(found, ax=panels[1]) is panels[1]
-        assert plt.get_fignums() == before
-        figure.canvas.draw()
-        assert panels[0].get_xticklabels()[0].get_fontsize() == 13
-    whole = plt.figure()
-    result = stiffarm.simulate(cell, "builtin:comau-group1", runs=3)
-    assert plot.simulation(result, figure=whole) is whole
-    assert plt.rcParams["font.size"] == plt.rcParamsDefault["font.size"]
+@pytest.mark.parametrize("view", ["side", "above", "perspective"])
+def test_a_cell_is_the_drawing_of_its_page(plan: Any, view: str) -> None:
+    cell = stiffarm.Cell.built_in("comau-shapes")
+    figure = plot.cell(cell, plan, full=2, view=view)
+    said = set(texts(figure))
+    assert {"arm", "tool", "measuring point", "loading point", "posture 1"} <= said and "posture 3" not in said
+    (ax,) = figure.axes
+    assert ax.get_aspect() == 1.0 and len(ax.patches) > 10
+    if view != "perspective":
+        assert {"x [mm]"} <= said
+        # The loading point of the posture in full is where kinematics says.
+        pose = cell.robot.pose(plan.postures.angles[2])
+        place = 1e3 * (pose[:3, :3] @ cell.loading_point + pose[:3, 3])
+        flat = place[[0, 2 if view == "side" else 1]]
+        (mark,) = [line for line in ax.lines if line.get_marker() == "D" and len(line.get_xdata()) == 1 and line.get_color() == "#8a4b08"]
+        np.testing.assert_allclose([mark.get_xdata()[0], mark.get_ydata()[0]], flat, atol=0.02)
+    assert plot.cell(cell).axes
 
 
-def test_texts_are_large_enough_in_a_column(cell: Any, found: Any, plan: Any) -> None:
-    for ax in (plot.stiffness(found), plot.residuals(found), plot.scene(cell, plan), plot.expected(plan)):
-        drawn(ax.figure)
-        assert ax.figure.get_figwidth() == 3.5
-        assert min(sizes(ax.figure)) >= 8
+@pytest.mark.parametrize(
+    ("call", "code", "key"),
+    [
+        (lambda r: r["identify"].plot("colour"), "unknown-name", "name"),
+        (lambda r: r["identify"].plot(panel=7), "invalid-value", "panel"),
+        (lambda r: r["identify"].plot(ax=3), "wrong-type", "ax"),
+        (lambda r: plot.figure({}), "wrong-type", "result"),
+        (lambda r: plot.figure({"a": 3}), "wrong-type", "result"),
+        (lambda r: plot.cell(stiffarm.Cell.built_in("comau"), r["select"], full=6), "invalid-value", "full"),
+        (lambda r: plot.cell(stiffarm.Cell.built_in("comau"), r["select"], view="below"), "unknown-name", "view"),
+        (lambda r: plot.cell(stiffarm.Cell.built_in("comau"), np.zeros((2, 5))), "dimension", "postures"),
+        (lambda r: plot.cell(stiffarm.Cell.built_in("comau"), ax=3), "wrong-type", "ax"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(results: dict[str, Any], call: Any, code: str, key: str) -> None:
+    with pytest.raises(stiffarm.StiffarmError) as error:
+        call(results)
+    assert (error.value.code, error.value.place["key"]) == (code, key)
 
 
 def test_nothing_is_shown(cell: Any, plan: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(plt, "show", lambda *_, **__: pytest.fail("shown"))
-    plot.scene(cell, plan)
+    plot.cell(cell, plan)
+    plan.plot()
 
 
-def test_without_matplotlib_the_message_says_what_to_install(found: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_matplotlib_the_message_says_what_to_install(identified: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     real = builtins.__import__
 
     def without(name: str, *rest: Any, **keys: Any) -> Any:
@@ -356,19 +236,6 @@ def test_without_matplotlib_the_message_says_what_to_install(found: Any, monkeyp
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(stiffarm.StiffarmError) as error:
-        plot.stiffness(found)
+        identified.plot()
     assert error.value.code == "unsupported"
     assert error.value.hint == "pip install stiffarm[plot]"
-
-
-def test_wrong_results_are_refused(found: Any, plan: Any) -> None:
-    for call in (plot.validation, plot.stiffness, plot.expected):
-        with pytest.raises(stiffarm.StiffarmError):
-            call({"a": 3})  # type: ignore[arg-type]
-        with pytest.raises(stiffarm.StiffarmError):
-            call({})  # type: ignore[arg-type]
-    for one in (plot.simulation, plot.residuals, plot.deflection, plot.number_of_postures, plot.stiffness_map):
-        with pytest.raises(stiffarm.StiffarmError, match="is drawn of what"):
-            one(plan)  # type: ignore[operator]
-    with pytest.raises(stiffarm.StiffarmError, match="axes of matplotlib, got 3"):
-        found.plot(ax=3)

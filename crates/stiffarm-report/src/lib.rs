@@ -41,7 +41,7 @@ pub use figure::drawing::Drawing;
 pub use figure::layout::{Layout, Size};
 pub use figure::svg::{
     ShownFigure, ShownPanel, render_drawing, render_drawing_with, render_svg, render_svg_with, series_colour,
-    shown_figure,
+    shown_drawing, shown_figure,
 };
 pub use figure::{Axis, Colour, Figure, Panel, Scale, Series, Style};
 pub use map::{map_figure, map_table};

@@ -85,9 +85,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if let Some(file) = numbers {
         let mut bytes = Vec::with_capacity(points * 24 * 8);
         for ((posture, bent), command) in path.iter().zip(&bent.points).zip(&commands.points) {
-            let given = posture.q.iter().chain(&posture.wrench.force).chain(&posture.wrench.moment);
-            let found = bent.shift_m.iter().chain(&bent.turn_rad);
-            for value in given.chain(found) {
+            let inputs = posture.q.iter().chain(&posture.wrench.force).chain(&posture.wrench.moment);
+            let deflection = bent.shift_m.iter().chain(&bent.turn_rad);
+            for value in inputs.chain(deflection) {
                 bytes.extend(value.to_le_bytes());
             }
             for angle in &command.command {

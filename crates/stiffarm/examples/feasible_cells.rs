@@ -30,9 +30,9 @@ fn main() -> ExitCode {
         if seconds > slowest.0 {
             slowest = (seconds, number);
         }
-        if let Some(own) = by_mode.iter_mut().find(|own| own.0 == mode) {
-            own.1 += 1;
-            own.2 += seconds;
+        if let Some(tally) = by_mode.iter_mut().find(|tally| tally.0 == mode) {
+            tally.1 += 1;
+            tally.2 += seconds;
         }
         let kind = match &end {
             End::Postures(_) => 0,

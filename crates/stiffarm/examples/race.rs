@@ -101,15 +101,15 @@ fn rate(function: &IndexFunction, bounds: &[[f64; 2]], gradient: bool, threads: 
 }
 
 fn run() -> Result<Value, String> {
-    let asked = arguments()?;
+    let arguments = arguments()?;
     let text = |error: stiffarm::Error| error.to_string();
     let cell = builtin::cell("comau-reference").and_then(with_characteristic_length).map_err(text)?;
     let function = IndexFunction::new(&cell, Index::Novel, 6).map_err(text)?;
     let rates: Vec<Value> = [
         ("value", false, 1),
         ("value+gradient", true, 1),
-        ("value", false, asked.threads),
-        ("value+gradient", true, asked.threads),
+        ("value", false, arguments.threads),
+        ("value+gradient", true, arguments.threads),
     ]
     .into_iter()
     .map(|(what, gradient, threads)| {
@@ -119,9 +119,9 @@ fn run() -> Result<Value, String> {
     .collect();
 
     let mut options = GlobalOptions::default();
-    options.seed = asked.seed;
-    options.time_limit = Some(Duration::from_secs_f64(asked.seconds));
-    rayon::ThreadPoolBuilder::new().num_threads(asked.threads).build_global().map_err(|e| e.to_string())?;
+    options.seed = arguments.seed;
+    options.time_limit = Some(Duration::from_secs_f64(arguments.seconds));
+    rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global().map_err(|e| e.to_string())?;
     let begin = Instant::now();
     let mut trace = Vec::new();
     let selection = select_watched(&cell, Index::Novel, 6, &options, Control::default(), &mut |round| {
@@ -140,12 +140,12 @@ fn run() -> Result<Value, String> {
     let mut costs = Vec::new();
     for index in [Index::Novel, Index::ExpectedError] {
         for count in [6, 10, 20, 50] {
-            if !asked.costs {
+            if !arguments.costs {
                 continue;
             }
             let function = IndexFunction::new(&cell, index, count).map_err(text)?;
             let mut options = GlobalOptions::default();
-            options.seed = asked.seed;
+            options.seed = arguments.seed;
             let value = 1e6 / rate(&function, &cell.bounds, false, 1);
             let gradient = 1e6 / rate(&function, &cell.bounds, true, 1);
             let begin = Instant::now();
@@ -166,7 +166,7 @@ fn run() -> Result<Value, String> {
     let best: Vec<Vec<f64>> = selection.group.iter().map(degrees).collect();
     Ok(json!({
         "version": env!("CARGO_PKG_VERSION"),
-        "threads": asked.threads,
+        "threads": arguments.threads,
         "rates": rates,
         "trace": trace,
         "best_group_deg": best,

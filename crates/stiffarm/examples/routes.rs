@@ -27,15 +27,15 @@ fn main() -> ExitCode {
         let seconds = start.elapsed().as_secs_f64();
         match looked {
             Ok(None) => {}
-            Ok(Some(own)) => {
+            Ok(Some(looked)) => {
                 seen += 1;
-                total.moves += own.moves;
-                total.over_vias += own.over_vias;
-                total.blocked += own.blocked;
-                total.looks += own.looks;
-                total.excess = total.excess.max(own.excess);
-                if seconds > 5.0 || own.excess > 1e-9 {
-                    println!("cell {number}, {seconds:.1} s: {own:?}");
+                total.moves += looked.moves;
+                total.over_vias += looked.over_vias;
+                total.blocked += looked.blocked;
+                total.looks += looked.looks;
+                total.excess = total.excess.max(looked.excess);
+                if seconds > 5.0 || looked.excess > 1e-9 {
+                    println!("cell {number}, {seconds:.1} s: {looked:?}");
                 }
             }
             Err(what) => {

@@ -49,14 +49,14 @@ struct Outcome {
 fn main() -> std::result::Result<(), Box<dyn Error>> {
     let runs: u64 = std::env::args().nth(1).map_or(Ok(2000), |text| text.parse())?;
     let mut cell = stiffarm_files::builtin::cell("comau")?;
-    let given = &mut cell.uncertainty;
-    given.force_scale = Some(FORCE_SCALE);
-    given.base_tilt_compliance = Some(BASE_TILT);
-    given.lost_motion = Some(LOST_MOTION);
+    let uncertainty = &mut cell.uncertainty;
+    uncertainty.force_scale = Some(FORCE_SCALE);
+    uncertainty.base_tilt_compliance = Some(BASE_TILT);
+    uncertainty.lost_motion = Some(LOST_MOTION);
     // The truth has no others.
-    given.anchor = Some(0.0);
-    given.loading_point = Some(0.0);
-    given.registration = Some(0.0);
+    uncertainty.anchor = Some(0.0);
+    uncertainty.loading_point = Some(0.0);
+    uncertainty.registration = Some(0.0);
     let robot = &cell.setup.robot;
     let group1 = stiffarm_files::builtin::postures("comau-group1", robot)?;
     let mut options = GlobalOptions::default();
@@ -143,7 +143,7 @@ fn experiment(cell: &Cell, postures: &[Posture], work: &[LoadedPosture], size: f
     let predictor = Fit::new(cell, measured, &IdentifyOptions::default())?.compliance()?;
     let mut options = PredictOptions::default();
     options.model = Model::Linear;
-    let found = predict(cell, &predictor, work, &options, Control::default())?;
+    let predicted = predict(cell, &predictor, work, &options, Control::default())?;
     let mut without = predictor.clone();
     for (i, part) in predictor.common.parts.iter().enumerate() {
         if part.source == "force-scale" {
@@ -155,7 +155,7 @@ fn experiment(cell: &Cell, postures: &[Posture], work: &[LoadedPosture], size: f
     let arm = LoadedArm::from_stiffness(cell, stiffness)?;
     let mut out = Outcome { inside: [[0; 3]; 2], ratio: [0.0; 2] };
     let mut squares = [0.0; 3];
-    for ((point, other), at) in found.points.iter().zip(&without.points).zip(work) {
+    for ((point, other), at) in predicted.points.iter().zip(&without.points).zip(work) {
         let terms = arm.terms(&at.q, &at.wrench)?;
         let mut exact: Vector3<f64> = arm.linear(&terms).fixed_rows::<3>(0).into_owned();
         for (term, value) in &truth.terms {

@@ -59,7 +59,7 @@ fn visit(value: &mut Value, at: &mut usize, change: &mut impl FnMut(&mut Value))
 
 /// Changes one value; gives the number that goes where it is a hole.
 fn changed(value: &mut Value, random: &mut Random) -> String {
-    let given = value.as_f64();
+    let number = value.as_f64();
     match value {
         Value::Array(items) if !items.is_empty() && !random.one_in(5) => {
             let (at, other) = (random.below(items.len()), random.below(items.len()));
@@ -112,7 +112,7 @@ fn changed(value: &mut Value, random: &mut Random) -> String {
             4 => *value = json!(true),
             _ => {
                 *value = json!(HOLE);
-                return edge_number(given, random);
+                return edge_number(number, random);
             }
         },
     }

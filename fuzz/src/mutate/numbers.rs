@@ -124,25 +124,25 @@ pub const WORDS: [&str; 40] = [
     "{}",
 ];
 
-/// A number at an edge, or near `given`.
-pub fn edge_number(given: Option<f64>, random: &mut Random) -> String {
-    let Some(given) = given.filter(|_| random.one_in(2)) else {
+/// A number at an edge, or near `number`.
+pub fn edge_number(number: Option<f64>, random: &mut Random) -> String {
+    let Some(number) = number.filter(|_| random.one_in(2)) else {
         return if random.one_in(2) { random.pick(&PLAUSIBLE).to_string() } else { random.pick(&NUMBERS).to_string() };
     };
     let near = match random.below(14) {
-        0 => given * 1e3,
-        1 => given * 1e-3,
-        2 => -given,
-        3 => given.to_radians(),
-        4 => given.to_degrees(),
-        5 => given * 10.0,
-        6 => given.next_up(),
-        7 => given.next_down(),
-        8 => given * 1e6,
-        9 => given * 1e-6,
-        10 => given + 360.0,
-        11 => given * given,
-        12 => given * (1.0 + 1e-9),
+        0 => number * 1e3,
+        1 => number * 1e-3,
+        2 => -number,
+        3 => number.to_radians(),
+        4 => number.to_degrees(),
+        5 => number * 10.0,
+        6 => number.next_up(),
+        7 => number.next_down(),
+        8 => number * 1e6,
+        9 => number * 1e-6,
+        10 => number + 360.0,
+        11 => number * number,
+        12 => number * (1.0 + 1e-9),
         _ => f64::from_bits(random.next()),
     };
     format!("{near:?}")
@@ -166,7 +166,7 @@ pub fn change(text: &str, random: &mut Random) -> String {
 /// Where the numbers of a text begin and end.
 fn places(text: &str) -> Vec<(usize, usize)> {
     let bytes = text.as_bytes();
-    let mut found = Vec::new();
+    let mut spans = Vec::new();
     let mut at = 0;
     while at < bytes.len() {
         let before = at.checked_sub(1).map(|i| bytes[i]);
@@ -187,10 +187,10 @@ fn places(text: &str) -> Vec<(usize, usize)> {
         {
             end += 1;
         }
-        found.push((start, end));
+        spans.push((start, end));
         at = end;
     }
-    found
+    spans
 }
 
 #[cfg(test)]
@@ -200,7 +200,7 @@ mod tests {
     #[test]
     fn numbers_are_found() {
         let text = "q1_deg = -1.5e-3, [2,x3] 4";
-        let found: Vec<&str> = places(text).into_iter().map(|(a, b)| &text[a..b]).collect();
-        assert_eq!(found, ["-1.5e-3", "2", "4"]);
+        let numbers: Vec<&str> = places(text).into_iter().map(|(a, b)| &text[a..b]).collect();
+        assert_eq!(numbers, ["-1.5e-3", "2", "4"]);
     }
 }

@@ -266,7 +266,7 @@ fn judged(scratch: &Scratch, words: &[String], files: &[(String, String)]) -> Ve
         code => return Err(format!("exit code {code}: {}{}", ran.err, ran.out)),
     }
     oracle::text_is_plain(&ran.out)?;
-    let given: String = words.join(" ") + &files.iter().map(|(_, text)| text.as_str()).collect::<String>();
+    let input: String = words.join(" ") + &files.iter().map(|(_, text)| text.as_str()).collect::<String>();
     if json {
         let value: Value = serde_json::from_str(&ran.out).map_err(|e| format!("no object: {e}"))?;
         if let Some(schema) = schema(words) {
@@ -276,11 +276,11 @@ fn judged(scratch: &Scratch, words: &[String], files: &[(String, String)]) -> Ve
             return Err("a serious finding, and the exit code says that all is well".to_string());
         }
     } else {
-        oracle::text_is_finite(&ran.out, &given)?;
+        oracle::text_is_finite(&ran.out, &input)?;
     }
     // A finding may be that the result is not one to go on with.
     if ran.code == 0 {
-        outputs_are_read(scratch, words, &given)?;
+        outputs_are_read(scratch, words, &input)?;
     }
     Ok(true)
 }
@@ -307,7 +307,7 @@ fn schema(words: &[String]) -> Option<Value> {
 }
 
 /// What the command wrote is finite, and what stiffarm reads it reads.
-fn outputs_are_read(scratch: &Scratch, words: &[String], given: &str) -> Result<(), String> {
+fn outputs_are_read(scratch: &Scratch, words: &[String], input: &str) -> Result<(), String> {
     let text = |name: &str| std::fs::read_to_string(scratch.path(name)).ok();
     for name in [
         "out.csv",
@@ -323,7 +323,7 @@ fn outputs_are_read(scratch: &Scratch, words: &[String], given: &str) -> Result<
         "out.svg",
     ] {
         if let Some(text) = text(name) {
-            oracle::text_is_finite(&text, given).map_err(|fault| format!("{name}: {fault}"))?;
+            oracle::text_is_finite(&text, input).map_err(|fault| format!("{name}: {fault}"))?;
         }
     }
     let cell = match words.get(1).map(String::as_str) {

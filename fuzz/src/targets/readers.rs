@@ -239,7 +239,7 @@ pub fn urdf(input: &Input) -> Verdict {
         let triangle = b"v 0.1 0.2 0.3\nv 0.3 0.1 0.2\nv 0 0 0.1\nf 1 2 3\n";
         let capsules = read.link_capsules(|_, unit| parse_mesh(triangle, "a.obj", unit));
         judged(&capsules)?;
-        if let Ok(Ok(text)) = capsules.map(|own| template_with_shapes(&read.robot, NAME, &own)) {
+        if let Ok(Ok(text)) = capsules.map(|capsules| template_with_shapes(&read.robot, NAME, &capsules)) {
             judged(&parse_cell_bytes(text.as_bytes(), NAME))?;
         }
     }
@@ -392,9 +392,9 @@ fn shifted(kind: tool_path::Kind, read: &ReadPath) -> Result<(), String> {
     };
     // Where a point has moved far enough, the move to the next is looked at in parts.
     let stated = (0..again.points.len()).filter(|i| again.program.holds(*i));
-    let found: Vec<Vector3<f64>> = stated.map(|i| position(&again.points[i])).collect();
+    let positions: Vec<Vector3<f64>> = stated.map(|i| position(&again.points[i])).collect();
     let is_near = |(a, b): (&Vector3<f64>, &PathPoint)| (a - position(b)).norm() < 2e-6;
-    if found.len() == count && found.iter().zip(&wanted).all(is_near) {
+    if positions.len() == count && positions.iter().zip(&wanted).all(is_near) {
         Ok(())
     } else {
         let text = String::from_utf8_lossy(bytes).into_owned();

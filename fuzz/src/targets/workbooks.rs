@@ -93,16 +93,16 @@ fn parts(archive: &[u8]) -> Vec<(String, Vec<u8>)> {
         let bytes = archive.get(at..at + length).unwrap_or_default();
         bytes.iter().rev().fold(0usize, |n, b| n << 8 | usize::from(*b))
     };
-    let mut found = Vec::new();
+    let mut files = Vec::new();
     let mut at = 0;
     while archive.get(at..at + 4) == Some(b"PK\x03\x04") {
         let (packed, name) = (word(at + 18, 4), word(at + 26, 2));
         let start = at + 30 + name + word(at + 28, 2);
         let text = String::from_utf8_lossy(&archive[at + 30..at + 30 + name]);
-        found.push((text.into_owned(), archive[start..start + packed].to_vec()));
+        files.push((text.into_owned(), archive[start..start + packed].to_vec()));
         at = start + packed;
     }
-    found
+    files
 }
 
 /// Every reader of tables takes it or says why not.

@@ -49,22 +49,22 @@ pub fn compare(folder: &Path, other: &Path) -> Result<Comparison, Failure> {
 /// Where two contents of a file begin to differ.
 fn difference(name: &str, before: &[u8], now: &[u8], is_shown: bool) -> String {
     let line = first_difference(before, now);
-    let told = format!("{name}:{line}: differs from this line on");
+    let sentence = format!("{name}:{line}: differs from this line on");
     let of = |bytes: &[u8]| {
         let text = bytes.split(|byte| *byte == b'\n').nth(line - 1);
         String::from_utf8_lossy(text.unwrap_or_default()).into_owned()
     };
     let (before, now) = (of(before), of(now));
     if before == now {
-        return format!("{told}\n  only the end of the line differs");
+        return format!("{sentence}\n  only the end of the line differs");
     }
     if !is_shown {
-        return told;
+        return sentence;
     }
     let same = before.chars().zip(now.chars());
     let same = same.take_while(|(b, n)| b == n).count();
     let (before, now) = (excerpt(&before, same), excerpt(&now, same));
-    format!("{told}\n  before: {before}\n  now:    {now}")
+    format!("{sentence}\n  before: {before}\n  now:    {now}")
 }
 
 /// The part of a line about its character `at`, marked where something is left out.
@@ -116,7 +116,7 @@ mod tests {
     fn of_a_long_line_the_difference_is_shown() {
         let line = |end: &str| format!("{}{end}{}", "ä".repeat(500), "z".repeat(500));
         let shown = |digit| format!("…{}{digit}{}…", "ä".repeat(40), "z".repeat(79));
-        let told = difference("a", line("1").as_bytes(), line("2").as_bytes(), true);
-        assert!(told.ends_with(&format!("before: {}\n  now:    {}", shown("1"), shown("2"))));
+        let sentence = difference("a", line("1").as_bytes(), line("2").as_bytes(), true);
+        assert!(sentence.ends_with(&format!("before: {}\n  now:    {}", shown("1"), shown("2"))));
     }
 }

@@ -77,18 +77,18 @@ impl Pass {
 }
 
 /// The given executable, or the one that is built for release.
-fn binary(workspace: &Workspace, given: Option<&Path>) -> Result<PathBuf, Failure> {
-    let Some(given) = given else {
+fn binary(workspace: &Workspace, path: Option<&Path>) -> Result<PathBuf, Failure> {
+    let Some(path) = path else {
         let words = ["build", "--release", "--locked", "--bin", "stiffarm"];
         workspace.cargo(&words).run()?;
         let name = format!("release/stiffarm{}", std::env::consts::EXE_SUFFIX);
         return Ok(tools::target(workspace).join(name));
     };
-    if given.is_file() {
-        absolute(given)
+    if path.is_file() {
+        absolute(path)
     } else {
         Err(Failure::usage(
-            format!("`--binary {}`: there is no such file", given.display()),
+            format!("`--binary {}`: there is no such file", path.display()),
             "name the executable, for example target/release/stiffarm",
         ))
     }

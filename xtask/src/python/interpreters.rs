@@ -21,7 +21,7 @@ pub fn of_version(wanted: &str) -> Option<PathBuf> {
     let on_path = PathBuf::from(format!("python{wanted}"));
     let mut places = vec![on_path];
     places.extend(kept_by_pyenv(wanted));
-    places.into_iter().find(|place| version(place).is_some_and(|found| found == wanted))
+    places.into_iter().find(|place| version(place).is_some_and(|version| version == wanted))
 }
 
 /// Where pyenv keeps releases of this version.
@@ -34,13 +34,13 @@ fn kept_by_pyenv(wanted: &str) -> Vec<PathBuf> {
         return Vec::new();
     };
     let release = format!("{wanted}.");
-    let mut found: Vec<PathBuf> = entries
+    let mut pythons: Vec<PathBuf> = entries
         .flatten()
         .filter(|entry| entry.file_name().to_string_lossy().starts_with(&release))
         .map(|entry| entry.path().join("bin/python"))
         .collect();
-    found.sort();
-    found
+    pythons.sort();
+    pythons
 }
 
 /// `3.11` of a Python that runs.
@@ -57,9 +57,9 @@ mod tests {
     fn a_python_is_one_that_runs_and_says_its_version() {
         assert_eq!(version(Path::new("no-such-python-of-stiffarm")), None);
         assert_eq!(of_version("2.0"), None);
-        if let Some(found) = of_this_machine() {
-            assert!(found.starts_with("3."), "{found}");
-            assert!(found.split('.').nth(1).unwrap().parse::<u32>().unwrap() >= 10);
+        if let Some(version) = of_this_machine() {
+            assert!(version.starts_with("3."), "{version}");
+            assert!(version.split('.').nth(1).unwrap().parse::<u32>().unwrap() >= 10);
         }
     }
 }

@@ -85,9 +85,9 @@ pub fn alone(workspace: &Workspace, options: &PythonOptions) -> Result<(), Failu
     for (_, checked) in run(workspace, options)? {
         all.add(checked);
     }
-    let told = all.tell();
+    let outcome = all.tell();
     println!("python: {} passed, {} failed, {} skipped", all.passed, all.failures.len(), all.skips.len());
-    told
+    outcome
 }
 
 /// Takes the tests out that were skipped because the reference data are not there.
@@ -150,10 +150,10 @@ impl<'a> Place<'a> {
 
     /// The same wheel on the other Pythons of this machine.
     fn others(&self, wheel: &Path) -> Result<Checked, Failure> {
-        let own = interpreters::of_this_machine();
+        let default_version = interpreters::of_this_machine();
         let mut all = Checked::default();
         for version in interpreters::SUPPORTED {
-            if own.as_deref() == Some(version) {
+            if default_version.as_deref() == Some(version) {
                 continue;
             }
             let name = format!("the wheel on Python {version}");

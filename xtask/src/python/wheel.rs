@@ -94,8 +94,8 @@ fn unusable(folder: &Path, error: &std::io::Error) -> Failure {
 /// The file of `folder` with this extension, where there is exactly one.
 fn only_file(folder: &Path, extension: &str) -> Option<PathBuf> {
     let entries = std::fs::read_dir(folder).ok()?;
-    let mut found = entries.flatten().map(|entry| entry.path());
-    let mut matching = found.by_ref().filter(|path| path.extension().is_some_and(|e| e == extension));
+    let mut paths = entries.flatten().map(|entry| entry.path());
+    let mut matching = paths.by_ref().filter(|path| path.extension().is_some_and(|e| e == extension));
     let first = matching.next();
     first.filter(|_| matching.next().is_none())
 }

@@ -155,14 +155,14 @@ fn entries(coupling: &[Vec<f64>]) -> Vec<(usize, usize, f64)> {
 /// Limits of the pendant's angles \[deg\] from those of the description's, q_urdf = M q + offset.
 ///
 /// Where joint 3 is coupled to joint 2 they are those at joint 2 = 0; a doubt says so.
-fn limits(own: &[[f64; 2]], urdf: &Urdf) -> Result<Vec<[f64; 2]>, String> {
-    let limit = |(j, own): (usize, &[f64; 2])| -> Option<[f64; 2]> {
+fn limits(described: &[[f64; 2]], urdf: &Urdf) -> Result<Vec<[f64; 2]>, String> {
+    let limit = |(j, range): (usize, &[f64; 2])| -> Option<[f64; 2]> {
         let sign = urdf.matrix.get(j)?.get(j)?;
         let offset = urdf.offset_rad.get(j)?.to_degrees();
-        let ends = own.map(|angle| rounded((angle - offset) / sign, 1e9));
+        let ends = range.map(|angle| rounded((angle - offset) / sign, 1e9));
         Some([ends[0].min(ends[1]), ends[0].max(ends[1])])
     };
-    let limits: Option<Vec<[f64; 2]>> = own.iter().enumerate().map(limit).collect();
+    let limits: Option<Vec<[f64; 2]>> = described.iter().enumerate().map(limit).collect();
     limits.ok_or_else(|| "limits and pendant_to_urdf are not of one size".to_string())
 }
 
@@ -224,9 +224,9 @@ mod tests {
     fn limits_become_the_pendants() {
         let text = r#"{"M": [[-1, 0], [0, 1]], "offset_rad": [0, 1.5707963267948966]}"#;
         let urdf = serde_json::from_str(text).unwrap();
-        let own = [[-10.0, 20.0], [-45.0, 85.0]];
+        let described = [[-10.0, 20.0], [-45.0, 85.0]];
         let pendant = [[-20.0, 10.0], [-135.0, -5.0]];
-        assert_eq!(limits(&own, &urdf).unwrap(), pendant);
+        assert_eq!(limits(&described, &urdf).unwrap(), pendant);
     }
 
     #[test]

@@ -71,7 +71,7 @@ fn generated(folder: &Path) -> Result<String, Failure> {
             return Err(wrong(folder, format!("{name} has no capsules or distances")));
         };
         let fields = entry::fields(name, robot, &urdf, &words)
-            .and_then(|own| Ok(own + &capsules::fields(name, capsules, distances, &words)?))
+            .and_then(|lines| Ok(lines + &capsules::fields(name, capsules, distances, &words)?))
             .map_err(|e| wrong(folder, format!("{name}: {e}")))?;
         out += &format!("\n[[robot]]\n{fields}");
     }

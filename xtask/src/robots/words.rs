@@ -38,7 +38,7 @@ impl Words {
         let mut doubts = Vec::new();
         for remark in remarks {
             match self.remarks.iter().find(|r| remark.contains(&r.remark)) {
-                Some(known) => doubts.extend(known.doubts.iter().cloned()),
+                Some(phrase) => doubts.extend(phrase.doubts.iter().cloned()),
                 // Nothing is lost: a remark nobody has put into words stands as it is.
                 None => doubts.push(("geometry".to_string(), remark.clone())),
             }
@@ -52,15 +52,15 @@ impl Words {
 
     /// How the pendant's angles are known, in plain words.
     pub fn pendant<'a>(&'a self, remark: &'a str) -> &'a str {
-        let known = self.pendant.iter().find(|[text, _]| remark.contains(text));
-        known.map_or(remark, |[_, said]| said)
+        let phrase = self.pendant.iter().find(|[text, _]| remark.contains(text));
+        phrase.map_or(remark, |[_, said]| said)
     }
 
     /// What the capsules of the robot `name` leave out, and where they are larger than its links.
     pub fn capsules(&self, name: &str, not_covered: &[String]) -> String {
         let parts = not_covered.join(", ");
-        let known = self.left_out.iter().find(|[text, _]| parts.contains(text));
-        let left_out = match known {
+        let phrase = self.left_out.iter().find(|[text, _]| parts.contains(text));
+        let left_out = match phrase {
             Some([_, said]) => said.clone(),
             None if parts.is_empty() => String::new(),
             // Nothing is lost: parts nobody has put into words keep their names.

@@ -17,9 +17,9 @@ pub struct Graph {
 impl Graph {
     /// The uses on circles: of files, and of the parts of a folder, each with all that stands below it.
     pub fn circles(&self) -> BTreeSet<&Use> {
-        let mut found = self.on_circles(|(from, to)| Some((from, to)));
-        found.extend(self.on_circles(parts));
-        found
+        let mut uses = self.on_circles(|(from, to)| Some((from, to)));
+        uses.extend(self.on_circles(parts));
+        uses
     }
 
     /// The uses whose `ends` lie on one circle.

@@ -82,10 +82,10 @@ pub fn check(workspace: &Workspace) -> Result<(), Failure> {
 
 /// The lines, from 1, in which the code of a finding is compared with a text that stands there.
 fn compared_as_text(code: &str) -> Vec<usize> {
-    let is_compared = |line: &str| [".code == \"", ".code != \""].iter().any(|own| line.contains(own));
+    let is_compared = |line: &str| [".code == \"", ".code != \""].iter().any(|pattern| line.contains(pattern));
     let lines = (1..).zip(code.lines());
-    let found = lines.filter(|(_, line)| is_compared(line));
-    found.map(|(number, _)| number).collect()
+    let lines = lines.filter(|(_, line)| is_compared(line));
+    lines.map(|(number, _)| number).collect()
 }
 
 /// The modules of the Python package, and what they import of each other.
@@ -101,10 +101,10 @@ fn package(workspace: &Workspace) -> Result<Graph, Failure> {
 
 /// A sentence for each use on a circle.
 fn circles(name: &str, graph: &Graph) -> Vec<String> {
-    let found = graph.circles().into_iter();
-    let found = found.map(|(from, to)| (&graph.paths[from], &graph.paths[to]));
-    let told = found.map(|(from, to)| format!("{name}: in a circle, {from} uses {to}"));
-    told.collect()
+    let uses = graph.circles().into_iter();
+    let uses = uses.map(|(from, to)| (&graph.paths[from], &graph.paths[to]));
+    let sentences = uses.map(|(from, to)| format!("{name}: in a circle, {from} uses {to}"));
+    sentences.collect()
 }
 
 /// Whether modules of one level may use each other.
@@ -162,8 +162,8 @@ mod tests {
 
     #[test]
     fn the_code_is_as_it_should_be() {
-        let found = check(&Workspace::find().unwrap());
-        assert!(found.is_ok(), "{}", found.unwrap_err().message);
+        let outcome = check(&Workspace::find().unwrap());
+        assert!(outcome.is_ok(), "{}", outcome.unwrap_err().message);
     }
 
     fn library(files: &[(&str, &str)]) -> Graph {
@@ -206,13 +206,13 @@ mod tests {
             ("a/c.rs", "use super::B;"),
             ("d.rs", "use std::fmt;"),
         ];
-        let found = |files: &[(&str, &str)]| {
+        let circles_of = |files: &[(&str, &str)]| {
             let library = library(files);
             let circles = library.circles().into_iter();
             let uses = circles.map(|(from, to)| format!("{} {}", library.paths[from], library.paths[to]));
             uses.collect::<Vec<String>>()
         };
-        assert_eq!(found(&files), ["a/b.rs a/c.rs", "a/c.rs a/b.rs"]);
+        assert_eq!(circles_of(&files), ["a/b.rs a/c.rs", "a/c.rs a/b.rs"]);
         // No file stands in a circle, and the folder does.
         let folder = [
             ("lib.rs", "mod a; mod d;"),
@@ -221,11 +221,11 @@ mod tests {
             ("a/c.rs", "use crate::d::D;"),
             ("d.rs", "use crate::a::b::B;"),
         ];
-        assert_eq!(found(&folder), ["a/c.rs d.rs", "d.rs a/b.rs"]);
+        assert_eq!(circles_of(&folder), ["a/c.rs d.rs", "d.rs a/b.rs"]);
         files[3].1 = "";
-        assert!(found(&files).is_empty());
+        assert!(circles_of(&files).is_empty());
         files[4].1 = "use crate::a::B;";
-        assert_eq!(found(&files), ["a/mod.rs d.rs", "a/b.rs a/mod.rs", "d.rs a/b.rs"]);
+        assert_eq!(circles_of(&files), ["a/mod.rs d.rs", "a/b.rs a/mod.rs", "d.rs a/b.rs"]);
     }
 
     #[test]

@@ -39,7 +39,7 @@ fn module_of(path: &str) -> Module {
 
 /// What a code imports of the package `name`, as names from its root.
 fn imports(code: &str, name: &str, folder: &[String]) -> Vec<Module> {
-    let mut found = Vec::new();
+    let mut modules = Vec::new();
     for statement in statements(code) {
         let (module, names) = if let Some(rest) = statement.strip_prefix("from ") {
             let Some((module, names)) = rest.split_once(" import ") else {
@@ -64,11 +64,11 @@ fn imports(code: &str, name: &str, folder: &[String]) -> Vec<Module> {
             let parts = parts.filter(|part| part.starts_with(is_name));
             let whole: Module = base.iter().cloned().chain(parts.map(String::from)).collect();
             if whole.first().is_some_and(|first| first == name) {
-                found.push(whole[1..].to_vec());
+                modules.push(whole[1..].to_vec());
             }
         }
     }
-    found
+    modules
 }
 
 /// The lines of a code without text and comments, what stands in brackets on one line.

@@ -85,28 +85,28 @@ fn module_of(path: &Path) -> Module {
 
 /// The names that `use` items give to items of this crate.
 fn imported_names(module: &Module, words: &[String], modules: &BTreeSet<Module>) -> BTreeMap<String, Module> {
-    let mut found = Vec::new();
+    let mut named_paths = Vec::new();
     for at in (0..words.len()).filter(|&i| words[i] == "use") {
         let child = [module.as_slice(), &words[at + 1..at + 2]].concat();
         if modules.contains(&child) {
-            read_tree(words, at + 1, module.clone(), &mut found);
+            read_tree(words, at + 1, module.clone(), &mut named_paths);
         } else if let Some((start, base)) = base(module, words, at + 1) {
-            read_tree(words, start, base, &mut found);
+            read_tree(words, start, base, &mut named_paths);
         }
     }
-    found.into_iter().collect()
+    named_paths.into_iter().collect()
 }
 
 /// Every path in `words` that begins with `crate`, `super` or `self`.
 fn paths(module: &Module, words: &[String]) -> Vec<Module> {
-    let mut found = Vec::new();
+    let mut named_paths = Vec::new();
     for at in 0..words.len() {
         let is_inside = at > 0 && words[at - 1] == "::";
         if let Some((start, base)) = base(module, words, at).filter(|_| !is_inside) {
-            read_tree(words, start, base, &mut found);
+            read_tree(words, start, base, &mut named_paths);
         }
     }
-    found.into_iter().map(|(_, path)| path).collect()
+    named_paths.into_iter().map(|(_, path)| path).collect()
 }
 
 /// The module that `crate::`, `self::` or `super::super::` at `at` means, and where the path goes on.
@@ -128,7 +128,7 @@ fn base(module: &Module, words: &[String], start: usize) -> Option<(usize, Modul
 }
 
 /// Reads the path or `use` tree at `at` below `base`: every path with the name that it gets. Returns where it ends.
-fn read_tree(words: &[String], mut at: usize, mut base: Module, found: &mut Vec<(String, Module)>) -> usize {
+fn read_tree(words: &[String], mut at: usize, mut base: Module, named_paths: &mut Vec<(String, Module)>) -> usize {
     let word = |at: usize| words.get(at).map_or("", String::as_str);
     loop {
         match word(at) {
@@ -136,7 +136,7 @@ fn read_tree(words: &[String], mut at: usize, mut base: Module, found: &mut Vec<
                 at += 1;
                 while at < words.len() && word(at) != "}" {
                     // A comma is no path: it is passed over.
-                    at = read_tree(words, at, base.clone(), found).max(at + 1);
+                    at = read_tree(words, at, base.clone(), named_paths).max(at + 1);
                 }
                 return at + 1;
             }
@@ -156,7 +156,7 @@ fn read_tree(words: &[String], mut at: usize, mut base: Module, found: &mut Vec<
             name = word(at + 1).to_string();
             at += 2;
         }
-        found.push((name, base));
+        named_paths.push((name, base));
         return at;
     }
 }

@@ -57,7 +57,7 @@ pub struct ExportArgs {
 pub struct ControllerArgs {
     /// Maker of the controller, where the language is another's than the cell's robot has: its pendant
     /// shows the angles of this cell
-    #[arg(long, value_name = "NAME", value_parser = one_of(&Controller::ALL, |own| own.as_str().into()))]
+    #[arg(long, value_name = "NAME", value_parser = one_of(&Controller::ALL, |controller| controller.as_str().into()))]
     pub controller: Option<Controller>,
     /// Tool of the controller: a number, in RAPID a name [default: rapid tool0, ls 1, inform 0, krl as
     /// it is on the controller; pdl2 and urscript always so]

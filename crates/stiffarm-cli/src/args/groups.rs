@@ -111,8 +111,8 @@ fn excluding(command: Command, rules: NotWith) -> Command {
     let ids: Vec<String> = command.get_arguments().map(|arg| arg.get_id().to_string()).collect();
     let there = |other: &&&str| ids.iter().any(|id| id == **other);
     command.mut_args(|arg| {
-        let own = rules.iter().find(|(name, _)| arg.get_id() == name);
-        let others = own.map_or(&[][..], |(_, others)| others);
+        let rule = rules.iter().find(|(name, _)| arg.get_id() == name);
+        let others = rule.map_or(&[][..], |(_, others)| others);
         let others: Vec<&str> = others.iter().filter(there).copied().collect();
         arg.conflicts_with_all(others)
     })

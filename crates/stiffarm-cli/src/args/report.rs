@@ -88,8 +88,8 @@ impl PaperArgs {
 /// Format of a picture.
 fn format(text: &str) -> Result<Format, String> {
     let mut all = Format::ALL.into_iter();
-    let found = all.find(|format| text == format.extension());
-    found.ok_or_else(|| {
+    let format = all.find(|format| text == format.extension());
+    format.ok_or_else(|| {
         if is_foreign(text) {
             format!("svg and csv are written; {INSTEAD}")
         } else {

@@ -54,27 +54,27 @@ pub fn run(session: &Session, args: &CheckArgs) -> Result<Answer> {
 
 /// The postures of the picture, and which of them is drawn in full.
 fn pictured(session: &Session, args: &CheckArgs, cell: &Cell) -> Result<(Vec<Posture>, Full)> {
-    let given = match &args.postures {
+    let postures = match &args.postures {
         Some(from) => read_postures(session, "postures", from, &cell.setup.robot)?,
         None if args.posture.is_none() => return Ok((vec![usual_posture(cell)?], Full::Number(0))),
         None => cell.validation.clone(),
     };
     let Some(wanted) = args.posture.as_deref() else {
-        return Ok((given, Full::Tightest));
+        return Ok((postures, Full::Tightest));
     };
-    if given.is_empty() {
+    if postures.is_empty() {
         let message = "The cell has no validation postures to draw.";
         let error = Error::new(Code::MissingKey, message).key("--posture");
         return Err(error.hint("name a file of postures with --postures"));
     }
     if wanted == ALL {
-        return Ok((given, Full::None));
+        return Ok((postures, Full::None));
     }
-    let number = given.iter().position(|posture| posture.name == wanted);
+    let number = postures.iter().position(|posture| posture.name == wanted);
     match number {
-        Some(number) => Ok((given, Full::Number(number))),
+        Some(number) => Ok((postures, Full::Number(number))),
         None => {
-            let names: Vec<&str> = given.iter().map(|p| p.name.as_str()).collect();
+            let names: Vec<&str> = postures.iter().map(|p| p.name.as_str()).collect();
             let message = format!("There is no posture {wanted}.");
             let error = Error::new(Code::UnknownName, message).key("--posture");
             Err(error.hint(format!("the postures are {}, or all", names.join(", "))))

@@ -39,11 +39,11 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Answer> {
     let (axes, log) = (options.axes, args.along.log.as_deref());
     let path = read_path(session, &args.path, cell, args.along.language, axes, log)?;
     let language = args.write.and_then(WriteChoice::language);
-    let kept = path.program.as_ref().filter(|_| args.write.is_none());
+    let program = path.program.as_ref().filter(|_| args.write.is_none());
     if let Some(output) = &args.output {
         let new = language.map(Kind::Robot);
-        check_ending(output, new.or(kept.map(ToolPath::kind)), new.is_some(), &path.name)?;
-        if let Some(ending) = kept.and_then(ToolPath::companion) {
+        check_ending(output, new.or(program.map(ToolPath::kind)), new.is_some(), &path.name)?;
+        if let Some(ending) = program.and_then(ToolPath::companion) {
             outputs.beside(session, output, ending, args.force)?;
         }
     }
@@ -59,19 +59,19 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Answer> {
     let withheld = wanted && !args.beyond_data && is_objected(&result);
     let mut files = None;
     if wanted && !withheld {
-        let found = &result.compensation;
-        let figure = || render_svg(&compensation_figure(found, Some(&cell.work.workpiece)));
+        let compensation = &result.compensation;
+        let figure = || render_svg(&compensation_figure(compensation, Some(&cell.work.workpiece)));
         let mut left = Vec::new();
         let tables = || {
             let format = format(cell, &path.table, args.write);
-            let points = commanded(cell, &saved.predictor, &path.table, found, format.kind())?;
-            if let Some(program) = kept {
+            let points = commanded(cell, &saved.predictor, &path.table, compensation, format.kind())?;
+            if let Some(program) = program {
                 let written = program.write(&path.table.points, &points)?;
                 left = written.findings();
                 return Ok(written.files.into_iter().map(|(_, bytes)| bytes).collect());
             }
             let text = match language {
-                Some(language) => moves(session, args, cell, language, &points, found)?,
+                Some(language) => moves(session, args, cell, language, &points, compensation)?,
                 None => write_path(&format, &points)?,
             };
             Ok(vec![text.into_bytes()])
@@ -104,11 +104,11 @@ fn moves(
     cell: &Cell,
     language: Language,
     points: &[PathPoint],
-    found: &Compensation,
+    compensation: &Compensation,
 ) -> Result<String> {
-    let pairs = points.iter().zip(&found.points);
-    let poses = pairs.filter_map(|(point, found)| match &point.target {
-        Aim::Pose(pose) => Some((*pose, found.command.as_slice())),
+    let pairs = points.iter().zip(&compensation.points);
+    let poses = pairs.filter_map(|(point, compensated)| match &point.target {
+        Aim::Pose(pose) => Some((*pose, compensated.command.as_slice())),
         Aim::Angles(_) | Aim::Axis { .. } => None,
     });
     let poses: Vec<_> = poses.collect();
@@ -132,8 +132,8 @@ fn moves(
 /// Refuses a name that says that the file is something else; `kind` is the program's, `None` that of a table; a program
 /// is new or the one that was read, with the ending of `input`.
 fn check_ending(output: &str, kind: Option<Kind>, is_new: bool, input: &str) -> Result<()> {
-    let [own, read] = [output, input].map(|name| Path::new(name).extension());
-    let is_kept = kind.is_some() && !is_new && own == read;
+    let [written, read] = [output, input].map(|name| Path::new(name).extension());
+    let is_kept = kind.is_some() && !is_new && written == read;
     if output == "-" || Kind::of(output) == kind || is_kept {
         return Ok(());
     }
@@ -170,14 +170,14 @@ fn commanded(
     kind: PathKind,
 ) -> Result<Vec<PathPoint>> {
     let arm = LoadedArm::new(cell, predictor)?;
-    let points = table.points.iter().zip(&result.points).map(|(point, found)| PathPoint {
+    let points = table.points.iter().zip(&result.points).map(|(point, compensated)| PathPoint {
         target: match kind {
             // The angles as the result writes them.
             PathKind::Angles => {
                 let written = |q: &f64| deg_to_rad(rad_to_shortest_deg(*q));
-                Aim::Angles(found.command.iter().map(written).collect())
+                Aim::Angles(compensated.command.iter().map(written).collect())
             }
-            _ => Aim::Pose(arm.tip_pose(&found.command)),
+            _ => Aim::Pose(arm.tip_pose(&compensated.command)),
         },
         ..point.clone()
     });

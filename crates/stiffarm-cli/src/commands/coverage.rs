@@ -15,8 +15,9 @@ pub fn run(session: &Session, args: &CoverageArgs) -> Result<Answer> {
     let case = args.options.case(&named.cell)?;
     let robot = &named.cell.setup.robot;
     let postures = read_postures(session, "postures", &args.postures, robot)?;
-    let found = Progress::new(session, "counting").watch(|control| coverage(&named.cell, &postures, &case, control))?;
-    let exit = Exit::of_findings(&found.findings);
-    let envelope = session.envelope("coverage", Some(case.seed), args.options.clone(), found);
+    let coverage =
+        Progress::new(session, "counting").watch(|control| coverage(&named.cell, &postures, &case, control))?;
+    let exit = Exit::of_findings(&coverage.findings);
+    let envelope = session.envelope("coverage", Some(case.seed), args.options.clone(), coverage);
     Ok(Answer::told(exit, envelope, named, false))
 }

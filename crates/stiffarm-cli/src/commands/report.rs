@@ -73,25 +73,25 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Answer> {
         results.push(read_result(&bytes, &name)?);
     }
     let cells = cells(session, args, &results)?;
-    let given: Vec<WithCell<'_>> = results
+    let with_cells: Vec<WithCell<'_>> = results
         .iter()
         .map(|saved| {
             let hash = saved.input("cell");
-            let known = cells.iter().find(|known| Some(known.hash.as_str()) == hash);
-            WithCell::new(saved, known.map(|known| &known.named.cell))
+            let cell = cells.iter().find(|cell| Some(cell.hash.as_str()) == hash);
+            WithCell::new(saved, cell.map(|cell| &cell.named.cell))
         })
         .collect();
-    let page = report(&given)?;
+    let page = report(&with_cells)?;
     let folder = args.figures.as_deref();
     let pictures = folder.map(|folder| paper(session, args, folder, &page));
     let pictures = pictures.transpose()?;
     let page = target.map(|target| Files::one(target, render_page(&page)));
-    let shown = given
+    let shown = with_cells
         .iter()
         .map(|one| Shown { command: one.saved.command.clone(), cell: one.cell.map(|cell| cell.name.clone()) });
     let result = Reported { results: shown.collect() };
     let envelope = session.envelope("report", None, Options {}, result);
-    let table = given.iter().map(line).collect();
+    let table = with_cells.iter().map(line).collect();
     let answer = Answer::table(Exit::Done, envelope, table);
     Ok(answer.with(page).with(pictures))
 }
@@ -120,9 +120,9 @@ fn cells(session: &Session, args: &ReportArgs, results: &[SavedResult]) -> Resul
     for from in &args.cell {
         let named = session.read_cell(from)?;
         let text = session.text_of(&named.name).unwrap_or_default();
-        let own = session.last_hash("cell").into_iter();
-        let mut own = own.chain(WORK.iter().map(|left_out| hash_without(&text, left_out)));
-        let Some(hash) = own.find(|hash| wanted.contains(&hash.as_str())) else {
+        let hashes = session.last_hash("cell").into_iter();
+        let mut hashes = hashes.chain(WORK.iter().map(|left_out| hash_without(&text, left_out)));
+        let Some(hash) = hashes.find(|hash| wanted.contains(&hash.as_str())) else {
             let message = "No result was made with this version of the cell.";
             return Err(Error::new(Code::Conflict, message)
                 .file(&named.name)
@@ -135,7 +135,7 @@ fn cells(session: &Session, args: &ReportArgs, results: &[SavedResult]) -> Resul
             continue;
         };
         let hash = sha256_hex(text.as_bytes());
-        let is_known = cells.iter().any(|known| known.hash == hash);
+        let is_known = cells.iter().any(|cell| cell.hash == hash);
         if wanted.contains(&hash.as_str()) && !is_known {
             let named = session.read_cell(&format!("{}{name}", builtin::PREFIX))?;
             cells.push(Known { hash, named });
@@ -149,15 +149,15 @@ const WORK: [&[&str]; 3] = [&["[work"], &["[[task"], &["[work", "[[task"]];
 
 /// Hash of a cell file as it was before the tables that begin so were added to it.
 fn hash_without(text: &str, left_out: &[&str]) -> String {
-    let mut kept = String::new();
+    let mut remaining = String::new();
     let mut keep = true;
     for line in text.split_inclusive('\n') {
         if line.starts_with('[') {
-            keep = !left_out.iter().any(|own| line.starts_with(own));
+            keep = !left_out.iter().any(|prefix| line.starts_with(prefix));
         }
         if keep {
-            kept += line;
+            remaining += line;
         }
     }
-    sha256_hex(format!("{}\n", kept.trim_end()).as_bytes())
+    sha256_hex(format!("{}\n", remaining.trim_end()).as_bytes())
 }

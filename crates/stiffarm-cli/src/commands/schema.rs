@@ -6,6 +6,6 @@ use stiffarm::Result;
 
 /// Prints one schema.
 pub fn run(args: &SchemaArgs) -> Result<Answer> {
-    let found = SCHEMAS.iter().find(|(name, ..)| *name == args.what);
-    Ok(Answer::text(found.map_or("", |(.., text)| text)))
+    let schema = SCHEMAS.iter().find(|(name, ..)| *name == args.what);
+    Ok(Answer::text(schema.map_or("", |(.., text)| text)))
 }

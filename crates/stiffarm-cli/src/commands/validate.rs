@@ -85,10 +85,10 @@ fn answer(
     result: Validated,
 ) -> Result<Answer> {
     let mut remarks = result.remarks.iter();
-    let found = &result.validation;
+    let validation = &result.validation;
     let exit = Exit::finding(
-        found.passed == Some(false)
-            || !found.unpredicted.is_empty()
+        validation.passed == Some(false)
+            || !validation.unpredicted.is_empty()
             || remarks.any(|f| f.severity == Severity::Serious),
     );
     let envelope = session.envelope("validate", None, options, result);

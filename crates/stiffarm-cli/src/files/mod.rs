@@ -105,8 +105,8 @@ pub fn only_target(session: &Session, path: Option<&str>, force: bool) -> Result
 
 /// Whether the name of a file ends in `.` and this ending, in any letters.
 pub fn ends_in(path: &str, ending: &str) -> bool {
-    let own = Path::new(path).extension();
-    own.is_some_and(|own| own.eq_ignore_ascii_case(ending))
+    let extension = Path::new(path).extension();
+    extension.is_some_and(|extension| extension.eq_ignore_ascii_case(ending))
 }
 
 /// Refuses a second use of standard output, and a file that is written twice

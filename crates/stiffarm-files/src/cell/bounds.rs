@@ -37,14 +37,14 @@ pub const BOUNDS_MARGIN_DEG: f64 = 1.0;
 pub fn joints_kept_inside(robot: &Robot, bounds: &[[f64; 2]]) -> Vec<String> {
     let ends = |(joint, b): (&Joint, &[f64; 2])| {
         let limits = joint.limits.map(rad_to_shortest_deg);
-        let kept = |i: usize| ((limits[i] - b[i]).abs() - BOUNDS_MARGIN_DEG).abs() < 1e-6;
-        (kept(0) || kept(1)).then(|| joint.name.clone())
+        let has_margin = |i: usize| ((limits[i] - b[i]).abs() - BOUNDS_MARGIN_DEG).abs() < 1e-6;
+        (has_margin(0) || has_margin(1)).then(|| joint.name.clone())
     };
     robot.joints().iter().zip(bounds).filter_map(ends).collect()
 }
 
 /// That in a comment, where there are any.
-pub(super) fn kept(robot: &Robot, bounds: &[[f64; 2]]) -> String {
+pub(super) fn margin_comment(robot: &Robot, bounds: &[[f64; 2]]) -> String {
     match joints_kept_inside(robot, bounds).as_slice() {
         [] => String::new(),
         joints => comment(&format!("They end {BOUNDS_MARGIN_DEG}° before the machine's limits of {}.", list(joints))),

@@ -50,23 +50,23 @@ pub(super) fn columns(source: &Source<'_>, table: Option<&At<RawColumns>>, robot
 impl Reader<'_> {
     fn entry(&mut self, name: &Text, value: &At<RawColumn>) -> Result<()> {
         let key = format!("columns.{}", name.get());
-        let own = name.get().as_str();
+        let key_name = name.get().as_str();
         match value.get() {
-            RawColumn::Several(list) if own == IGNORE => self.ignore(list, &key),
-            RawColumn::Several(list) if own == ORDER => self.order(list, &key),
-            RawColumn::One(_) if own == IGNORE || own == ORDER => {
+            RawColumn::Several(list) if key_name == IGNORE => self.ignore(list, &key),
+            RawColumn::Several(list) if key_name == ORDER => self.order(list, &key),
+            RawColumn::One(_) if key_name == IGNORE || key_name == ORDER => {
                 let message = "This is text; it must be a list in brackets.";
                 let error = self.fault(Code::WrongType, &key, value, message);
-                Err(error.hint(format!("write {own} = [\"…\", \"…\"]")))
+                Err(error.hint(format!("write {key_name} = [\"…\", \"…\"]")))
             }
             RawColumn::Several(_) => {
-                if !SETTINGS.contains(&own) {
+                if !SETTINGS.contains(&key_name) {
                     self.ours(name, &key)?;
                 }
                 let message = "This is a list; it must be text in quotes.";
                 Err(self.fault(Code::WrongType, &key, value, message))
             }
-            RawColumn::One(text) if SETTINGS.contains(&own) => self.setting(own, text, value, &key),
+            RawColumn::One(text) if SETTINGS.contains(&key_name) => self.setting(key_name, text, value, &key),
             RawColumn::One(theirs) => {
                 let ours = self.ours(name, &key)?;
                 let theirs = self.source.checked_name(theirs, value)?;
@@ -112,14 +112,14 @@ impl Reader<'_> {
     }
 
     /// A key with a text that is no heading of a column alone.
-    fn setting(&mut self, own: &str, text: &str, value: &At<RawColumn>, key: &str) -> Result<()> {
-        let one_of = |known: &[&str]| {
+    fn setting(&mut self, key_name: &str, text: &str, value: &At<RawColumn>, key: &str) -> Result<()> {
+        let one_of = |choices: &[&str]| {
             let message = format!("\"{text}\" is none of the choices.");
             let error = self.fault(Code::UnknownName, key, value, &message);
-            let nearest = did_you_mean(text, known.iter().copied());
-            Err(error.hint(nearest.unwrap_or_else(|| format!("write one of: {}", known.join(", ")))))
+            let nearest = did_you_mean(text, choices.iter().copied());
+            Err(error.hint(nearest.unwrap_or_else(|| format!("write one of: {}", choices.join(", ")))))
         };
-        match own {
+        match key_name {
             "profile" => match profile(text) {
                 Some(columns) => self.columns = columns,
                 None => {
@@ -166,10 +166,10 @@ impl Reader<'_> {
             }
             _ => {
                 let theirs = self.source.checked_name(text, value)?;
-                if ["name", "date"].contains(&own) {
+                if ["name", "date"].contains(&key_name) {
                     self.take(&theirs, key).map_err(|message| self.fault(Code::Duplicate, key, value, &message))?;
                 }
-                let place = match own {
+                let place = match key_name {
                     "name" => &mut self.columns.name,
                     "date" => &mut self.columns.date,
                     "comment" => &mut self.columns.comment,

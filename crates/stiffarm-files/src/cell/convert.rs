@@ -113,11 +113,11 @@ fn tool(source: &Source<'_>, table: &Option<At<RawTool>>, sensor: Option<&Sensor
 fn measuring_point(source: &Source<'_>, table: &At<RawPoint>, others: &[NamedPoint]) -> Result<NamedPoint> {
     let raw = table.get();
     let hint = "give the name that the measurement table uses for this point";
-    let given = source.required(table, &raw.name, "name", hint)?;
-    let name = source.unique_name(given, others.iter().map(|p| p.name.as_str()))?;
+    let raw_name = source.required(table, &raw.name, "name", hint)?;
+    let name = source.unique_name(raw_name, others.iter().map(|p| p.name.as_str()))?;
     if ReadingTarget::is_base_name(&name) {
         let message = format!("The name \"{name}\" is reserved for a reflector on the robot's base.");
-        let error = source.error(Code::InvalidValue, given, message);
+        let error = source.error(Code::InvalidValue, raw_name, message);
         return Err(error.hint("choose another name for this measuring point"));
     }
     let hint = "give position_mm = [x, y, z] in flange axes";

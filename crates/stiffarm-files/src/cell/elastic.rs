@@ -35,11 +35,11 @@ pub(super) fn known_elements(source: &Source<'_>, table: &At<RawElastic>, robot:
     let raw = table.get();
     let factor = match &raw.stiffness_factor {
         None => FACTOR,
-        Some(given) => {
-            let factor = source.positive(given)?;
+        Some(raw_factor) => {
+            let factor = source.positive(raw_factor)?;
             if factor <= 1.0 {
                 let message = format!("The factor must be above 1, got {factor}.");
-                let error = source.error(Code::InvalidValue, given, message);
+                let error = source.error(Code::InvalidValue, raw_factor, message);
                 return Err(error.hint("2: the stiffness may as well be twice or half as large"));
             }
             factor
@@ -75,8 +75,8 @@ pub(super) fn known_elements(source: &Source<'_>, table: &At<RawElastic>, robot:
                 let message = format!("The link behind {joint} has no length: nothing bends there.");
                 return Err(source.error(Code::InvalidValue, place, message).hint("give 0 for it"));
             }
-            let known = terms.into_iter().map(|term| KnownElement::new(term, stiffness, factor));
-            out.extend(known);
+            let elements = terms.into_iter().map(|term| KnownElement::new(term, stiffness, factor));
+            out.extend(elements);
         }
         Ok(())
     };

@@ -37,16 +37,16 @@ impl Example {
             Some(kg) => (SHARE * kg * GRAVITY / FORCE).min(1.0),
             None => lengths * lengths,
         };
-        let own = robot.flange().rotation.inverse();
+        let flange_turn = robot.flange().rotation.inverse();
         // The flange lies where the last axis leads out of the wrist.
-        let own = if robot.flange().translation.z < -1e-3 {
-            own * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI)
+        let flange_turn = if robot.flange().translation.z < -1e-3 {
+            flange_turn * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI)
         } else {
-            own
+            flange_turn
         };
         // A turn about z changes nothing that an example needs.
-        let is_outward = (own * Vector3::z()).z > 0.999;
-        let turn = if is_outward { UnitQuaternion::identity() } else { own };
+        let is_outward = (flange_turn * Vector3::z()).z > 0.999;
+        let turn = if is_outward { UnitQuaternion::identity() } else { flange_turn };
         Example { lengths, forces, turn }
     }
 

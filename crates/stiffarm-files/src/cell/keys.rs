@@ -20,10 +20,10 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<RawCell> {
     let (value, path) = (&table, String::new());
     let mut reading = Reading::of(source);
     let read = RawCell::read(&Node { value, path }, &mut reading);
-    let (found, paths) = (reading.found, reading.paths);
+    let (errors, paths) = (reading.errors, reading.paths);
     // Tables are sorted by key; report what comes first in the file.
     let start = |error: &Error| error.place().span.as_ref().map(|span| span.start);
-    if let Some(first) = found.into_iter().min_by_key(start) {
+    if let Some(first) = errors.into_iter().min_by_key(start) {
         return Err(first);
     }
     source.set_paths(paths);
@@ -72,7 +72,7 @@ fn check_format(source: &Source<'_>, root: &DeTable<'_>) -> Result<()> {
     let path = "format".to_string();
     let mut reading = Reading::of(source);
     let Some(number) = i64::read(&Node { value, path }, &mut reading) else {
-        return Err(reading.found.remove(0).hint("write format = 1"));
+        return Err(reading.errors.remove(0).hint("write format = 1"));
     };
     if number > FORMAT {
         let message = format!("The file has format {number}; this version of stiffarm reads format {FORMAT}.");

@@ -117,20 +117,20 @@ impl Table<'_> {
     fn case(&self, robot: &Robot, others: &[LoadCase]) -> Result<LoadCase> {
         let (source, raw) = (self.source, self.at.get());
         let hint = "give the load case a name: name = \"left\"";
-        let given = self.required(&raw.name, "name", hint)?;
-        let known = others.iter().map(|case| case.name.as_str());
-        let name = source.unique_name(given, known)?;
+        let raw_name = self.required(&raw.name, "name", hint)?;
+        let other_names = others.iter().map(|case| case.name.as_str());
+        let name = source.unique_name(raw_name, other_names)?;
         // States of readings are told by these names.
         let refused = |message: String| {
-            let error = source.error(Code::InvalidValue, given, message);
+            let error = source.error(Code::InvalidValue, raw_name, message);
             Err(error.hint("states of readings are named after load cases: \"left\", or \"left-2\" for another time"))
         };
         if Role::of(&name) != Role::Loaded {
             return refused(format!("\"{name}\" names a state without load, not a load case."));
         }
         let taken = |case: &&LoadCase| {
-            let own = LoadCase { name: name.clone(), ..(*case).clone() };
-            case.is_of(&name) || own.is_of(&case.name)
+            let new_case = LoadCase { name: name.clone(), ..(*case).clone() };
+            case.is_of(&name) || new_case.is_of(&case.name)
         };
         if let Some(other) = others.iter().find(taken) {
             return refused(format!("\"{name}\" and \"{}\" cannot be told apart as names of states.", other.name));
@@ -153,14 +153,14 @@ impl Table<'_> {
         let is_known = |key: &str| key == "kind" || keys.contains(&key) || more.contains(&key);
         self.source.refuse_others(self.at, is_known, |key| {
             // Another kind is a way only where it has what else is given, too.
-            let given = self.source.keys(self.at);
+            let present_keys = self.source.keys(self.at);
             let takes = |keys: &[&str]| {
-                let mut given = given.iter().filter(|(_, other)| keys_of_a_load(other));
-                given.all(|(_, other)| keys.contains(other))
+                let mut load_keys = present_keys.iter().filter(|(_, other)| keys_of_a_load(other));
+                load_keys.all(|(_, other)| keys.contains(other))
             };
             let owners = KINDS.iter().filter(|(_, keys)| keys.contains(&key) && takes(keys));
             let owners: Vec<String> = owners.map(|(name, _)| format!("\"{name}\"")).collect();
-            let instead = INSTEAD.iter().find(|(own, _)| *own == key);
+            let instead = INSTEAD.iter().find(|(refused, _)| *refused == key);
             let hint = match (&owners[..], instead) {
                 ([], Some((_, hint))) => {
                     let mass = self.at.get().mass_kg.as_ref();
@@ -242,23 +242,23 @@ impl Table<'_> {
             let error = source.error(Code::InvalidValue, list, message);
             return Err(error.hint("give the direction of the cylinder's pull, of any length: direction = [0, 0, 1]"));
         };
-        let given = self.required(&raw.axes, "axes", AXES_HINT)?;
-        Ok(Load::Constant { wrench: Wrench::force(direction * magnitude), axes: axes(source, given)? })
+        let raw_axes = self.required(&raw.axes, "axes", AXES_HINT)?;
+        Ok(Load::Constant { wrench: Wrench::force(direction * magnitude), axes: axes(source, raw_axes)? })
     }
 
     fn wrench(&self) -> Result<Load> {
         let (source, raw) = (self.source, self.at.get());
         let hint = "give the force on the robot: force_n = [x, y, z] in newtons";
-        let given = self.required(&raw.force_n, "force_n", hint)?;
-        let force = source.vector(given)?;
+        let raw_force = self.required(&raw.force_n, "force_n", hint)?;
+        let force = source.vector(raw_force)?;
         let moment = source.optional(&raw.moment_nm, Source::vector)?;
         let moment = moment.unwrap_or_default();
         if force == Vector3::zeros() && moment == Vector3::zeros() {
             let message = "Force and moment are zero: nothing loads the robot.";
-            return Err(source.error(Code::InvalidValue, given, message));
+            return Err(source.error(Code::InvalidValue, raw_force, message));
         }
-        let given = self.required(&raw.axes, "axes", AXES_HINT)?;
-        let axes = axes(source, given)?;
+        let raw_axes = self.required(&raw.axes, "axes", AXES_HINT)?;
+        let axes = axes(source, raw_axes)?;
         Ok(Load::Constant { wrench: Wrench { force, moment }, axes })
     }
 }
@@ -278,13 +278,13 @@ fn of_owners(key: &str, owners: &[String]) -> String {
 }
 
 /// The axes of a wrench.
-pub(super) fn axes(source: &Source<'_>, given: &Text) -> Result<Axes> {
-    match given.get().as_str() {
+pub(super) fn axes(source: &Source<'_>, raw_axes: &Text) -> Result<Axes> {
+    match raw_axes.get().as_str() {
         "base" => Ok(Axes::Base),
         "tool" => Ok(Axes::Tool),
         other => {
             let message = format!("Axes \"{other}\" are not known.");
-            let error = source.error(Code::InvalidValue, given, message);
+            let error = source.error(Code::InvalidValue, raw_axes, message);
             Err(error.hint(AXES_HINT))
         }
     }

@@ -152,7 +152,7 @@ pub(super) fn shapes(robot: &Robot, capsules: &[LinkCapsule]) -> String {
         1 => format!("1 {one}"),
         n => format!("{n} {one}s"),
     };
-    let links: BTreeSet<usize> = capsules.iter().map(|own| own.link).collect();
+    let links: BTreeSet<usize> = capsules.iter().map(|link_capsule| link_capsule.link).collect();
     let mut out = format!(
         "\n# Shapes of the links: {} around {}, in the frames that the rows end in (link 0: base\n\
          # frame). Conservative: they contain all collision geometry and reach further. Hoses and cables\n\
@@ -160,9 +160,9 @@ pub(super) fn shapes(robot: &Robot, capsules: &[LinkCapsule]) -> String {
         count(capsules.len(), "capsule"),
         count(links.len(), "link"),
     );
-    for own in capsules {
-        let frame = robot.row_frame(own.link).inverse();
-        let capsule = own.capsule.placed(&frame);
+    for link_capsule in capsules {
+        let frame = robot.row_frame(link_capsule.link).inverse();
+        let capsule = link_capsule.capsule.placed(&frame);
         let exact = [capsule.a, capsule.b].map(|p| p.map(m_to_mm));
         let ends = exact.map(|p| p.map(|v| (v * CAPSULE_STEPS).round() / CAPSULE_STEPS + 0.0));
         let moved = (ends[0] - exact[0]).norm().max((ends[1] - exact[1]).norm());
@@ -171,7 +171,7 @@ pub(super) fn shapes(robot: &Robot, capsules: &[LinkCapsule]) -> String {
         let [from, to] = ends.map(|p| degrees(&[p.x, p.y, p.z]));
         out += &format!(
             "\n[[robot.shape]]\nlink = {}\nfrom_mm = {from}\nto_mm = {to}\nradius_mm = {}\n",
-            own.link,
+            link_capsule.link,
             radius.ceil() / CAPSULE_STEPS
         );
     }

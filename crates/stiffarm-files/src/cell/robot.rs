@@ -62,7 +62,7 @@ pub(super) fn robot(source: &Source<'_>, table: &At<RawRobot>) -> Result<(Robot,
 /// The chain from exactly one of catalogue, modified and standard rows.
 fn chain(source: &Source<'_>, table: &At<RawRobot>) -> Result<(Robot, Option<&'static CatalogueEntry>)> {
     let raw = table.get();
-    let mut given: Vec<_> = [
+    let mut present_keys: Vec<_> = [
         ("catalogue", raw.catalogue.as_ref().map(At::span)),
         ("dh_modified", raw.dh_modified.as_ref().map(At::span)),
         ("dh_standard", raw.dh_standard.as_ref().map(At::span)),
@@ -70,8 +70,8 @@ fn chain(source: &Source<'_>, table: &At<RawRobot>) -> Result<(Robot, Option<&'s
     .into_iter()
     .filter_map(|(name, span)| Some((name, span?)))
     .collect();
-    given.sort_by_key(|(_, span)| span.start);
-    if let [(first, _), (second, span), ..] = given.as_slice() {
+    present_keys.sort_by_key(|(_, span)| span.start);
+    if let [(first, _), (second, span), ..] = present_keys.as_slice() {
         let message = format!("The robot is given twice: robot.{first} is there already.");
         let key = source.path_in(table, second);
         let error = source.error_at(Code::Conflict, &key, span.clone(), message);
@@ -108,16 +108,16 @@ fn dh_row(source: &Source<'_>, row: &Fixed<4>) -> Result<DhRow> {
 
 /// Pose of the robot's own base frame in the cell's base frame, where given.
 fn base(source: &Source<'_>, raw: &RawRobot) -> Result<Option<Isometry3<f64>>> {
-    let given = pose(source, &raw.base_xyz_mm, &raw.base_rpy_deg)?;
+    let base_pose = pose(source, &raw.base_xyz_mm, &raw.base_rpy_deg)?;
     let Some(height) = &raw.base_z_mm else {
-        return Ok(given);
+        return Ok(base_pose);
     };
     if let Some(xyz) = &raw.base_xyz_mm {
         let message = "The height of the base is given twice: robot.base_z_mm is there already.";
         let error = source.error(Code::Conflict, xyz, message);
         return Err(error.hint("keep base_xyz_mm alone; its third number is the height"));
     }
-    let mut pose = given.unwrap_or_default();
+    let mut pose = base_pose.unwrap_or_default();
     pose.translation.z = source.number(height)?;
     Ok((pose != Isometry3::identity()).then_some(pose))
 }

@@ -23,17 +23,17 @@ pub(super) fn route(
     entry: Option<&CatalogueEntry>,
 ) -> Result<RouteRules> {
     let mut rules = RouteRules::default();
-    let known = entry.map_or(&[][..], |entry| entry.speeds_deg_s);
-    if known.len() == robot.joint_count() {
-        rules.joint_speeds = Some(known.iter().map(|v| deg_to_rad(*v)).collect());
+    let catalogue_speeds = entry.map_or(&[][..], |entry| entry.speeds_deg_s);
+    if catalogue_speeds.len() == robot.joint_count() {
+        rules.joint_speeds = Some(catalogue_speeds.iter().map(|v| deg_to_rad(*v)).collect());
     }
     let Some(raw) = table.map(At::get) else {
         return Ok(rules);
     };
     if let Some(list) = &raw.joint_speeds_deg_s {
         let speeds = source.positives(list, robot.joint_count(), "one per joint")?;
-        let mut given = list.get().iter().map(Number::get);
-        if let Some(fast) = given.find(|v| *v > FASTEST_DEG_S) {
+        let mut speeds_deg_s = list.get().iter().map(Number::get);
+        if let Some(fast) = speeds_deg_s.find(|v| *v > FASTEST_DEG_S) {
             let message = format!("No joint turns at {fast}°/s.");
             let error = source.error(Code::InvalidValue, list, message);
             return Err(

@@ -81,8 +81,8 @@ impl<'a> Source<'a> {
         is_known: impl Fn(&str) -> bool,
         refusal: impl Fn(&str) -> (String, String),
     ) -> Result<()> {
-        let mut given = self.keys(table).into_iter();
-        if let Some((span, name)) = given.find(|(_, name)| !is_known(name)) {
+        let mut keys = self.keys(table).into_iter();
+        if let Some((span, name)) = keys.find(|(_, name)| !is_known(name)) {
             let (message, hint) = refusal(name);
             let key = self.path_in(table, name);
             return Err(self.error_at(Code::Conflict, &key, span.clone(), message).hint(hint));
@@ -94,13 +94,13 @@ impl<'a> Source<'a> {
     pub(super) fn keys(&self, table: &impl Placed) -> Vec<(&std::ops::Range<usize>, &str)> {
         let path = self.path(table);
         let all = self.paths.iter();
-        let all = all.flat_map(|(span, own)| own.iter().map(move |own| (span, own)));
-        let mut given: Vec<_> = all
-            .filter_map(|(span, own)| Some((span, own.strip_prefix(path)?.strip_prefix('.')?)))
+        let all = all.flat_map(|(span, paths)| paths.iter().map(move |key_path| (span, key_path)));
+        let mut keys: Vec<_> = all
+            .filter_map(|(span, key_path)| Some((span, key_path.strip_prefix(path)?.strip_prefix('.')?)))
             .filter(|(_, name)| !name.contains(['.', '[']))
             .collect();
-        given.sort_by_key(|(span, _)| span.start);
-        given
+        keys.sort_by_key(|(span, _)| span.start);
+        keys
     }
 
     /// An error at a value.
@@ -305,14 +305,14 @@ impl<'a> Source<'a> {
     }
 
     /// One of a few words.
-    pub(super) fn choice<T: Copy>(&self, given: &Text, choices: &[(&str, T)], hint: &str) -> Result<T> {
-        let word = given.get().as_str();
+    pub(super) fn choice<T: Copy>(&self, text: &Text, choices: &[(&str, T)], hint: &str) -> Result<T> {
+        let word = text.get().as_str();
         if let Some((_, value)) = choices.iter().find(|(name, _)| *name == word) {
             return Ok(*value);
         }
         let message = format!("\"{word}\" is not one of the choices.");
         let nearest = did_you_mean(word, choices.iter().map(|(name, _)| *name));
-        let error = self.error(Code::InvalidValue, given, message);
+        let error = self.error(Code::InvalidValue, text, message);
         Err(error.hint(nearest.unwrap_or_else(|| hint.to_string())))
     }
 
@@ -323,12 +323,12 @@ impl<'a> Source<'a> {
 
     /// Checks the number of entries of a list.
     pub(super) fn count<T>(&self, list: &At<Vec<T>>, count: usize, unit: &str, what: &str) -> Result<()> {
-        let found = list.get().len();
-        if found == count {
+        let length = list.get().len();
+        if length == count {
             return Ok(());
         }
         let unit = if count == 1 { unit.trim_end_matches('s') } else { unit };
-        let message = format!("This must be {count} {unit} ({what}), got {found}.");
+        let message = format!("This must be {count} {unit} ({what}), got {length}.");
         Err(self.error(Code::Dimension, list, message))
     }
 }

@@ -54,12 +54,12 @@ fn task(
     let hint = "give the controller angles: q_deg = [q1, q2, …] in degrees";
     let q = angles(source, source.required(entry, &raw.q_deg, "q_deg", hint)?, robot)?;
     let hint = "give the force on the robot at the tip: force_n = [x, y, z] in newtons";
-    let given = source.required(entry, &raw.force_n, "force_n", hint)?;
-    let force = source.vector(given)?;
+    let raw_force = source.required(entry, &raw.force_n, "force_n", hint)?;
+    let force = source.vector(raw_force)?;
     let moment = source.optional(&raw.moment_nm, Source::vector)?.unwrap_or_default();
     if force == Vector3::zeros() && moment == Vector3::zeros() {
         let message = "Force and moment are zero: this task bends nothing.";
-        let error = source.error(Code::InvalidValue, given, message);
+        let error = source.error(Code::InvalidValue, raw_force, message);
         return Err(error.hint("give the process force, or remove the task"));
     }
     let axes = source.optional(&raw.axes, axes)?.unwrap_or(Axes::Base);

@@ -1,6 +1,6 @@
 //! Commented files to start from: what `stiffarm init` writes.
 
-use super::bounds::{kept, middle, narrowed, start_bounds};
+use super::bounds::{margin_comment, middle, narrowed, start_bounds};
 use super::convert::PAPER_VARIANCE_MM2;
 use super::example::{Example, comment, doubts, pendant};
 use super::lists::{degrees, quoted, rows};
@@ -49,7 +49,7 @@ pub fn template(robot_key: &str) -> Result<String> {
         doubts: doubts(&robot),
         keys,
         shapes: String::new(),
-        kept: kept(&robot, &bounds),
+        margin_comment: margin_comment(&robot, &bounds),
         bounds,
         stiffness: entry.stiffness,
         is_upright: true,
@@ -92,7 +92,7 @@ pub fn template_with_shapes(robot: &DhRobot, origin: &str, capsules: &[LinkCapsu
         doubts: String::new(),
         keys: keys(robot)?,
         shapes: shapes(&chain, capsules) + &route(robot),
-        kept: kept(&chain, &bounds),
+        margin_comment: margin_comment(&chain, &bounds),
         bounds,
         stiffness: &[],
         is_upright,
@@ -114,7 +114,7 @@ struct Start<'a> {
     shapes: String,
     /// Bounds to start from \[deg\], and a comment on what they keep off the machine's limits.
     bounds: Vec<[f64; 2]>,
-    kept: String,
+    margin_comment: String,
     stiffness: &'a [JointStiffness],
     /// Axis 1 stands upright in the base frame, as the example's limits have it.
     is_upright: bool,
@@ -139,7 +139,7 @@ down = [0, 0, -1]
 [bounds]
 # Controller angles between which postures are chosen: [low, high] per joint.
 # Narrow them to what is safe and visible in your cell. EDIT
-{kept}q_deg = [
+{margin_comment}q_deg = [
 {bounds}]
 
 [tool]
@@ -356,7 +356,7 @@ posture_common_mm = 0
         piece = length(1500),
         piece_height = length(600),
         bounds = rows(&start.bounds),
-        kept = start.kept,
+        margin_comment = start.margin_comment,
         variance = PAPER_VARIANCE_MM2,
         stiffness = stiffness(start),
         middle = degrees(&middle(&start.bounds)),

@@ -48,9 +48,9 @@ fn process(
 ) -> Result<Option<Process>> {
     Ok(match (force, cut) {
         (Some(force), Some(cut)) => {
-            let mut given = [("force", force.span()), ("milling", cut.span())];
-            given.sort_by_key(|(_, span)| span.start);
-            let [(first, _), (second, span)] = given;
+            let mut present_keys = [("force", force.span()), ("milling", cut.span())];
+            present_keys.sort_by_key(|(_, span)| span.start);
+            let [(first, _), (second, span)] = present_keys;
             let [first, second] = [first, second].map(|name| source.path_in(table, name));
             let message = format!("The load of the process is given twice: {first} is there already.");
             let error = source.error_at(Code::Conflict, &second, span, message);
@@ -107,9 +107,9 @@ fn frame(
 fn power(source: &Source<'_>, raw: &RawForce) -> Result<Option<SpindlePower>> {
     let idle = source.optional(&raw.idle_power_w, Source::not_negative)?;
     let loaded = source.optional(&raw.power_w, Source::positive)?;
-    if let (Some(given), true) = (&raw.idle_power_w, idle >= loaded) {
+    if let (Some(raw_idle_power), true) = (&raw.idle_power_w, idle >= loaded) {
         let message = "The idling spindle must take less than power_w, which is that under the force.";
-        return Err(source.error(Code::InvalidValue, given, message));
+        return Err(source.error(Code::InvalidValue, raw_idle_power, message));
     }
     Ok(loaded.map(|loaded| SpindlePower { loaded, idle: idle.unwrap_or_default() }))
 }
@@ -117,13 +117,13 @@ fn power(source: &Source<'_>, raw: &RawForce) -> Result<Option<SpindlePower>> {
 fn constant(source: &Source<'_>, table: &At<RawForce>) -> Result<TipLoad> {
     let raw = table.get();
     let hint = "give the force on the robot at the tip: force_n = [x, y, z] in newtons";
-    let given = source.required(table, &raw.force_n, "force_n", hint)?;
-    let force = source.vector(given)?;
+    let raw_force = source.required(table, &raw.force_n, "force_n", hint)?;
+    let force = source.vector(raw_force)?;
     let moment = source.optional(&raw.moment_nm, Source::vector)?;
     let moment = moment.unwrap_or_default();
     if force == Vector3::zeros() && moment == Vector3::zeros() {
         let message = "Force and moment are zero: the process bends nothing.";
-        let error = source.error(Code::InvalidValue, given, message);
+        let error = source.error(Code::InvalidValue, raw_force, message);
         return Err(error.hint("give the process force, or remove this table"));
     }
     let hint = "axes = \"base\", \"tool\" (the tip frame), \"workpiece\" or \"path\" (x the feed, z the tool axis)";
@@ -131,7 +131,7 @@ fn constant(source: &Source<'_>, table: &At<RawForce>) -> Result<TipLoad> {
     let Some(axes) = &raw.axes else {
         let message = "The axes of the force are not given.";
         let key = source.path_in(table, "axes");
-        let error = source.error_at(Code::MissingKey, &key, given.span(), message);
+        let error = source.error_at(Code::MissingKey, &key, raw_force.span(), message);
         return Err(error.hint(hint));
     };
     Ok(TipLoad { force, moment, axes: source.choice(axes, &ForceAxes::NAMES, hint)? })
@@ -140,11 +140,11 @@ fn constant(source: &Source<'_>, table: &At<RawForce>) -> Result<TipLoad> {
 fn milling(source: &Source<'_>, table: &At<RawMilling>) -> Result<Process> {
     let raw = table.get();
     let hint = "give the number of teeth of the cutter";
-    let given = source.required(table, &raw.teeth, "teeth", hint)?;
-    let number = u32::try_from(*given.get()).unwrap_or(0);
+    let raw_teeth = source.required(table, &raw.teeth, "teeth", hint)?;
+    let number = u32::try_from(*raw_teeth.get()).unwrap_or(0);
     if !(1..=1000).contains(&number) {
-        let message = format!("The number of teeth must be from 1 to 1000, got {}.", given.get());
-        return Err(source.error(Code::InvalidValue, given, message));
+        let message = format!("The number of teeth must be from 1 to 1000, got {}.", raw_teeth.get());
+        return Err(source.error(Code::InvalidValue, raw_teeth, message));
     }
     let hint = "give the diameter of the cutter";
     let diameter = source.required(table, &raw.diameter_mm, "diameter_mm", hint)?;
@@ -174,22 +174,22 @@ fn milling(source: &Source<'_>, table: &At<RawMilling>) -> Result<Process> {
         (feed, None) => (chip(source, table, feed, diameter_mm)?, Process::Milling),
     };
     let hint = "direction = \"up\" (conventional) or direction = \"down\" (climb)";
-    let given = source.required(table, &raw.direction, "direction", hint)?;
+    let raw_direction = source.required(table, &raw.direction, "direction", hint)?;
     Ok(kind(Milling {
         teeth: number,
         diameter: diameter_m,
         axial_depth: depth_m,
         radial_depth: width_m,
         feed_per_tooth,
-        direction: source.choice(given, &DIRECTIONS, hint)?,
+        direction: source.choice(raw_direction, &DIRECTIONS, hint)?,
         coefficients: coefficients(source, table)?,
     }))
 }
 
 /// The feed per tooth \[m\].
-fn chip(source: &Source<'_>, table: &At<RawMilling>, given: &Option<Number<Mm>>, diameter_mm: f64) -> Result<f64> {
+fn chip(source: &Source<'_>, table: &At<RawMilling>, raw_feed: &Option<Number<Mm>>, diameter_mm: f64) -> Result<f64> {
     let hint = "feed per tooth = feed rate / (spindle speed · teeth), in mm; or give spindle_rpm where the path gives its feed";
-    let feed = source.required(table, given, "feed_per_tooth_mm", hint)?;
+    let feed = source.required(table, raw_feed, "feed_per_tooth_mm", hint)?;
     let feed_m = source.positive(feed)?;
     let feed_mm = feed.get();
     let [low, high] = FEEDS_PER_TOOTH_MM;

@@ -91,8 +91,8 @@ impl<'a, 'i: 'a> Scene<'a, 'i> {
     /// What an attribute such as url="#part" means.
     fn named(&self, node: Node<'a, 'i>, attribute: &str) -> Result<Node<'a, 'i>, String> {
         let name = node.attribute(attribute).unwrap_or_default();
-        let found = name.strip_prefix('#').and_then(|id| self.ids.get(id));
-        found.copied().ok_or_else(|| format!("there is no \"{name}\" in it"))
+        let target = name.strip_prefix('#').and_then(|id| self.ids.get(id));
+        target.copied().ok_or_else(|| format!("there is no \"{name}\" in it"))
     }
 
     fn target(&self, node: Node<'a, 'i>) -> Result<Node<'a, 'i>, String> {
@@ -104,18 +104,18 @@ impl<'a, 'i: 'a> Scene<'a, 'i> {
         if depth > DEEPEST {
             return Err("its nodes are in a circle".to_string());
         }
-        let mut own = *frame;
+        let mut node_frame = *frame;
         for child in node.children().filter(Node::is_element) {
             match child.tag_name().name() {
-                "matrix" => own *= Matrix4::from_row_slice(&exactly::<16>(child)?),
-                "translate" => own *= Matrix4::new_translation(&exactly::<3>(child)?.into()),
-                "scale" => own *= Matrix4::new_nonuniform_scaling(&exactly::<3>(child)?.into()),
+                "matrix" => node_frame *= Matrix4::from_row_slice(&exactly::<16>(child)?),
+                "translate" => node_frame *= Matrix4::new_translation(&exactly::<3>(child)?.into()),
+                "scale" => node_frame *= Matrix4::new_nonuniform_scaling(&exactly::<3>(child)?.into()),
                 "rotate" => {
                     let [x, y, z, deg] = exactly::<4>(child)?;
                     // About no axis nothing turns.
                     if let Some(axis) = Unit::try_new(Vector3::new(x, y, z), 1e-12) {
                         let turn = Rotation3::from_axis_angle(&axis, stiffarm::units::deg_to_rad(deg));
-                        own *= turn.to_homogeneous();
+                        node_frame *= turn.to_homogeneous();
                     }
                 }
                 name @ ("lookat" | "skew" | "instance_controller") => {
@@ -126,9 +126,9 @@ impl<'a, 'i: 'a> Scene<'a, 'i> {
         }
         for child in node.children().filter(Node::is_element) {
             match child.tag_name().name() {
-                "node" => self.place(child, &own, depth + 1)?,
-                "instance_node" => self.place(self.target(child)?, &own, depth + 1)?,
-                "instance_geometry" => self.add(self.target(child)?, &own)?,
+                "node" => self.place(child, &node_frame, depth + 1)?,
+                "instance_node" => self.place(self.target(child)?, &node_frame, depth + 1)?,
+                "instance_geometry" => self.add(self.target(child)?, &node_frame)?,
                 _ => {}
             }
         }
@@ -137,15 +137,15 @@ impl<'a, 'i: 'a> Scene<'a, 'i> {
 
     fn add(&mut self, part: Node<'a, 'i>, frame: &Matrix4<f64>) -> Result<(), String> {
         if !self.parts.contains_key(&part.id()) {
-            let own = self.part(part)?;
-            self.parts.insert(part.id(), own);
+            let triangles = self.part(part)?;
+            self.parts.insert(part.id(), triangles);
         }
-        let own = &self.parts[&part.id()];
-        if self.out.len() + own.len() > MOST {
+        let triangles = &self.parts[&part.id()];
+        if self.out.len() + triangles.len() > MOST {
             return Err(format!("it has more than {MOST} triangles"));
         }
         let place = |p: Vector3<f64>| (frame * p.push(1.0)).xyz();
-        self.out.extend(own.iter().map(|corners| corners.map(place)));
+        self.out.extend(triangles.iter().map(|corners| corners.map(place)));
         Ok(())
     }
 

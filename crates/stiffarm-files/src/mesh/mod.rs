@@ -161,7 +161,7 @@ impl Kind {
 struct Merged {
     vertices: Vec<Vector3<f64>>,
     triangles: Vec<[usize; 3]>,
-    known: HashMap<[u64; 3], usize>,
+    vertex_indices: HashMap<[u64; 3], usize>,
 }
 
 impl Merged {
@@ -169,7 +169,7 @@ impl Merged {
         let triangle = corners.map(|p| {
             // Adding zero turns −0 into 0.
             let bits = [p.x, p.y, p.z].map(|v| (v + 0.0).to_bits());
-            *self.known.entry(bits).or_insert_with(|| {
+            *self.vertex_indices.entry(bits).or_insert_with(|| {
                 self.vertices.push(p);
                 self.vertices.len() - 1
             })

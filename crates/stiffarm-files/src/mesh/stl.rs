@@ -25,8 +25,8 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Triangles, String> {
     Err(match counted(bytes) {
         None => "it is too short".to_string(),
         Some(count) => {
-            let own = (bytes.len() - HEAD) / TRIANGLE;
-            format!("it says {count} triangles and has bytes for {own}")
+            let available = (bytes.len() - HEAD) / TRIANGLE;
+            format!("it says {count} triangles and has bytes for {available}")
         }
     })
 }
@@ -45,9 +45,9 @@ fn counted(bytes: &[u8]) -> Option<u64> {
 /// The triangles of a binary file. Behind them there may be less than one more, such as a line end,
 /// and nothing but zeros: then none is lost.
 fn binary(bytes: &[u8]) -> Option<&[u8]> {
-    let own = bytes.get(HEAD..)?;
+    let body = bytes.get(HEAD..)?;
     let length = usize::try_from(counted(bytes)?).ok()?.checked_mul(TRIANGLE)?;
-    let (triangles, rest) = own.split_at_checked(length)?;
+    let (triangles, rest) = body.split_at_checked(length)?;
     let holds_none = rest.len() < TRIANGLE || rest.iter().all(|byte| *byte == 0);
     holds_none.then_some(triangles)
 }

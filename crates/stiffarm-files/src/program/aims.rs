@@ -35,7 +35,7 @@ pub struct Taken<'a> {
     pub name: String,
     pub line: usize,
     /// Its frame as it is then, where the program says it: the product of these.
-    pub given: Vec<Pose<'a>>,
+    pub factors: Vec<Pose<'a>>,
 }
 
 /// A tool (0) and a base (1).
@@ -115,7 +115,7 @@ impl Pose<'_> {
 impl Taken<'_> {
     /// Whether both are one frame: the same name, which means the same.
     pub fn is_same(&self, other: &Taken<'_>) -> bool {
-        let values = |taken: &Taken<'_>| -> Vec<_> { taken.given.iter().map(Pose::values).collect() };
+        let values = |taken: &Taken<'_>| -> Vec<_> { taken.factors.iter().map(Pose::values).collect() };
         self.name.eq_ignore_ascii_case(&other.name) && values(self) == values(other)
     }
 }

@@ -97,17 +97,17 @@ pub fn missing_stops(program: &Program) -> Vec<Difference> {
 
 /// Compares the moves of a program that was read with those planned. Moves belong together by kind
 /// and name, as far as `language` holds names; angles are the same within `tolerance` \[rad\].
-pub fn compare_moves(planned: &[&Move], found: &[&Move], language: Language, tolerance: f64) -> Vec<Difference> {
+pub fn compare_moves(planned: &[&Move], actual: &[&Move], language: Language, tolerance: f64) -> Vec<Difference> {
     let named = |target: &Move| match &language.dialect().syntax {
         Some(syntax) => (target.kind, text::name(&target.name, syntax.name_width)),
         None => (target.kind, target.name.clone()),
     };
-    let mut partner: Vec<Option<usize>> = vec![None; found.len()];
+    let mut partner: Vec<Option<usize>> = vec![None; actual.len()];
     let mut differences = Vec::new();
     let mut last = 0;
     for (number, target) in planned.iter().enumerate() {
-        let own = named(target);
-        let at = (0..found.len()).find(|i| partner[*i].is_none() && named(found[*i]) == own);
+        let target_name = named(target);
+        let at = (0..actual.len()).find(|i| partner[*i].is_none() && named(actual[*i]) == target_name);
         let Some(at) = at else {
             differences.push(Difference::Missing { posture: target.name.clone() });
             continue;
@@ -118,7 +118,7 @@ pub fn compare_moves(planned: &[&Move], found: &[&Move], language: Language, tol
         } else {
             last = at
         }
-        let pairs = target.q.iter().zip(&found[at].q).enumerate();
+        let pairs = target.q.iter().zip(&actual[at].q).enumerate();
         differences.extend(pairs.filter(|(_, (a, b))| (*a - *b).abs() > tolerance).map(|(j, (a, b))| {
             Difference::Angle {
                 posture: target.name.clone(),
@@ -128,7 +128,7 @@ pub fn compare_moves(planned: &[&Move], found: &[&Move], language: Language, tol
             }
         }));
     }
-    let added = found.iter().zip(&partner).filter(|(_, partner)| partner.is_none());
+    let added = actual.iter().zip(&partner).filter(|(_, partner)| partner.is_none());
     differences.extend(added.map(|(target, _)| Difference::Added { posture: target.name.clone() }));
     differences
 }

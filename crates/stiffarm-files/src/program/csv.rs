@@ -60,10 +60,10 @@ pub fn read(file: &ProgramFile, joints: usize) -> Result<Program> {
         let line = error.position().map_or(1, ::csv::Position::line);
         at(line, "This row cannot be read: it has too many or too few columns.".to_string())
     };
-    let found = table.headers().map_err(of_csv)?.clone();
+    let headers = table.headers().map_err(of_csv)?.clone();
     let wanted = heading(joints);
-    if !found.iter().eq(wanted.iter().map(String::as_str)) {
-        let line = found.position().map_or(1, ::csv::Position::line);
+    if !headers.iter().eq(wanted.iter().map(String::as_str)) {
+        let line = headers.position().map_or(1, ::csv::Position::line);
         return Err(at(line, format!("The columns must be {}.", wanted.join(","))));
     }
     let mut steps = Vec::new();

@@ -125,21 +125,21 @@ impl<'a> Cursor<'a> {
         let mut next = self.clone();
         next.space();
         let here = next.rest().as_bytes();
-        let found = here.len() >= text.len() && here[..text.len()].eq_ignore_ascii_case(text.as_bytes());
-        if found {
+        let is_next = here.len() >= text.len() && here[..text.len()].eq_ignore_ascii_case(text.as_bytes());
+        if is_next {
             self.at = next.at + text.len();
         }
-        found
+        is_next
     }
 
     /// Passes a word: no letter, digit or `_` follows.
     pub fn word(&mut self, word: &str) -> bool {
         let before = self.at;
-        let found = self.passes(word) && !self.rest().starts_with(|c: char| c.is_alphanumeric() || c == '_');
-        if !found {
+        let is_next = self.passes(word) && !self.rest().starts_with(|c: char| c.is_alphanumeric() || c == '_');
+        if !is_next {
             self.at = before;
         }
-        found
+        is_next
     }
 
     /// Passes `text`.

@@ -90,7 +90,7 @@ pub fn order<'a>(
             flow.enter(*index, procedures, &mut Vec::new(), reader)?;
         }
         let names = started.iter().map(|index| &flow.all[*index]);
-        let moving: Vec<&Procedure<'_>> = names.filter(|own| own.has(moves)).collect();
+        let moving: Vec<&Procedure<'_>> = names.filter(|procedure| procedure.has(moves)).collect();
         if let [first, .., last] = &moving[..] {
             let sentence = format!(
                 "Nothing in the file calls its procedures {} to {} ({{}}): they are read in the order of the file, and \
@@ -100,13 +100,13 @@ pub fn order<'a>(
             reader.remark("procedure-order", "", &first.head, Severity::Caution, sentence);
         }
     }
-    for (own, has_run) in flow.all.iter().zip(&flow.has_run) {
-        if !has_run && own.has(moves) {
+    for (procedure, has_run) in flow.all.iter().zip(&flow.has_run) {
+        if !has_run && procedure.has(moves) {
             let sentence = format!(
                 "The procedure {} ({{}}) is called by nothing that is read: its moves are no part of the path.",
-                own.name
+                procedure.name
             );
-            reader.remark("procedure-uncalled", &own.name, &own.head, Severity::Caution, sentence);
+            reader.remark("procedure-uncalled", &procedure.name, &procedure.head, Severity::Caution, sentence);
         }
     }
     Ok(flow.order)
@@ -132,7 +132,7 @@ impl<'a> Flow<'a> {
                 open.push((self.all.len(), 0));
                 handles = false;
                 self.all.push(Procedure { name: name.to_string(), head: statement, body: Vec::new() });
-            } else if let Some((own, blocks)) = open.last_mut() {
+            } else if let Some((index, blocks)) = open.last_mut() {
                 let ends = Procedures::is_one_of(procedures.end, &statement);
                 if ends && *blocks == 0 {
                     open.pop();
@@ -145,7 +145,7 @@ impl<'a> Flow<'a> {
                 }
                 handles |= Procedures::is_one_of(procedures.handlers, &statement);
                 if !handles {
-                    self.all[*own].body.push(statement);
+                    self.all[*index].body.push(statement);
                 }
             } else {
                 self.outside.push(statement);
@@ -161,8 +161,8 @@ impl<'a> Flow<'a> {
             return vec![main];
         }
         let mut is_called = vec![false; self.all.len()];
-        for (at, own) in self.all.iter().enumerate() {
-            let called = own.body.iter().filter_map(|one| self.called(one, procedures));
+        for (at, procedure) in self.all.iter().enumerate() {
+            let called = procedure.body.iter().filter_map(|one| self.called(one, procedures));
             for other in called.filter(|other| *other != at) {
                 is_called[other] = true;
             }

@@ -68,8 +68,8 @@ fn head<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
         return Ok(());
     }
     reader.has_poses = !(line.word("PULSE") || line.word("ANGLE"));
-    if let Some(own) = ["BASE", "ROBOT"].into_iter().find(|own| line.word(own)) {
-        reader.takes(1, own, number);
+    if let Some(frame_name) = ["BASE", "ROBOT"].into_iter().find(|frame_name| line.word(frame_name)) {
+        reader.takes(1, frame_name, number);
     } else if reader.has_poses && !line.word("USER") {
         return Err(line.wrong_here("Positions are read in BASE, ROBOT, USER and PULSE, not in this frame."));
     }
@@ -118,12 +118,12 @@ fn movement<'a>(line: &mut Cursor<'a>, motion: Motion, reader: &mut Reader<'a>) 
             format!("`{label}` is a variable of the controller: only positions of the job (C00001) are read.");
         return Err(place.wrong_here(message));
     }
-    let known = reader.known(label).cloned();
-    let mut aim = known.unwrap_or_else(|| Aim::Label(place.clone(), label.to_string()));
+    let point = reader.aim_of(label).cloned();
+    let mut aim = point.unwrap_or_else(|| Aim::Label(place.clone(), label.to_string()));
     // What carries the robot or the workpiece has positions of its own; those of the arm in pulses are its joints.
     if let Aim::Pose(pose) = &mut aim {
         let mut others = line.clone();
-        while let Some(Aim::Angles(_, axes)) = others.identifier().ok().and_then(|other| reader.known(other)) {
+        while let Some(Aim::Angles(_, axes)) = others.identifier().ok().and_then(|other| reader.aim_of(other)) {
             pose.external.extend(axes.iter().cloned());
         }
     } else if let Aim::Angles(_, axes) = &mut aim {

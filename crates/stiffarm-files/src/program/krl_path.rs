@@ -99,7 +99,7 @@ pub fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> 
             return Ok(true);
         }
         if let Some(name) = call(line) {
-            if !NO_CALLS.iter().any(|own| own.eq_ignore_ascii_case(name)) {
+            if !NO_CALLS.iter().any(|ignored| ignored.eq_ignore_ascii_case(name)) {
                 reader.passes_over(line, &format!("The call of {name}"));
             }
             return Ok(false);
@@ -136,8 +136,8 @@ fn sets<'a>(line: &mut Cursor<'a>, name: &str, is_whole: bool, reader: &mut Read
     let value = line.rest().split_once('=').map_or("", |(_, value)| value);
     let value = value.split(';').next().unwrap_or_default().trim();
     if name == "$IPO_MODE" || name == "FDAT_ACT" {
-        let own = value.to_ascii_uppercase();
-        let form = reader.forms.get(&own).cloned();
+        let form_name = value.to_ascii_uppercase();
+        let form = reader.forms.get(&form_name).cloned();
         match form {
             _ if !is_whole => {
                 for number in 0..2 {
@@ -146,10 +146,10 @@ fn sets<'a>(line: &mut Cursor<'a>, name: &str, is_whole: bool, reader: &mut Read
                 reader.sets(line, name);
             }
             Some(form) => takes_form(line, form.rest(), reader)?,
-            None if own.starts_with('{') || own.starts_with('#') => takes_form(line, &own, reader)?,
+            None if form_name.starts_with('{') || form_name.starts_with('#') => takes_form(line, &form_name, reader)?,
             None => {
                 for number in 0..2 {
-                    reader.takes(number, own.clone(), line.line_number());
+                    reader.takes(number, form_name.clone(), line.line_number());
                 }
             }
         }
@@ -210,9 +210,9 @@ fn move_ends<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
     if line.clone().passes(",") {
         return Err(line.wrong_here("An arc that ends at an angle of its own (CA) is not read here."));
     }
-    if let Some((_, own)) = rest.split_once("$VEL.CP") {
-        let own = own.trim_start().strip_prefix('=');
-        reader.at_feed(own.and_then(leading));
+    if let Some((_, velocity)) = rest.split_once("$VEL.CP") {
+        let velocity = velocity.trim_start().strip_prefix('=');
+        reader.at_feed(velocity.and_then(leading));
     }
     let Some((_, with)) = rest.split_once("WITH") else {
         return Ok(());
@@ -236,7 +236,7 @@ fn move_ends<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
             None => reader.takes(number, named.to_ascii_uppercase(), line.line_number()),
         }
     }
-    let own = std::mem::replace(&mut reader.taken, before);
-    reader.in_frames(own);
+    let move_frames = std::mem::replace(&mut reader.taken, before);
+    reader.in_frames(move_frames);
     Ok(())
 }

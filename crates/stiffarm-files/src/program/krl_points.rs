@@ -54,15 +54,15 @@ pub fn aggregate<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'
     loop {
         let field = line.clone();
         let axis = line.identifier()?.to_ascii_uppercase();
-        let known = (0..12).find(|i| axis_name(*i) == axis);
+        let joint_axis = (0..12).find(|i| axis_name(*i) == axis);
         if let Some(at) = POSE.iter().position(|name| *name == axis && reader.is_path) {
             if pose[at].replace(line.placed()?).is_some() {
                 return Err(field.wrong(format!("`{axis}` stands twice in this position.")));
             }
             (is_pose, last) = (true, line.clone());
-        } else if let Some(at) = known {
+        } else if let Some(at) = joint_axis {
             match values.get_mut(at).filter(|_| !is_pose) {
-                Some(own) => *own = Some(line.angle()?),
+                Some(angle) => *angle = Some(line.angle()?),
                 // An axis that is none of the cell's.
                 None => external.push(External { value: line.number()?, name: axis, place: field }),
             }

@@ -113,33 +113,33 @@ impl Language {
     }
 
     /// Checks that angles of this robot may stand in a program of the language: that they are those
-    /// which its controller shows, and the language its controller's unless `asked` names the other.
+    /// which its controller shows, and the language its controller's unless `controller` names the other.
     ///
     /// # Errors
-    /// Nothing says that the angles are a controller's; the controller is another maker's; `asked`
+    /// Nothing says that the angles are a controller's; the controller is another maker's; `controller`
     /// does not go with the language.
-    pub fn check_robot(self, robot: &Robot, asked: Option<Controller>) -> Result<()> {
+    pub fn check_robot(self, robot: &Robot, controller: Option<Controller>) -> Result<()> {
         let conflict = |message: String| Error::new(Code::Conflict, message).key("controller");
-        if let Some(asked) = asked.filter(|asked| Some(*asked) != self.controller()) {
-            let message = format!("{} does not go to a controller of {}.", self.title(), asked.title());
+        if let Some(controller) = controller.filter(|controller| Some(*controller) != self.controller()) {
+            let message = format!("{} does not go to a controller of {}.", self.title(), controller.title());
             return Err(conflict(message));
         }
         let Some(wanted) = self.controller() else {
             return Ok(());
         };
-        let known = robot.known_controller()?;
-        if known == wanted || asked.is_some() {
+        let robot_controller = robot.known_controller()?;
+        if robot_controller == wanted || controller.is_some() {
             return Ok(());
         }
-        let own = Language::of(known).unwrap_or(Language::Csv).as_str();
+        let robot_language = Language::of(robot_controller).unwrap_or(Language::Csv).as_str();
         let message = format!(
             "{} is for controllers of {}; the angles of this cell are those of {}.",
             self.title(),
             wanted.title(),
-            known.title()
+            robot_controller.title()
         );
         Err(conflict(message).hint(format!(
-            "use --language {own}; or --controller {} if such a pendant shows these very angles",
+            "use --language {robot_language}; or --controller {} if such a pendant shows these very angles",
             wanted.as_str()
         )))
     }

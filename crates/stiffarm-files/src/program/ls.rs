@@ -272,7 +272,7 @@ fn fields<'a>(line: &mut Cursor<'a>, open: &mut OpenPoint<'a>, is_path: bool) ->
     while !line.is_done() {
         let mut field = line.clone();
         let axis = line.identifier()?.to_ascii_uppercase();
-        let known = (0..9).find(|i| (LS.axis_name)(*i) == axis);
+        let joint_axis = (0..9).find(|i| (LS.axis_name)(*i) == axis);
         if is_path && line.clone().passes("=") && line.rest().trim_start()[1..].trim_start().starts_with('*') {
             // Never taught.
             line.skip(line.rest().find(',').map_or(line.rest().len(), |comma| comma + 1));
@@ -289,7 +289,7 @@ fn fields<'a>(line: &mut Cursor<'a>, open: &mut OpenPoint<'a>, is_path: bool) ->
             }
             continue;
         }
-        if is_path && (open.group > 1 || known.is_some_and(|at| at >= values.len())) {
+        if is_path && (open.group > 1 || joint_axis.is_some_and(|at| at >= values.len())) {
             line.expect("=")?;
             let name = if open.group > 1 { format!("{axis} of group {}", open.group) } else { axis };
             open.external.push(External { name, value: line.number()?, place: field });
@@ -299,14 +299,14 @@ fn fields<'a>(line: &mut Cursor<'a>, open: &mut OpenPoint<'a>, is_path: bool) ->
             }
             continue;
         }
-        let Some(known) = known else {
+        let Some(joint_axis) = joint_axis else {
             let message = format!("`{axis}` is no joint: only positions in joint representation can be read.");
             return Err(field.wrong_here(message));
         };
         line.expect("=")?;
         let value = line.angle()?;
         let unit = line.word("deg");
-        match values.get_mut(known) {
+        match values.get_mut(joint_axis) {
             Some(value_of) if unit => *value_of = Some(value),
             Some(_) => return Err(line.wrong_here("`deg` is missing here.")),
             // Further axes of the group are none of the cell's.

@@ -48,7 +48,7 @@ fn sets_frame<'a>(line: &Cursor<'a>, number: usize, name: String, reader: &mut R
         Some(pose) => {
             reader.frames.insert(name.clone(), vec![pose]);
             // The moves that come take it as it is now, if they took it before.
-            let is_taken = reader.taken[number].as_ref().is_some_and(|own| own.name == name);
+            let is_taken = reader.taken[number].as_ref().is_some_and(|taken| taken.name == name);
             if is_taken {
                 reader.takes(number, name, line.line_number());
             }
@@ -70,8 +70,8 @@ fn sets_register<'a>(line: &Cursor<'a>, reader: &mut Reader<'a>) {
     let number = at.placed().ok().filter(|_| at.passes(";"));
     match (component.trim().parse::<usize>(), number) {
         (Ok(component @ 1..=6), Some(number)) => {
-            let own = reader.registers.entry(key).or_insert([None; 7]);
-            own[component - 1] = Some(number);
+            let numbers = reader.registers.entry(key).or_insert([None; 7]);
+            numbers[component - 1] = Some(number);
         }
         _ => {
             reader.registers.remove(&key);

@@ -228,13 +228,13 @@ fn target<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
     let mut values = line.list(6, |line, _| line.angle())?;
     line.expect("]")?;
     line.expect(",")?;
-    let own = reader.joints.saturating_sub(6);
+    let extra_joints = reader.joints.saturating_sub(6);
     let before = line.clone();
-    let others = external(line, own)?;
+    let others = external(line, extra_joints)?;
     line.expect("]")?;
     // The axes of an arm of more than six joints stand with the external ones.
     let mut arm = before;
-    for axis in 0..own {
+    for axis in 0..extra_joints {
         arm.expect(if axis == 0 { "[" } else { "," })?;
         values.push(arm.angle()?);
     }

@@ -123,11 +123,11 @@ fn instruction<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<boo
     if next.passes("\\") {
         let _ = next.word("Conc") && next.passes(",");
     }
-    let is_point = next.clone().identifier().is_ok_and(|label| reader.known(label).is_some());
+    let is_point = next.clone().identifier().is_ok_and(|label| reader.aim_of(label).is_some());
     if next.clone().passes("[[") || is_point {
         return Err(start.wrong(format!("{name} is a move that is not read here.")));
     }
-    let is_known = ALONE.iter().any(|known| known.eq_ignore_ascii_case(name));
+    let is_known = ALONE.iter().any(|word| word.eq_ignore_ascii_case(name));
     if next.passes(";") && !is_known {
         let sentence = format!("{name} ({{}}) is a procedure that is not in the file: what it does is not known here.");
         reader.remark("not-followed", name, line, Severity::Caution, sentence);
@@ -139,7 +139,7 @@ fn instruction<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<boo
 /// A tool or work object that the program sets to stated numbers, as a whole or one of its frames; false where it
 /// sets anything else.
 fn sets_frame<'a>(line: &Cursor<'a>, name: &str, reader: &mut Reader<'a>) -> Result<bool> {
-    let Some(known) = reader.frames.get(name).cloned() else {
+    let Some(frames) = reader.frames.get(name).cloned() else {
         return Ok(false);
     };
     let mut line = line.clone();
@@ -159,11 +159,11 @@ fn sets_frame<'a>(line: &Cursor<'a>, name: &str, reader: &mut Reader<'a>) -> Res
             None => return Ok(false),
         },
         "TFRAME" | "UFRAME" | "OFRAME" if is_stated => {
-            let mut new = known;
+            let mut new = frames;
             let at = usize::from(part == "OFRAME");
-            let own = placed(&mut line, reader)?;
+            let pose = placed(&mut line, reader)?;
             match new.get_mut(at) {
-                Some(old) => *old = *own,
+                Some(old) => *old = *pose,
                 None => return Ok(false),
             }
             new
@@ -302,8 +302,8 @@ fn move_ends<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
     options(line, |_, _| {})?;
     line.expect(",")?;
     let speed = argument(line)?.trim_start_matches('[').to_ascii_uppercase();
-    let known = reader.feeds.get(&speed).copied();
-    let mut feed = known.or(leading(speed.trim_start_matches('V')).map(|mm| mm * 1e-3));
+    let stated_feed = reader.feeds.get(&speed).copied();
+    let mut feed = stated_feed.or(leading(speed.trim_start_matches('V')).map(|mm| mm * 1e-3));
     options(line, |key, value| match key {
         "V" => feed = leading(value).map(|mm| mm * 1e-3),
         _ => feed = None,

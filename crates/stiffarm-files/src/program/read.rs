@@ -63,8 +63,8 @@ fn in_order<'a>(files: &'a [ProgramFile], dialect: &Dialect, syntax: &Syntax) ->
     let extensions: Vec<String> = extensions.collect();
     let of = |extension: &String| {
         let mut files = files.iter();
-        let found = files.find(|file| file.name.to_ascii_lowercase().ends_with(extension));
-        found.ok_or_else(|| {
+        let matching = files.find(|file| file.name.to_ascii_lowercase().ends_with(extension));
+        matching.ok_or_else(|| {
             let parts = extensions.join(" and a ");
             let message = format!("A program in {title} is a {parts}; there is no {extension}.");
             Error::new(Code::Usage, message).hint("give all its files")

@@ -159,7 +159,7 @@ impl<'a> Reader<'a> {
 
     /// A move.
     pub fn moves(&mut self, place: Cursor<'a>, motion: Motion, via: Option<Aim<'a>>, aim: Aim<'a>) {
-        let (via, aim) = (via.map(|via| self.as_known(via)), self.as_known(aim));
+        let (via, aim) = (via.map(|via| self.as_current(via)), self.as_current(aim));
         self.steps.push(Read::Leg(Box::new(Leg {
             place,
             motion,
@@ -174,22 +174,22 @@ impl<'a> Reader<'a> {
     }
 
     /// The point of this label as it is now.
-    pub fn known(&self, label: &str) -> Option<&Aim<'a>> {
+    pub fn aim_of(&self, label: &str) -> Option<&Aim<'a>> {
         self.points.get(&label.to_ascii_uppercase())
     }
 
     /// Of a path the point of this label as it is now: the program may set it to another later.
-    fn as_known(&mut self, aim: Aim<'a>) -> Aim<'a> {
+    fn as_current(&mut self, aim: Aim<'a>) -> Aim<'a> {
         match &aim {
             Aim::Label(_, label) if self.is_path => {
                 let label = label.to_ascii_uppercase();
                 match self.points.get(&label) {
-                    Some(known) => {
-                        let known = known.clone();
-                        if matches!(known, Aim::Pose(_)) {
+                    Some(point) => {
+                        let point = point.clone();
+                        if matches!(point, Aim::Pose(_)) {
                             self.named_points.insert(label);
                         }
-                        known
+                        point
                     }
                     None => aim,
                 }
@@ -206,9 +206,9 @@ impl<'a> Reader<'a> {
     }
 
     /// The move given last takes these frames, those that come do not.
-    pub fn in_frames(&mut self, own: Frames<'a>) {
+    pub fn in_frames(&mut self, frames: Frames<'a>) {
         if let Some(Read::Leg(leg)) = self.steps.last_mut() {
-            leg.frames = own;
+            leg.frames = frames;
         }
     }
 
@@ -235,12 +235,12 @@ impl<'a> Reader<'a> {
     /// The moves that come take the tool (0) or the base (1) of this name, as it is now.
     pub fn takes(&mut self, number: usize, name: impl Into<String>, line: usize) {
         let name = name.into();
-        let given = self.frames.get(&name.to_ascii_uppercase());
-        let given = given.cloned().unwrap_or_default();
-        let taken = Taken { name, line, given };
-        let own = self.taken[number].take();
-        let own = own.filter(|own| own.is_same(&taken));
-        self.taken[number] = own.or_else(|| Some(Arc::new(taken)));
+        let factors = self.frames.get(&name.to_ascii_uppercase());
+        let factors = factors.cloned().unwrap_or_default();
+        let taken = Taken { name, line, factors };
+        let current = self.taken[number].take();
+        let current = current.filter(|current| current.is_same(&taken));
+        self.taken[number] = current.or_else(|| Some(Arc::new(taken)));
     }
 
     /// The program sets the variable of this name to what is not read.

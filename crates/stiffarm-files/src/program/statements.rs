@@ -44,32 +44,32 @@ impl Part<'_> {
     }
 }
 
-/// Where `found` is not line for line `planned`, but for angles of postures, comments, spaces and
+/// Where `actual` is not line for line `planned`, but for angles of postures, comments, spaces and
 /// numbers of lines: lines that are not those of the plan, and those that are missing.
 pub fn compare_statements(
     planned: &[ProgramFile],
-    found: &[ProgramFile],
+    actual: &[ProgramFile],
     language: Language,
     joints: usize,
 ) -> Vec<Difference> {
     let mut differences = Vec::new();
-    for own in planned {
+    for planned_file in planned {
         // Of KRL the two files are told apart by their extensions.
         let extension = |file: &ProgramFile| {
             let (_, extension) = file.name.rsplit_once('.').unwrap_or_default();
             extension.to_ascii_lowercase()
         };
-        let other = found.iter().find(|file| planned.len() == 1 || extension(file) == extension(own));
+        let other = actual.iter().find(|file| planned.len() == 1 || extension(file) == extension(planned_file));
         let Some(other) = other else {
             continue;
         };
-        let planned = statements(own, language.dialect(), joints);
-        let found = statements(other, language.dialect(), joints);
-        let (missing, other_lines) = unpaired(&planned, &found);
+        let planned = statements(planned_file, language.dialect(), joints);
+        let actual = statements(other, language.dialect(), joints);
+        let (missing, other_lines) = unpaired(&planned, &actual);
         differences.extend(other_lines.into_iter().map(|at| Difference::Line {
-            file: found[at].file.to_string(),
-            line: found[at].line,
-            text: found[at].text.trim().to_string(),
+            file: actual[at].file.to_string(),
+            line: actual[at].line,
+            text: actual[at].text.trim().to_string(),
         }));
         differences.extend(
             missing.into_iter().map(|at| Difference::MissingLine {
@@ -219,23 +219,23 @@ fn leave_out_angles(parts: &mut [Part<'_>], dialect: &Dialect, syntax: &Syntax, 
 
 /// The statements of both that have no partner in the other, in order: a shortest edit script (Myers
 /// 1986, doi:10.1007/BF01840446). All of them where it is longer than [`MOST_EDITS`].
-fn unpaired(planned: &[Statement<'_>], found: &[Statement<'_>]) -> (Vec<usize>, Vec<usize>) {
-    let (n, m) = (planned.len() as i32, found.len() as i32);
-    let same = |i: i32, j: i32| i < n && j < m && planned[i as usize].parts == found[j as usize].parts;
+fn unpaired(planned: &[Statement<'_>], actual: &[Statement<'_>]) -> (Vec<usize>, Vec<usize>) {
+    let (n, m) = (planned.len() as i32, actual.len() as i32);
+    let same = |i: i32, j: i32| i < n && j < m && planned[i as usize].parts == actual[j as usize].parts;
     // For each number of edits: how far into `planned` they lead on each diagonal, place in `planned`
-    // less place in `found`.
+    // less place in `actual`.
     let mut rounds: Vec<Vec<i32>> = Vec::new();
     let far = |rounds: &[Vec<i32>], edits: i32, diagonal: i32| {
         let at = usize::try_from(diagonal + edits).ok();
-        let found = at.and_then(|at| rounds[edits as usize].get(at));
-        found.copied().unwrap_or(NOWHERE)
+        let reached = at.and_then(|at| rounds[edits as usize].get(at));
+        reached.copied().unwrap_or(NOWHERE)
     };
-    // Where the last of some edits leads to on a diagonal: a line of `planned` passed, or one of `found`.
+    // Where the last of some edits leads to on a diagonal: a line of `planned` passed, or one of `actual`.
     let step = |rounds: &[Vec<i32>], edits: i32, diagonal: i32| {
         let planned_passed = far(rounds, edits - 1, diagonal - 1) + 1;
-        let found_passed = far(rounds, edits - 1, diagonal + 1);
-        let is_there = planned_passed <= n && planned_passed > found_passed;
-        if is_there || found_passed - diagonal > m { (planned_passed, true) } else { (found_passed, false) }
+        let actual_passed = far(rounds, edits - 1, diagonal + 1);
+        let is_there = planned_passed <= n && planned_passed > actual_passed;
+        if is_there || actual_passed - diagonal > m { (planned_passed, true) } else { (actual_passed, false) }
     };
     let mut edits = 0;
     loop {
@@ -258,23 +258,23 @@ fn unpaired(planned: &[Statement<'_>], found: &[Statement<'_>]) -> (Vec<usize>, 
             break;
         }
         if edits as usize == MOST_EDITS {
-            return ((0..planned.len()).collect(), (0..found.len()).collect());
+            return ((0..planned.len()).collect(), (0..actual.len()).collect());
         }
         edits += 1;
     }
-    let (mut of_planned, mut of_found) = (Vec::new(), Vec::new());
+    let (mut of_planned, mut of_actual) = (Vec::new(), Vec::new());
     let mut diagonal = n - m;
     while edits > 0 {
         let (i, is_planned) = step(&rounds, edits, diagonal);
         if is_planned {
             of_planned.push(i as usize - 1)
         } else {
-            of_found.push((i - diagonal) as usize - 1)
+            of_actual.push((i - diagonal) as usize - 1)
         }
         diagonal += if is_planned { -1 } else { 1 };
         edits -= 1;
     }
     of_planned.reverse();
-    of_found.reverse();
-    (of_planned, of_found)
+    of_actual.reverse();
+    (of_planned, of_actual)
 }

@@ -179,12 +179,12 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
             }
             Aim::Label(_, name) => {
                 // A pose that has a name.
-                let aim = reader.known(&name);
-                let given = match aim {
+                let aim = reader.aim_of(&name);
+                let factors = match aim {
                     Some(Aim::Pose(pose)) => vec![(**pose).clone()],
                     _ => Vec::new(),
                 };
-                reader.frames.insert(name.to_ascii_uppercase(), given);
+                reader.frames.insert(name.to_ascii_uppercase(), factors);
                 reader.takes(0, name, number);
             }
             _ => {}
@@ -224,15 +224,15 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
 fn feed(rest: &str) -> Option<f64> {
     let end = rest.find([')', '#']).unwrap_or(rest.len());
     let parts = rest[..end].split(',').map(str::trim).skip(1);
-    let mut given = [None; 3];
+    let mut parameters = [None; 3];
     for (at, part) in parts.enumerate() {
         let (name, value) = part.split_once('=').unwrap_or(("", part));
-        let named = ["a", "v", "t"].iter().position(|own| *own == name.trim());
-        if let Some(own) = given.get_mut(named.unwrap_or(at)).filter(|_| named.is_some() || name.is_empty()) {
-            *own = value.trim().parse::<f64>().ok();
+        let named = ["a", "v", "t"].iter().position(|key| *key == name.trim());
+        if let Some(number) = parameters.get_mut(named.unwrap_or(at)).filter(|_| named.is_some() || name.is_empty()) {
+            *number = value.trim().parse::<f64>().ok();
         }
     }
-    given[1].filter(|_| given[2].is_none_or(|time| time == 0.0))
+    parameters[1].filter(|_| parameters[2].is_none_or(|time| time == 0.0))
 }
 
 /// `name = p[…]`, with or without `global`.

@@ -40,7 +40,7 @@ pub fn filled(template: &str, words: &[(&str, &str)], lists: &[(&str, Vec<String
         words.iter().fold(line.to_string(), replaced)
     });
     let lines = lines.flat_map(|line| match lists.iter().find(|(place, _)| line.contains(place)) {
-        Some((place, list)) => list.iter().map(|own| line.replace(place, own)).collect(),
+        Some((place, list)) => list.iter().map(|list_line| line.replace(place, list_line)).collect(),
         None => vec![line],
     });
     let lines = numbered(lines.collect()).into_iter();

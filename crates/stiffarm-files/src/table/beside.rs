@@ -85,34 +85,37 @@ impl Beside {
             set: None,
         };
         match self {
-            Beside::Station => {
-                Facts { get: |given| given.station.map(Field::Name), ..facts(&["station"], Quantity::Name, "station") }
-            }
+            Beside::Station => Facts {
+                get: |contents| contents.station.map(Field::Name),
+                ..facts(&["station"], Quantity::Name, "station")
+            },
             Beside::Force => Facts {
                 of_displacements: true,
-                get: |given| given.wrench.map(|wrench| Field::Numbers(wrench.force)),
+                get: |contents| contents.wrench.map(|wrench| Field::Numbers(wrench.force)),
                 ..facts(&["fx", "fy", "fz"], Quantity::Force, "force")
             },
             Beside::Moment => Facts {
                 of_displacements: true,
-                get: |given| given.wrench.map(|wrench| Field::Numbers(wrench.moment)),
+                get: |contents| contents.wrench.map(|wrench| Field::Numbers(wrench.moment)),
                 ..facts(&["mx", "my", "mz"], Quantity::Moment, "moment")
             },
-            Beside::Load => Facts { get: |given| given.load.map(one), ..facts(&["load"], Quantity::Force, "load") },
+            Beside::Load => {
+                Facts { get: |contents| contents.load.map(one), ..facts(&["load"], Quantity::Force, "load") }
+            }
             Beside::Time => Facts {
                 of_displacements: true,
-                get: |given| given.time.or_else(|| given.reading?.time).map(one),
+                get: |contents| contents.time.or_else(|| contents.reading?.time).map(one),
                 set: Some(|reading, value| reading.time = Some(value.x)),
                 ..facts(&["time"], Quantity::Time, "time")
             },
             Beside::Expanded => Facts {
                 size: Some("An uncertainty"),
-                get: |given| given.reading?.expanded.map(Field::Numbers),
+                get: |contents| contents.reading?.expanded.map(Field::Numbers),
                 set: Some(|reading, value| reading.expanded = Some(value)),
                 ..facts(&["u95x", "u95y", "u95z"], Quantity::Length, "uncertainty")
             },
             Beside::Temperature => Facts {
-                get: |given| given.reading?.temperature.map(one),
+                get: |contents| contents.reading?.temperature.map(one),
                 set: Some(|reading, value| reading.temperature = Some(value.x)),
                 ..facts(&["temperature"], Quantity::Temperature, "temperature")
             },
@@ -133,8 +136,8 @@ impl Beside {
     /// What a column of this name without unit holds.
     pub(super) fn quantity_of(stem: &str) -> Option<Quantity> {
         let mut all = Beside::ALL.into_iter().map(Beside::facts);
-        let found = all.find(|facts| facts.stems.contains(&stem));
-        found.map(|facts| facts.quantity)
+        let matching = all.find(|facts| facts.stems.contains(&stem));
+        matching.map(|facts| facts.quantity)
     }
 
     /// What to do where some of its columns are missing.
@@ -154,21 +157,21 @@ impl Beside {
     }
 
     /// Whether a row says something of it.
-    pub(super) fn is_in(self, given: &Given<'_>) -> bool {
-        (self.facts().get)(given).is_some()
+    pub(super) fn is_in(self, contents: &Given<'_>) -> bool {
+        (self.facts().get)(contents).is_some()
     }
 
     /// What stands in its fields, empty where there is no value.
-    pub(super) fn texts(self, given: &Given<'_>) -> Vec<String> {
+    pub(super) fn texts(self, contents: &Given<'_>) -> Vec<String> {
         let facts = self.facts();
         let unit = facts.quantity.units().first();
         let text = |value: f64| unit.map_or(value, |unit| unit.shortest(value)).to_string();
-        match (facts.get)(given) {
+        match (facts.get)(contents) {
             None => vec![String::new(); facts.stems.len()],
             Some(Field::Name(name)) => vec![name.to_string()],
             Some(Field::Numbers(all)) => {
-                let own = all.iter().take(facts.stems.len());
-                own.map(|value| text(*value)).collect()
+                let components = all.iter().take(facts.stems.len());
+                components.map(|value| text(*value)).collect()
             }
         }
     }

@@ -83,7 +83,7 @@ pub fn write_clamped(clamped: &[ClampedPosture], robot: &Robot) -> String {
     let joints = robot.joint_count();
     let moves = clamped.iter().any(|c| c.fixture_motion.is_some());
     let mut heading: Vec<String> = ["posture", "state"].map(String::from).to_vec();
-    heading.extend(Beside::Force.known().iter().chain(&Beside::Moment.known()).map(Known::heading));
+    heading.extend(Beside::Force.definitions().iter().chain(&Beside::Moment.definitions()).map(Known::heading));
     heading.extend(differences(joints).iter().map(Known::heading));
     if moves {
         heading.extend(shift().iter().chain(&turn()).map(Known::heading));
@@ -123,24 +123,24 @@ struct Columns {
 impl Columns {
     fn of(table: &Table<'_>, cell: &Cell, has_postures: bool) -> Result<Self> {
         let joints = cell.setup.robot.joint_count();
-        let given: Vec<Known> = Known::angles(joints).collect();
-        let mut known = ["posture", "state"].map(Known::name).to_vec();
-        known.extend(Beside::Force.known());
-        known.extend(Beside::Moment.known());
-        known.extend(differences(joints));
-        known.extend(shift());
-        known.extend(turn());
-        known.extend(given.iter().cloned());
-        let found = table.check_heading(&known, joints)?;
+        let angle_columns: Vec<Known> = Known::angles(joints).collect();
+        let mut definitions = ["posture", "state"].map(Known::name).to_vec();
+        definitions.extend(Beside::Force.definitions());
+        definitions.extend(Beside::Moment.definitions());
+        definitions.extend(differences(joints));
+        definitions.extend(shift());
+        definitions.extend(turn());
+        definitions.extend(angle_columns.iter().cloned());
+        let heading = table.check_heading(&definitions, joints)?;
         let hint = "a table of clamped postures has the columns posture, state, fx_n, fy_n, fz_n, mx_nm, my_nm, \
                     mz_nm and dq1_deg … or q1_deg …";
         let both = "a fixture pushes and turns: give force and moment, three components each";
         let give = |what: &str| format!("give {what} of all {joints} joints, or none");
-        let differences = found.all_or_none(&differences(joints), &give("dq"))?;
+        let differences = heading.all_or_none(&differences(joints), &give("dq"))?;
         let moved = "give shift and turn of the clamp, three components each, or none";
         let moved_columns = [shift(), turn()].concat();
-        let motion = found.all_or_none(&moved_columns, moved)?;
-        let angles = found.all_or_none(&given, &give("the angles"))?;
+        let motion = heading.all_or_none(&moved_columns, moved)?;
+        let angles = heading.all_or_none(&angle_columns, &give("the angles"))?;
         if angles.is_none() && (differences.is_none() || !has_postures) {
             let message = "The table has no controller angles.";
             return Err(table.heading_error(None, Code::TableHeading, message).hint(format!(
@@ -149,10 +149,10 @@ impl Columns {
             )));
         }
         Ok(Columns {
-            posture: found.require(&Known::name("posture"), hint)?,
-            state: found.require(&Known::name("state"), hint)?,
-            force: found.all(&Beside::Force.known(), both)?,
-            moment: found.all(&Beside::Moment.known(), both)?,
+            posture: heading.require(&Known::name("posture"), hint)?,
+            state: heading.require(&Known::name("state"), hint)?,
+            force: heading.all(&Beside::Force.definitions(), both)?,
+            moment: heading.all(&Beside::Moment.definitions(), both)?,
             differences,
             shift: motion.as_ref().map(|columns| columns[..3].to_vec()),
             turn: motion.as_ref().map(|columns| columns[3..].to_vec()),
@@ -242,17 +242,17 @@ impl Reader<'_> {
             out.push(if preload.is_empty() {
                 self.against(loaded, &unloaded)?
             } else {
-                let mut own = self.against(loaded, &preload)?;
+                let mut clamped = self.against(loaded, &preload)?;
                 let [light, none] = [&preload, &unloaded].map(|states| mean_wrench(states));
                 let read = Wrench { force: light.force - none.force, moment: light.moment - none.moment };
                 // On the flange the weight of the tool is in it, unless it was read unloaded.
                 let on_flange = self.cell.sensor.as_ref().map(|s| s.mount) == Some(Mount::Flange);
                 let is_known = !on_flange || unloaded.iter().any(|state| state.wrench.is_some());
-                own.preload = Some(match is_known {
-                    true => self.on_robot(&own.posture.q, &read),
-                    false => own.wrench,
+                clamped.preload = Some(match is_known {
+                    true => self.on_robot(&clamped.posture.q, &read),
+                    false => clamped.wrench,
                 });
-                own
+                clamped
             });
         }
         if let (true, Some(first)) = (out.is_empty(), read.first()) {

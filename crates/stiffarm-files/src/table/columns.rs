@@ -29,7 +29,7 @@ pub(super) struct MeasurementColumns {
 impl MeasurementColumns {
     pub(super) fn of(table: &Table<'_>, cell: &Cell, values: Values, has_postures: bool) -> Result<Self> {
         let joints = cell.setup.robot.joint_count();
-        let found = table.check_heading(&values.known(joints), joints)?;
+        let heading = table.check_heading(&values.definitions(joints), joints)?;
         let fault = |column: Option<Column>, code: Code, message: &str, hint: &str| {
             let at = column.map(|column| column.at);
             Err(table.heading_error(at, code, message).hint(hint))
@@ -40,20 +40,20 @@ impl MeasurementColumns {
             }
             Values::Displacements => "a table of displacements has the columns posture, point, dx_mm, dy_mm, dz_mm",
         };
-        let hint = hint.to_string() + &unmatched(table, cell, &values.known(joints));
-        let posture = found.require(&Known::name("posture"), &hint)?;
+        let hint = hint.to_string() + &unmatched(table, cell, &values.definitions(joints));
+        let posture = heading.require(&Known::name("posture"), &hint)?;
         let state = match values {
-            Values::Positions => Some(found.require(&Known::name("state"), &hint)?),
-            Values::Displacements => found.get("state"),
+            Values::Positions => Some(heading.require(&Known::name("state"), &hint)?),
+            Values::Displacements => heading.get("state"),
         };
-        let point = found.require(&Known::name("point"), &hint)?;
-        let vector = found.all(&values.components(), &hint)?;
+        let point = heading.require(&Known::name("point"), &hint)?;
+        let vector = heading.all(&values.components(), &hint)?;
         let mut beside: BTreeMap<Beside, Vec<Column>> = BTreeMap::new();
-        for own in values.beside() {
-            let columns = found.all_or_none(&own.known(), &own.hint())?;
-            beside.extend(columns.map(|columns| (own, columns)));
+        for quantity in values.beside() {
+            let columns = heading.all_or_none(&quantity.definitions(), &quantity.hint())?;
+            beside.extend(columns.map(|columns| (quantity, columns)));
         }
-        let first = |own| beside.get(&own).and_then(|columns| columns.first().copied());
+        let first = |quantity| beside.get(&quantity).and_then(|columns| columns.first().copied());
         let force = first(Beside::Force);
         if force.is_none() && cell.setup.load == Load::Measured {
             let message = "The cell's load is measured, but the table has no forces.";
@@ -82,7 +82,7 @@ impl MeasurementColumns {
         }
         let angle_columns: Vec<Known> = Known::angles(joints).collect();
         let hint = format!("give the angles of all {joints} joints, or a posture file");
-        let angles = found.all_or_none(&angle_columns, &hint)?;
+        let angles = heading.all_or_none(&angle_columns, &hint)?;
         if angles.is_none() && !has_postures {
             let message = "The table has no controller angles.";
             let hint = format!("add q1_deg to q{joints}_deg, or give the posture file whose names the table uses");
@@ -92,18 +92,18 @@ impl MeasurementColumns {
     }
 
     /// The columns of a quantity; none where the table has not got it.
-    fn of_beside(&self, own: Beside) -> &[Column] {
-        self.beside.get(&own).map_or(&[], Vec::as_slice)
+    fn of_beside(&self, quantity: Beside) -> &[Column] {
+        self.beside.get(&quantity).map_or(&[], Vec::as_slice)
     }
 
     /// The column of a quantity that has one.
-    pub(super) fn only(&self, own: Beside) -> Option<Column> {
-        self.of_beside(own).first().copied()
+    pub(super) fn only(&self, quantity: Beside) -> Option<Column> {
+        self.of_beside(quantity).first().copied()
     }
 
     /// Which columns of force there are.
     pub(super) fn wrench_columns(&self) -> WrenchColumns {
-        match [Beside::Force, Beside::Moment].map(|own| self.only(own)) {
+        match [Beside::Force, Beside::Moment].map(|quantity| self.only(quantity)) {
             [None, _] => WrenchColumns::None,
             [Some(_), None] => WrenchColumns::Force,
             [Some(_), Some(_)] => WrenchColumns::ForceAndMoment,
@@ -156,7 +156,7 @@ impl MeasurementColumns {
     /// Refuses a row of a posture, `of`, that is read from another station than the row `first`, or a table that names
     /// the station of one and not of the other.
     pub(super) fn same_station(&self, table: &Table<'_>, [first, row]: [&Row<'_>; 2], of: Option<&str>) -> Result<()> {
-        let (Some(column), [before, own]) =
+        let (Some(column), [before, station]) =
             (self.only(Beside::Station), [self.station(table, first)?, self.station(table, row)?])
         else {
             return Ok(());
@@ -166,19 +166,19 @@ impl MeasurementColumns {
             None => "from no station".to_string(),
         };
         let (message, hint) = match of {
-            _ if before == own => return Ok(()),
-            Some(posture) if before.is_some() && own.is_some() => (
+            _ if before == station => return Ok(()),
+            Some(posture) if before.is_some() && station.is_some() => (
                 format!(
                     "Posture \"{posture}\" is read {} here and {} on line {}.",
-                    shown(&own),
+                    shown(&station),
                     shown(&before),
                     first.line
                 ),
                 "a displacement is the difference of two readings from one station: name the posture otherwise where it is read from another, with unloaded and loaded rows of its own",
             ),
-            None if before.is_some() == own.is_some() => return Ok(()),
+            None if before.is_some() == station.is_some() => return Ok(()),
             _ => (
-                format!("This row is read {}, line {} {}.", shown(&own), first.line, shown(&before)),
+                format!("This row is read {}, line {} {}.", shown(&station), first.line, shown(&before)),
                 "name the station of every posture, or leave the column out where the tracker stood in one place",
             ),
         };
@@ -193,15 +193,15 @@ impl MeasurementColumns {
 
     /// Takes what the row says beside its position into `reading`.
     pub(super) fn complete(&self, table: &Table<'_>, row: &Row, reading: &mut Reading) -> Result<()> {
-        for (own, columns) in &self.beside {
+        for (quantity, columns) in &self.beside {
             let is_blank = columns.iter().all(|column| table.is_blank(row, *column));
-            let Some(set) = own.setter().filter(|_| !is_blank) else {
+            let Some(set) = quantity.setter().filter(|_| !is_blank) else {
                 continue;
             };
             let value = table.vector(row, columns)?;
             let mut components = columns.iter().zip(&value);
             let wrong = components.find(|(_, component)| **component < 0.0);
-            if let (Some(size), Some((column, _))) = (own.size(), wrong) {
+            if let (Some(size), Some((column, _))) = (quantity.size(), wrong) {
                 let message = format!("{size} is not below zero.");
                 return Err(table.error(row, column.at, Code::InvalidValue, message));
             }
@@ -212,7 +212,7 @@ impl MeasurementColumns {
 
     /// Force and moment \[N, N·m\]; a moment without columns is zero.
     pub(super) fn wrench(&self, table: &Table<'_>, row: &Row) -> Result<Option<Wrench>> {
-        let [force, moment] = [Beside::Force, Beside::Moment].map(|own| self.of_beside(own));
+        let [force, moment] = [Beside::Force, Beside::Moment].map(|quantity| self.of_beside(quantity));
         if force.is_empty() {
             return Ok(None);
         }
@@ -221,13 +221,13 @@ impl MeasurementColumns {
 
     /// True where all fields of force and moment are empty.
     pub(super) fn has_no_wrench(&self, table: &Table<'_>, row: &Row) -> bool {
-        let own = [Beside::Force, Beside::Moment].map(|own| self.of_beside(own));
-        let mut columns = own.iter().flat_map(|columns| columns.iter());
+        let groups = [Beside::Force, Beside::Moment].map(|quantity| self.of_beside(quantity));
+        let mut columns = groups.iter().flat_map(|columns| columns.iter());
         columns.all(|column| table.is_blank(row, *column))
     }
 
     /// The row's own controller angles \[rad\], inside the machine's limits.
-    pub(super) fn own_angles(&self, table: &Table<'_>, row: &Row, cell: &Cell) -> Result<Option<Vec<f64>>> {
+    pub(super) fn row_angles(&self, table: &Table<'_>, row: &Row, cell: &Cell) -> Result<Option<Vec<f64>>> {
         let columns = self.angles.as_ref();
         columns.map(|columns| angles(table, row, columns, &cell.setup.robot)).transpose()
     }
@@ -259,8 +259,8 @@ impl MeasurementColumns {
         if let Some(point) = tool.point_index(name) {
             return Ok(point);
         }
-        let own = tool.measuring_points.iter().map(|p| p.name.as_str());
-        let names: Vec<&str> = own.chain(also.iter().copied()).collect();
+        let point_names = tool.measuring_points.iter().map(|p| p.name.as_str());
+        let names: Vec<&str> = point_names.chain(also.iter().copied()).collect();
         let message = format!("The cell has no measuring point \"{name}\".");
         let hint = did_you_mean(name, names.iter().copied())
             .unwrap_or_else(|| format!("measuring points: {}", names.join(", ")));
@@ -271,10 +271,10 @@ impl MeasurementColumns {
     /// The first column in which two rows of one posture and state differ.
     pub(super) fn contradiction(&self, table: &Table<'_>, first: &Row, row: &Row) -> Error {
         let angles = self.angles.iter().flatten();
-        let given = [Beside::Force, Beside::Moment, Beside::Load];
-        let given = angles.chain(given.iter().flat_map(|own| self.of_beside(*own)));
+        let quantities = [Beside::Force, Beside::Moment, Beside::Load];
+        let columns = angles.chain(quantities.iter().flat_map(|quantity| self.of_beside(*quantity)));
         let differs = |column: &Column| table.number(first, *column).ok() != table.number(row, *column).ok();
-        let column = given.copied().find(differs).unwrap_or(self.posture);
+        let column = columns.copied().find(differs).unwrap_or(self.posture);
         let shown = |row: &Row| match row.fields[column.at].text.as_str() {
             "" => "An empty field".to_string(),
             text => text.to_string(),
@@ -292,10 +292,10 @@ impl MeasurementColumns {
 }
 
 /// Says which of the cell's foreign headings the table has not, for hints.
-fn unmatched(table: &Table<'_>, cell: &Cell, known: &[Known]) -> String {
+fn unmatched(table: &Table<'_>, cell: &Cell, definitions: &[Known]) -> String {
     let missing = |ours: &String| {
         // A path has columns that measurements have not.
-        known.iter().any(|k| k.headings().any(|heading| heading == *ours))
+        definitions.iter().any(|k| k.headings().any(|heading| heading == *ours))
             && table.headings.iter().all(|heading| heading.name != *ours)
     };
     let names = cell.columns.names.iter();

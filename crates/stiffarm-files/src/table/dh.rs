@@ -33,12 +33,12 @@ pub fn read_dh_rows(bytes: &[u8], file_name: &str, name: &str, convention: DhCon
     ];
     let limits = ["low", "high"].map(|stem| Known::of(stem, Quantity::Angle, "limits"));
     let sign = Known::of("sign", Quantity::Number, "sign");
-    let known = [std::slice::from_ref(&joint), &numbers, &limits, std::slice::from_ref(&sign)].concat();
-    let found = table.check_heading(&known, 0)?;
-    let joint = found.require(&joint, HINT)?;
-    let numbers = numbers.iter().map(|known| found.require(known, HINT));
+    let definitions = [std::slice::from_ref(&joint), &numbers, &limits, std::slice::from_ref(&sign)].concat();
+    let heading = table.check_heading(&definitions, 0)?;
+    let joint = heading.require(&joint, HINT)?;
+    let numbers = numbers.iter().map(|definition| heading.require(definition, HINT));
     let numbers = numbers.collect::<Result<Vec<_>>>()?;
-    let with_limits = found.all_or_none(&limits, "give both limits, or none")?;
+    let with_limits = heading.all_or_none(&limits, "give both limits, or none")?;
     let mut robot = DhRobot {
         name: name.to_string(),
         convention,
@@ -79,7 +79,7 @@ pub fn read_dh_rows(bytes: &[u8], file_name: &str, name: &str, convention: DhCon
             }
             limits.push([low, high]);
         }
-        signs.push(read_sign(&table, &found, &sign, row)?);
+        signs.push(read_sign(&table, &heading, &sign, row)?);
     }
     robot.coupling = DMatrix::from_diagonal(&DVector::from_vec(signs));
     match other_convention(convention, &robot.rows) {
@@ -100,16 +100,16 @@ fn on_one_line(convention: DhConvention, rows: &[DhRow]) -> Option<usize> {
 }
 
 /// The refusal of rows that have two axes on one line in this convention, and none in the other.
-pub(crate) fn other_convention(own: DhConvention, rows: &[DhRow]) -> Option<Error> {
-    let at = on_one_line(own, rows)?;
-    let other = own.other();
+pub(crate) fn other_convention(convention: DhConvention, rows: &[DhRow]) -> Option<Error> {
+    let at = on_one_line(convention, rows)?;
+    let other = convention.other();
     if rows.len() < 3 || on_one_line(other, rows).is_some() {
         return None;
     }
     let name = other.name();
     let message = format!(
         "Read as {} rows, axes {} and {} lie on one line, which no arm has; read as {name} rows no two do.",
-        own.name(),
+        convention.name(),
         at + 1,
         at + 2,
     );
@@ -120,8 +120,8 @@ pub(crate) fn other_convention(own: DhConvention, rows: &[DhRow]) -> Option<Erro
 }
 
 /// 1 or −1; 1 without a column.
-fn read_sign(table: &Table<'_>, found: &Found<'_, '_>, known: &Known, row: &Row) -> Result<f64> {
-    let Some(column) = found.of(known) else {
+fn read_sign(table: &Table<'_>, heading: &Found<'_, '_>, definition: &Known, row: &Row) -> Result<f64> {
+    let Some(column) = heading.of(definition) else {
         return Ok(1.0);
     };
     let sign = table.number(row, column)?;

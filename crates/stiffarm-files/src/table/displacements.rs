@@ -106,13 +106,13 @@ fn agreed_angles(
     cell: &Cell,
     plan: Option<&Plan<'_>>,
 ) -> Result<Vec<f64>> {
-    let own = columns.own_angles(table, row, cell)?;
+    let row_angles = columns.row_angles(table, row, cell)?;
     let planned = columns.planned(table, row, plan)?;
-    let (Some(own), Some(planned)) = (&own, planned) else {
-        return Ok(own.or_else(|| Some(planned?.q.clone())).unwrap_or_default());
+    let (Some(row_angles), Some(planned)) = (&row_angles, planned) else {
+        return Ok(row_angles.or_else(|| Some(planned?.q.clone())).unwrap_or_default());
     };
     let angle_columns = columns.angles.iter().flatten();
-    for ((a, b), column) in own.iter().zip(&planned.q).zip(angle_columns) {
+    for ((a, b), column) in row_angles.iter().zip(&planned.q).zip(angle_columns) {
         if rad_to_deg((a - b).abs()) > ANGLE_TOLERANCE_DEG {
             let message = format!(
                 "The angle {}° differs from that of the posture file, {}°.",
@@ -123,5 +123,5 @@ fn agreed_angles(
             return Err(error.hint("leave out the posture file to use the angles of this table"));
         }
     }
-    Ok(own.clone())
+    Ok(row_angles.clone())
 }

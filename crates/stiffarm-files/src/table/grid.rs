@@ -100,8 +100,8 @@ impl<'a> Table<'a> {
         let headings: Vec<Heading> = (0..width)
             .map(|at| {
                 let field = heading.fields.get(at).unwrap_or(&none);
-                let given = normal(&field.text);
-                let same = |other: &String| normal(other) == given;
+                let heading_name = normal(&field.text);
+                let same = |other: &String| normal(other) == heading_name;
                 let ours = foreign.names.iter().find(|(_, theirs)| same(theirs));
                 let ours = ours.map(|(ours, _)| ours.clone());
                 let name = || foreign.name.as_ref().filter(|n| same(n)).map(|_| NAME.into());
@@ -109,12 +109,12 @@ impl<'a> Table<'a> {
                 Heading {
                     ignored: foreign.ignore.iter().any(same)
                         || by_place.contains(&at)
-                        || (given.is_empty() && !filled[at]),
+                        || (heading_name.is_empty() && !filled[at]),
                     name: ours
                         .or_else(name)
                         .or_else(date)
-                        .or_else(|| own_unit(&given))
-                        .unwrap_or_else(|| given.clone()),
+                        .or_else(|| own_unit(&heading_name))
+                        .unwrap_or_else(|| heading_name.clone()),
                     shown: field.text.to_string(),
                     column: field.column as usize,
                 }
@@ -174,8 +174,8 @@ impl<'a> Table<'a> {
     }
 
     pub(super) fn check_length(&self, row: &Row) -> Result<()> {
-        let (found, expected) = (row.fields.len(), self.headings.len());
-        if found == expected {
+        let (field_count, expected) = (row.fields.len(), self.headings.len());
+        if field_count == expected {
             return Ok(());
         }
         if self.style == Style::Sheet {
@@ -189,19 +189,20 @@ impl<'a> Table<'a> {
                 .line(row.line, held.map(|field| field.column as usize))
                 .hint("give its column a heading, or empty the cell"));
         }
-        let comma = (self.style == Style::Commas && found > expected).then(|| self.decimal_comma(row.fields)).flatten();
+        let comma =
+            (self.style == Style::Commas && field_count > expected).then(|| self.decimal_comma(row.fields)).flatten();
         if let Some(at) = comma {
             let (whole, fraction) = (&row.fields[at].text, &row.fields[at + 1].text);
             let message = format!(
                 "A comma seems to stand for the decimal point ({whole},{fraction}): \
-                 the row has {found} fields, the heading {expected}."
+                 the row has {field_count} fields, the heading {expected}."
             );
             return Err(Error::new(Code::DecimalComma, message)
                 .file(self.file(row))
                 .line(row.line, Some(row.fields[at].column as usize))
                 .hint(format!("write {whole}.{fraction}, or separate the columns with semicolons")));
         }
-        let message = format!("Fields in this row: {found}; columns in the heading: {expected}.");
+        let message = format!("Fields in this row: {field_count}; columns in the heading: {expected}.");
         let error = Error::new(Code::TableRow, message).file(self.file(row)).line(row.line, None);
         Err(if row.open_quote {
             error.hint("a quotation mark is not closed on this line")
@@ -243,8 +244,8 @@ impl<'a> Table<'a> {
 
     /// The error with what a reader should know whose heading is none of a table.
     pub(super) fn with_aside(&self, error: Error) -> Error {
-        let own = ["posture", "point", "q1_deg", "x_mm"];
-        let usable = |heading: &Heading| own.contains(&heading.name.as_str());
+        let our_names = ["posture", "point", "q1_deg", "x_mm"];
+        let usable = |heading: &Heading| our_names.contains(&heading.name.as_str());
         match (&self.aside, error.code()) {
             (Some(aside), Code::TableHeading) if !self.headings.iter().any(usable) => {
                 let hint = error.hint_text().map(|hint| format!("{hint}; "));

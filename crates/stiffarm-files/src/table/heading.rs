@@ -52,7 +52,7 @@ impl Known {
     }
 
     /// True for forces, moments and angles, whose names other programs have as well as ours.
-    fn is_told_by_name(&self) -> bool {
+    fn has_common_name(&self) -> bool {
         [Quantity::Force, Quantity::Moment, Quantity::Angle].contains(&self.quantity)
     }
 
@@ -71,7 +71,7 @@ impl Known {
 
 impl Beside {
     /// Its columns.
-    pub(super) fn known(self) -> Vec<Known> {
+    pub(super) fn definitions(self) -> Vec<Known> {
         let (stems, quantity, group) = self.columns();
         let stems = stems.iter();
         stems.map(|stem| Known::of(*stem, quantity, group)).collect()
@@ -87,7 +87,7 @@ pub(super) struct Found<'t, 'a> {
 
 impl<'a> Table<'a> {
     /// Checks that each column is known, stands once, and has the unit of its group.
-    pub(super) fn check_heading(&self, known: &[Known], joints: usize) -> Result<Found<'_, 'a>> {
+    pub(super) fn check_heading(&self, definitions: &[Known], joints: usize) -> Result<Found<'_, 'a>> {
         let numeric = |text: &str| text.replacen(',', ".", 1).parse::<f64>().is_ok();
         let (first, rest) = (self.headings.first(), self.headings.get(1..).unwrap_or(&[]));
         let all = first.is_some() && !rest.is_empty() && rest.iter().all(|h| numeric(&h.name));
@@ -95,8 +95,8 @@ impl<'a> Table<'a> {
         let words = self.headings.iter().flat_map(|h| h.name.split_whitespace());
         if all || words.filter(|word| numeric(word)).count() >= 3 {
             let message = "The first line holds numbers; it must name the columns.";
-            let mut hint = format!("columns: {}", list(known, ","));
-            if is_foreign(known) {
+            let mut hint = format!("columns: {}", list(definitions, ","));
+            if is_foreign(definitions) {
                 hint += "; or say in [columns] of the cell file what the columns are, for example order = [\"name\", \"x_mm\", \"y_mm\", \"z_mm\"], or which software wrote them, for example profile = \"spatialanalyzer\"";
             }
             return Err(self.heading_error(None, Code::TableHeading, message).hint(hint));
@@ -111,13 +111,13 @@ impl<'a> Table<'a> {
                 let message = "A column has no name.";
                 let error = self.heading_error(Some(at), Code::TableHeading, message);
                 let hint = "give it a heading; where columns without one do not matter, write ignore = [\"\"] into [columns] of the cell file";
-                let error = error.hint_if(is_foreign(known).then(|| hint.to_string()));
-                return Err(self.two_rows(known).unwrap_or(error));
+                let error = error.hint_if(is_foreign(definitions).then(|| hint.to_string()));
+                return Err(self.two_rows(definitions).unwrap_or(error));
             }
-            let found = known.iter().find_map(|k| k.column(&heading.name, at).map(|column| (k, column)));
-            let Some((k, column)) = found else {
-                let two_rows = self.two_rows(known);
-                return Err(two_rows.unwrap_or_else(|| self.unknown_column(at, known, joints)));
+            let matching = definitions.iter().find_map(|k| k.column(&heading.name, at).map(|column| (k, column)));
+            let Some((k, column)) = matching else {
+                let two_rows = self.two_rows(definitions);
+                return Err(two_rows.unwrap_or_else(|| self.unknown_column(at, definitions, joints)));
             };
             if let Some(first) = columns.insert(k.stem.clone(), column) {
                 return Err(self.twice(first, column));
@@ -135,15 +135,15 @@ impl<'a> Table<'a> {
     }
 
     /// The error of a heading of two rows, `position [mm]` above x, y and z, where it is one.
-    fn two_rows(&self, known: &[Known]) -> Option<Error> {
+    fn two_rows(&self, definitions: &[Known]) -> Option<Error> {
         let below = (self.rows.len() > 1).then(|| self.rows.at(1))?;
-        let is_known = |name: &String| known.iter().any(|k| k.column(name, 0).is_some());
-        let (mut names, mut found) = (Vec::new(), 0);
+        let is_known = |name: &String| definitions.iter().any(|k| k.column(name, 0).is_some());
+        let (mut names, mut understood) = (Vec::new(), 0);
         let mut group = "";
         for (at, field) in below.fields.iter().enumerate() {
             let above = self.headings.get(at);
-            if let Some(own) = above.filter(|heading| is_known(&heading.name)) {
-                names.push(own.name.clone());
+            if let Some(heading) = above.filter(|heading| is_known(&heading.name)) {
+                names.push(heading.name.clone());
                 continue;
             }
             let shown = above.map_or("", |heading| heading.shown.as_str());
@@ -154,16 +154,16 @@ impl<'a> Table<'a> {
             let unit = unit.trim_end_matches([']', ')']);
             let below = field.text.trim_matches(['[', ']', '(', ')']);
             let with_unit = [name.clone(), format!("{name} [{unit}]"), format!("{shown} [{below}]")];
-            let own = with_unit.iter().filter_map(|n| own_unit(&normal(n)));
-            let bare = known.iter().find(|k| k.stem == name);
-            let own = [name.clone()].into_iter().chain(own).find(is_known);
-            let own = own.or_else(|| bare.map(Known::heading));
-            found += usize::from(own.is_some());
+            let headings = with_unit.iter().filter_map(|n| own_unit(&normal(n)));
+            let bare = definitions.iter().find(|k| k.stem == name);
+            let heading = [name.clone()].into_iter().chain(headings).find(is_known);
+            let heading = heading.or_else(|| bare.map(Known::heading));
+            understood += usize::from(heading.is_some());
             // What is not understood keeps its place.
-            names.push(own.unwrap_or_else(|| [shown, &field.text].join(" ").trim().to_string()));
+            names.push(heading.unwrap_or_else(|| [shown, &field.text].join(" ").trim().to_string()));
         }
         let error = self.heading_error(None, Code::TableHeading, "The heading has two rows; that of a table has one.");
-        (found >= 2).then(|| error.hint(format!("write one row: {}", names.join(","))))
+        (understood >= 2).then(|| error.hint(format!("write one row: {}", names.join(","))))
     }
 
     fn twice(&self, first: Column, second: Column) -> Error {
@@ -177,7 +177,7 @@ impl<'a> Table<'a> {
         self.heading_error(Some(second.at), Code::Conflict, message).hint("keep one of them")
     }
 
-    fn unknown_column(&self, column: usize, known: &[Known], joints: usize) -> Error {
+    fn unknown_column(&self, column: usize, definitions: &[Known], joints: usize) -> Error {
         let name = self.headings[column].name.as_str();
         let error = self.heading_error(Some(column), Code::TableHeading, "The table has no column of this name.");
         if self.headings.len() == 1 {
@@ -185,7 +185,7 @@ impl<'a> Table<'a> {
             let shown = &self.headings[0].shown;
             let mut signs = ["//", "%", "!", "*"].into_iter();
             let sign = signs.find(|sign| shown.starts_with(sign));
-            return error.hint(match (is_foreign(known), sign) {
+            return error.hint(match (is_foreign(definitions), sign) {
                 (true, Some(sign)) => {
                     format!("where such lines are remarks, write comment = \"{sign}\" into [columns] of the cell file")
                 }
@@ -195,8 +195,8 @@ impl<'a> Table<'a> {
                 _ => hint,
             });
         }
-        let is_known = |name: &str| known.iter().any(|k| k.column(name, 0).is_some());
-        let foreign = is_foreign(known);
+        let is_known = |name: &str| definitions.iter().any(|k| k.column(name, 0).is_some());
+        let foreign = is_foreign(definitions);
         if let Some(hint) = counts(&self.headings[column..=column]).filter(|_| foreign) {
             return error.hint(hint);
         }
@@ -210,36 +210,36 @@ impl<'a> Table<'a> {
         });
         // A heading of ours with a unit of its own is a matter of that unit.
         let has_unit = |k: &Known| k.stem == stem(name) && !k.quantity.units().is_empty();
-        let own = known.iter().any(has_unit) && stem(name) != name;
+        let unit_is_wrong = definitions.iter().any(has_unit) && stem(name) != name;
         // Names of ours without their unit are a matter of that unit, too.
-        let bare = |name: &str| known.iter().any(|k| k.stem == name && k.is_told_by_name());
+        let bare = |name: &str| definitions.iter().any(|k| k.stem == name && k.has_common_name());
         let mut theirs = self.headings.iter().map(|heading| heading.name.as_str());
-        let own = own || theirs.all(|name| is_known(name) || bare(name));
-        if let Some(hint) = suggested.clone().filter(|_| others > 1 && !own) {
+        let unit_is_wrong = unit_is_wrong || theirs.all(|name| is_known(name) || bare(name));
+        if let Some(hint) = suggested.clone().filter(|_| others > 1 && !unit_is_wrong) {
             return error.hint(hint);
         }
         if let Some((joint, unit)) = joint_number(name).filter(|_| joints > 0) {
-            let own = known.iter().find(|k| k.stem == format!("q{joint}"));
-            return error.hint(match own {
-                Some(own) => rename(unit, own),
+            let definition = definitions.iter().find(|k| k.stem == format!("q{joint}"));
+            return error.hint(match definition {
+                Some(definition) => rename(unit, definition),
                 None => format!("the robot has {joints} joints"),
             });
         }
-        if let Some(same) = known.iter().find(|k| k.stem == stem(name)) {
+        if let Some(same) = definitions.iter().find(|k| k.stem == stem(name)) {
             return error.hint(rename(&name[stem(name).len()..], same));
         }
         let without_unit = |k: &&Known| {
             let rest = name.strip_prefix(k.stem.as_str());
             k.quantity == Quantity::Number && rest.is_some_and(|rest| rest.starts_with('_'))
         };
-        if let Some(same) = known.iter().find(without_unit) {
+        if let Some(same) = definitions.iter().find(without_unit) {
             return error.hint(format!("it has no unit: name the column {}", same.stem));
         }
-        let names: Vec<String> = known.iter().flat_map(Known::headings).collect();
+        let names: Vec<String> = definitions.iter().flat_map(Known::headings).collect();
         let theirs = self.foreign.iter().map(String::as_str);
         let nearest = did_you_mean(name, names.iter().map(String::as_str).chain(theirs));
         error.hint(nearest.or(suggested).unwrap_or_else(|| {
-            let mut hint = format!("known columns: {}", list(known, ", "));
+            let mut hint = format!("known columns: {}", list(definitions, ", "));
             if foreign {
                 hint += "; [columns] in the cell file maps other headings to these, or ignores them";
             }
@@ -254,22 +254,22 @@ impl Found<'_, '_> {
         self.columns.get(stem).copied()
     }
 
-    /// The column of `known`.
-    pub(super) fn of(&self, known: &Known) -> Option<Column> {
-        self.get(&known.stem)
+    /// The column of `definition`.
+    pub(super) fn of(&self, definition: &Known) -> Option<Column> {
+        self.get(&definition.stem)
     }
 
     /// A column that must be there.
-    pub(super) fn require(&self, known: &Known, hint: &str) -> Result<Column> {
-        self.get(&known.stem).ok_or_else(|| {
-            let message = format!("The column {} is missing.", known.heading());
+    pub(super) fn require(&self, definition: &Known, hint: &str) -> Result<Column> {
+        self.get(&definition.stem).ok_or_else(|| {
+            let message = format!("The column {} is missing.", definition.heading());
             self.table.heading_error(None, Code::TableHeading, message).hint(hint)
         })
     }
 
     /// Columns that are there together or not at all.
     pub(super) fn all_or_none(&self, group: &[Known], hint: &str) -> Result<Option<Vec<Column>>> {
-        if group.iter().all(|known| self.get(&known.stem).is_none()) {
+        if group.iter().all(|definition| self.get(&definition.stem).is_none()) {
             return Ok(None);
         }
         self.all(group, hint).map(Some)
@@ -277,12 +277,12 @@ impl Found<'_, '_> {
 
     /// Columns that must be there together.
     pub(super) fn all(&self, group: &[Known], hint: &str) -> Result<Vec<Column>> {
-        let unit = group.iter().find_map(|known| self.get(&known.stem)?.unit);
-        let columns = group.iter().map(|known| {
-            self.require(known, hint).map_err(|error| match unit {
+        let unit = group.iter().find_map(|definition| self.get(&definition.stem)?.unit);
+        let columns = group.iter().map(|definition| {
+            self.require(definition, hint).map_err(|error| match unit {
                 // The one that is missing has the unit of those that are there.
                 Some(unit) => {
-                    let message = format!("The column {}_{} is missing.", known.stem, unit.suffix);
+                    let message = format!("The column {}_{} is missing.", definition.stem, unit.suffix);
                     let error = self.table.heading_error(None, Code::TableHeading, message);
                     error.hint(hint)
                 }
@@ -294,13 +294,13 @@ impl Found<'_, '_> {
 }
 
 /// True for the columns of measurements and paths, which alone come from another software.
-fn is_foreign(known: &[Known]) -> bool {
-    known.iter().any(|k| k.stem == "point")
+fn is_foreign(definitions: &[Known]) -> bool {
+    definitions.iter().any(|k| k.stem == "point")
 }
 
 /// The known headings in their usual units.
-fn list(known: &[Known], separator: &str) -> String {
-    let names: Vec<String> = known.iter().map(Known::heading).collect();
+fn list(definitions: &[Known], separator: &str) -> String {
+    let names: Vec<String> = definitions.iter().map(Known::heading).collect();
     names.join(separator)
 }
 
@@ -309,20 +309,24 @@ pub(super) fn stem(name: &str) -> &str {
     name.split(|c: char| !c.is_alphanumeric()).next().unwrap_or(name)
 }
 
-/// What to do with a column that is `known` but whose unit is written as `unit`.
-fn rename(unit: &str, known: &Known) -> String {
+/// What to do with the column of `definition` whose unit is written as `unit`.
+fn rename(unit: &str, definition: &Known) -> String {
     let letters: String = unit.chars().filter(|c| c.is_alphanumeric()).collect();
-    let headings: Vec<String> = known.headings().collect();
-    let suffixes: Vec<&str> = known.quantity.units().iter().map(|u| u.suffix).collect();
-    let plural = known.quantity.plural();
+    let headings: Vec<String> = definition.headings().collect();
+    let suffixes: Vec<&str> = definition.quantity.units().iter().map(|u| u.suffix).collect();
+    let plural = definition.quantity.plural();
     if let Some(at) = suffixes.iter().position(|suffix| *suffix == letters) {
         format!("name the column {}", headings[at])
-    } else if known.quantity.units().is_empty() {
-        format!("name the column {}", known.heading())
+    } else if definition.quantity.units().is_empty() {
+        format!("name the column {}", definition.heading())
     } else if letters.is_empty() {
         format!("{plural} carry their unit: name the column {}", or(&headings))
     } else {
-        format!("units of {plural} are {}: convert the values, and name the column {}", or(&suffixes), known.heading())
+        format!(
+            "units of {plural} are {}: convert the values, and name the column {}",
+            or(&suffixes),
+            definition.heading()
+        )
     }
 }
 
@@ -339,20 +343,20 @@ fn or<S: AsRef<str>>(names: &[S]) -> String {
 ///
 /// # Errors
 /// A name that no known column has, with the nearest, among `also`, too, as a hint.
-pub(super) fn find_heading(name: &str, known: &[Known], joints: usize, also: &str) -> Result<String> {
+pub(super) fn find_heading(name: &str, definitions: &[Known], joints: usize, also: &str) -> Result<String> {
     let heading = normal(name);
-    if known.iter().any(|k| k.column(&heading, 0).is_some()) {
+    if definitions.iter().any(|k| k.column(&heading, 0).is_some()) {
         return Ok(heading);
     }
-    let names: Vec<String> = known.iter().flat_map(Known::headings).collect();
-    let same = known.iter().find(|k| k.stem == stem(&heading));
+    let names: Vec<String> = definitions.iter().flat_map(Known::headings).collect();
+    let same = definitions.iter().find(|k| k.stem == stem(&heading));
     let hint = match (same, joint_number(&heading)) {
         (Some(same), _) => format!("write {}", or(&same.headings().collect::<Vec<_>>())),
         (None, Some((joint, _))) if !(1..=joints).contains(&joint) => {
             format!("the robot has {joints} joints")
         }
         _ => did_you_mean(&heading, names.iter().map(String::as_str).chain([also]))
-            .unwrap_or_else(|| format!("columns: {}", list(known, ", "))),
+            .unwrap_or_else(|| format!("columns: {}", list(definitions, ", "))),
     };
     let message = format!("No table of measurements or of a path has a column \"{name}\".");
     Err(Error::new(Code::UnknownKey, message).hint(hint))

@@ -32,7 +32,7 @@ fn is_known(field: &str, foreign: &Columns) -> bool {
         return false;
     }
     // A number is the place of a column.
-    let is_name = |own: &&String| own.parse::<usize>().is_err();
+    let is_name = |ignored: &&String| ignored.parse::<usize>().is_err();
     let theirs = foreign.ignore.iter().filter(is_name);
     let theirs = foreign.names.values().chain(theirs);
     let mut theirs = theirs.chain(&foreign.name).chain(&foreign.date);
@@ -45,7 +45,7 @@ fn is_own(name: &str) -> bool {
     match quantity(base) {
         Some(quantity) => match quantity.units() {
             [] => unit.is_empty(),
-            units => units.iter().any(|own| own.suffix == unit),
+            units => units.iter().any(|allowed| allowed.suffix == unit),
         },
         None => base == NAME || base == DATE,
     }
@@ -84,8 +84,8 @@ pub(super) fn own_unit(name: &str) -> Option<String> {
         "°" => "deg".to_string(),
         unit => unit.replace(['·', '*', ' ', '°', '-'], "").replace('/', "_per_").to_lowercase(),
     };
-    let known = quantity(base)?.units().iter().any(|own| own.suffix == unit);
-    known.then(|| format!("{base}_{unit}"))
+    let is_unit = quantity(base)?.units().iter().any(|allowed| allowed.suffix == unit);
+    is_unit.then(|| format!("{base}_{unit}"))
 }
 
 /// The columns with which a sheet of our own begins; the last three have a unit.
@@ -106,17 +106,17 @@ where
     let is_sheet = |row: &Vec<String>| {
         let mut pairs = row.iter().zip(OWN_SHEET);
         row.len() == OWN_SHEET.len()
-            && pairs.all(|(name, own)| {
-                is_own(name) && (name == own || name.strip_prefix(own).is_some_and(|u| u.starts_with('_')))
+            && pairs.all(|(name, stem)| {
+                is_own(name) && (name == stem || name.strip_prefix(stem).is_some_and(|u| u.starts_with('_')))
             })
     };
     let heading = rows.map(names).find(is_sheet)?;
     let is_ours = |theirs: &String| heading.contains(&normal(theirs));
-    let mut own = foreign.clone();
-    own.ignore.retain(|theirs| !is_ours(theirs) && place_of(theirs).is_none());
-    own.names.retain(|_, theirs| !is_ours(theirs));
-    own.name.take_if(|theirs| is_ours(theirs));
-    own.date.take_if(|theirs| is_ours(theirs));
-    own.separator = None;
-    Some(own)
+    let mut columns = foreign.clone();
+    columns.ignore.retain(|theirs| !is_ours(theirs) && place_of(theirs).is_none());
+    columns.names.retain(|_, theirs| !is_ours(theirs));
+    columns.name.take_if(|theirs| is_ours(theirs));
+    columns.date.take_if(|theirs| is_ours(theirs));
+    columns.separator = None;
+    Some(columns)
 }

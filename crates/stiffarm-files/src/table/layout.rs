@@ -28,14 +28,14 @@ impl Layout {
     pub(super) fn heading(&self, cell: &Cell) -> Vec<String> {
         let names = ["posture", "state", "point"].map(Known::name);
         let lengths = self.values.components();
-        let beside = self.beside.iter().flat_map(|beside| beside.known());
-        let known = names.into_iter().chain(lengths).chain(beside);
+        let beside = self.beside.iter().flat_map(|beside| beside.definitions());
+        let definitions = names.into_iter().chain(lengths).chain(beside);
         let angles = angle_names(cell.setup.robot.joint_count());
-        known.map(|known| known.heading()).chain(angles).collect()
+        definitions.map(|definition| definition.heading()).chain(angles).collect()
     }
 
     /// The fields between lengths and angles, empty where there is no value.
-    pub(super) fn fields(&self, given: &Given<'_>) -> impl Iterator<Item = String> {
-        self.beside.iter().flat_map(|beside| beside.texts(given))
+    pub(super) fn fields(&self, contents: &Given<'_>) -> impl Iterator<Item = String> {
+        self.beside.iter().flat_map(|beside| beside.texts(contents))
     }
 }

@@ -17,28 +17,28 @@ pub(super) fn planned(states: &[String], load: &Load) -> Vec<Option<f64>> {
 }
 
 fn planned_load(state: &str, states: &[String], load: &Load) -> Option<f64> {
-    let (own, rest) = own_load(state, load)?;
-    let size = own.size()?;
+    let (state_load, rest) = load_of(state, load)?;
+    let size = state_load.size()?;
     let alone = || {
         let mut others = states.iter().filter(|s| Role::of(s) == Role::Loaded);
         Role::of(state) == Role::Loaded
-            && others.all(|s| s == state || !own_load(s, load).is_some_and(|(of, _)| std::ptr::eq(of, own)))
+            && others.all(|s| s == state || !load_of(s, load).is_some_and(|(of, _)| std::ptr::eq(of, state_load)))
     };
     match number(rest, size) {
         Number::None if alone() => Some(size),
-        found => found.force(size),
+        digits => digits.force(size),
     }
 }
 
 /// The force that the name of a state says \[N\], where it is one that the cell's load can have.
 pub(super) fn named(state: &str, load: &Load) -> Option<f64> {
-    let (own, rest) = own_load(state, load)?;
-    let size = own.size()?;
+    let (state_load, rest) = load_of(state, load)?;
+    let size = state_load.size()?;
     number(rest, size).force(size)
 }
 
 /// The load that a state is under, and what its name says beside the load's own name.
-fn own_load<'s, 'l>(state: &'s str, load: &'l Load) -> Option<(&'l Load, &'s str)> {
+fn load_of<'s, 'l>(state: &'s str, load: &'l Load) -> Option<(&'l Load, &'s str)> {
     if Role::of(state) == Role::Unloaded {
         return None;
     }

@@ -21,16 +21,16 @@ pub fn read_log(bytes: &[u8], file_name: &str, cell: &Cell, axes: Option<ForceAx
 }
 
 fn read(table: &Table<'_>, axes: Option<ForceAxes>) -> Result<LoadLog> {
-    let mut known = vec![
+    let mut definitions = vec![
         Known::of("along", Quantity::Length, "along"),
         Known::of("time", Quantity::Time, "time"),
         Known::of("power", Quantity::Power, "power"),
     ];
-    known.extend(Beside::Force.known());
-    known.extend(Beside::Moment.known());
-    let found = table.check_heading(&known, 0)?;
+    definitions.extend(Beside::Force.definitions());
+    definitions.extend(Beside::Moment.definitions());
+    let heading = table.check_heading(&definitions, 0)?;
     let choice = |first: &str, second: &str, columns: [&str; 2]| {
-        let (one, other) = (found.get(first), found.get(second));
+        let (one, other) = (heading.get(first), heading.get(second));
         match (one, other) {
             (Some(column), None) => Ok((true, column)),
             (None, Some(column)) => Ok((false, column)),
@@ -60,11 +60,11 @@ fn read(table: &Table<'_>, axes: Option<ForceAxes>) -> Result<LoadLog> {
         }
     };
     let force = if has_forces {
-        found.all(&Beside::Force.known(), "give all three components of the force")?
+        heading.all(&Beside::Force.definitions(), "give all three components of the force")?
     } else {
         Vec::new()
     };
-    let moment = found.all_or_none(&Beside::Moment.known(), &Beside::Moment.hint())?;
+    let moment = heading.all_or_none(&Beside::Moment.definitions(), &Beside::Moment.hint())?;
     let mut stations: Vec<f64> = Vec::new();
     let mut values = Vec::new();
     for row in table.rows()? {

@@ -27,11 +27,11 @@ fn read(table: &Table<'_>) -> Result<Vec<PointPair>> {
         ["x", "y", "z"].iter().map(|axis| Known::of(format!("{frame}_{axis}"), Quantity::Length, frame)).collect()
     };
     let (tracker, base) = (position_of("tracker"), position_of("base"));
-    let known = [std::slice::from_ref(&name), &tracker, &base].concat();
-    let found = table.check_heading(&known, 0)?;
+    let definitions = [std::slice::from_ref(&name), &tracker, &base].concat();
+    let heading = table.check_heading(&definitions, 0)?;
     let hint = "a table of point pairs has the columns name, tracker_x_mm to tracker_z_mm, base_x_mm to base_z_mm";
-    let name_column = found.require(&name, hint)?;
-    let (tracker, base) = (found.all(&tracker, hint)?, found.all(&base, hint)?);
+    let name_column = heading.require(&name, hint)?;
+    let (tracker, base) = (heading.all(&tracker, hint)?, heading.all(&base, hint)?);
     let rows = table.rows()?;
     let mut pairs = Vec::with_capacity(rows.len());
     let mut lines: HashMap<&str, usize> = HashMap::new();

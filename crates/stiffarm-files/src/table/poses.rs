@@ -26,17 +26,17 @@ pub fn read_poses(bytes: &[u8], file_name: &str, convention: Convention) -> Resu
     let table = Table::read(bytes, file_name, &Columns::default())?;
     let name = Known::name("posture");
     let position = ["x", "y", "z"].map(|stem| Known::of(stem, Quantity::Length, "position"));
-    let orientation: Vec<Known> = convention.columns().iter().map(|c| known(c)).collect();
+    let orientation: Vec<Known> = convention.columns().iter().map(|c| definition(c)).collect();
     let all = [std::slice::from_ref(&name), position.as_slice(), orientation.as_slice()].concat();
-    let found = table.check_heading(&all, 0)?;
+    let heading = table.check_heading(&all, 0)?;
     let hint = format!(
         "poses in the convention {} have the columns x_mm, y_mm, z_mm, {}",
         convention.as_str(),
         convention.columns().join(", ")
     );
-    let name_column = found.of(&name);
-    let position = found.all(&position, &hint)?;
-    let orientation = found.all(&orientation, &hint)?;
+    let name_column = heading.of(&name);
+    let position = heading.all(&position, &hint)?;
+    let orientation = heading.all(&orientation, &hint)?;
     let rows = table.rows()?;
     let mut poses = Vec::with_capacity(rows.len());
     let mut lines: HashMap<String, usize> = HashMap::new();
@@ -61,7 +61,7 @@ pub fn read_poses(bytes: &[u8], file_name: &str, convention: Convention) -> Resu
 }
 
 /// The column of a convention as tables know it.
-fn known(column: &'static str) -> Known {
+fn definition(column: &'static str) -> Known {
     match column.strip_suffix("_deg").or(column.strip_suffix("_rad")) {
         Some(stem) => Known::of(stem, Quantity::Angle, "orientation"),
         None => Known::of(column, Quantity::Number, "orientation"),

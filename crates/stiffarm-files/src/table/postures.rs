@@ -24,11 +24,11 @@ fn read(table: &Table<'_>, robot: &Robot) -> Result<Vec<Posture>> {
     let joints = robot.joint_count();
     let name = Known::name("posture");
     let angle_columns: Vec<Known> = Known::angles(joints).collect();
-    let known = [std::slice::from_ref(&name), &angle_columns].concat();
-    let found = table.check_heading(&known, joints)?;
+    let definitions = [std::slice::from_ref(&name), &angle_columns].concat();
+    let heading = table.check_heading(&definitions, joints)?;
     let hint = format!("a posture table has the columns posture, q1_deg to q{joints}_deg");
-    let name_column = found.require(&name, &hint)?;
-    let columns = found.all(&angle_columns, &hint)?;
+    let name_column = heading.require(&name, &hint)?;
+    let columns = heading.all(&angle_columns, &hint)?;
     let rows = table.rows()?;
     let mut postures = Vec::with_capacity(rows.len());
     let mut lines: HashMap<&str, usize> = HashMap::new();
@@ -43,7 +43,7 @@ fn read(table: &Table<'_>, robot: &Robot) -> Result<Vec<Posture>> {
 
 /// Names of the angle columns as they are written.
 pub(super) fn angle_names(joints: usize) -> Vec<String> {
-    Known::angles(joints).map(|known| known.heading()).collect()
+    Known::angles(joints).map(|definition| definition.heading()).collect()
 }
 
 /// Controller angles of a row \[rad\], inside the machine's limits.

@@ -44,9 +44,9 @@ impl Unit {
             Quantity::Temperature,
         ];
         let mut units = quantities.into_iter().map(Quantity::units);
-        let own = units.find(|units| units.iter().any(|unit| unit == self))?;
+        let quantity_units = units.find(|units| units.iter().any(|unit| unit == self))?;
         let stem = name.strip_suffix(self.suffix)?;
-        let others = own.iter().filter(|unit| *unit != self);
+        let others = quantity_units.iter().filter(|unit| *unit != self);
         let others: Vec<String> = others.map(|unit| format!("{stem}{}", unit.suffix)).collect();
         let others = others.join(" or ");
         Some(format!(

@@ -128,18 +128,18 @@ fn loads_from_names(named: &BTreeMap<String, f64>) -> Option<Finding> {
 /// states, or more readings in the state that it has come to.
 fn at_work(groups: &[Group<'_>]) -> Option<usize> {
     let last = groups.iter().rposition(|group| !group.states.is_empty())?;
-    let own = &groups[last];
-    let (_, state) = own.states.last()?;
+    let last_group = &groups[last];
+    let (_, state) = last_group.states.last()?;
     let others = groups[..last].iter();
     let states = others.clone().map(|group| group.states.len()).max();
     let same = others.flat_map(|group| &group.states);
     let same = same.filter(|(_, other)| other.state == state.state);
     let readings = same.map(|(_, other)| other.readings.len()).max();
-    let more = !own.pending.is_empty()
-        || states.is_some_and(|states| own.states.len() < states)
+    let more = !last_group.pending.is_empty()
+        || states.is_some_and(|states| last_group.states.len() < states)
         || readings.is_some_and(|readings| state.readings.len() < readings);
     // Alone it cannot be compared; a single state is no displacement either way.
-    (more || own.states.len() < 2).then_some(last)
+    (more || last_group.states.len() < 2).then_some(last)
 }
 
 /// The rows of one posture: the first one, and its states with theirs.
@@ -189,7 +189,7 @@ impl Reader<'_, '_> {
         columns.complete(table, row, &mut reading)?;
         let state = StateReadings {
             state: name.to_string(),
-            angles: columns.own_angles(table, row, self.cell)?,
+            angles: columns.row_angles(table, row, self.cell)?,
             wrench: self.wrench(row, role)?,
             load: self.load(row, role)?,
             readings: vec![reading],
@@ -286,8 +286,8 @@ impl Reader<'_, '_> {
         let planned = group.planned.map(|p| (&p.q, "in the posture file".to_string()));
         for (others, place) in before.into_iter().chain(planned) {
             let angles = state.angles.iter().flatten().zip(others).enumerate();
-            for (j, (own, other)) in angles {
-                if (own - other).abs() <= ANGLE_TOLERANCE_DEG.to_radians() {
+            for (j, (angle, other)) in angles {
+                if (angle - other).abs() <= ANGLE_TOLERANCE_DEG.to_radians() {
                     continue;
                 }
                 let columns = self.columns.angles.iter().flatten();
@@ -295,7 +295,7 @@ impl Reader<'_, '_> {
                 let message = format!(
                     "{} is at {}° here and at {}° {place}: more than the {ANGLE_TOLERANCE_DEG}° that a servo may give.",
                     self.cell.setup.robot.joints()[j].name,
-                    rad_to_shortest_deg(*own),
+                    rad_to_shortest_deg(*angle),
                     rad_to_shortest_deg(*other),
                 );
                 let error = self.table.error(row, at, Code::Conflict, message);
@@ -308,9 +308,9 @@ impl Reader<'_, '_> {
     /// The posture, once all its rows are read.
     fn close(&self, group: Group<'_>, name: String) -> Result<PostureReadings> {
         let reference = group.of(&[Role::Unloaded]).chain(&group.states).next();
-        let own = reference.and_then(|(_, state)| state.angles.clone());
+        let reference_angles = reference.and_then(|(_, state)| state.angles.clone());
         let planned = || Some(group.planned?.q.clone());
-        let q = own.or_else(planned).unwrap_or_default();
+        let q = reference_angles.or_else(planned).unwrap_or_default();
         Ok(PostureReadings {
             posture: Posture { name, q },
             station: self.columns.station(self.table, group.row)?,
@@ -357,7 +357,7 @@ impl Reader<'_, '_> {
         let mut states = group.of(&[Role::Preload, Role::Loaded]);
         let mut to_come: Vec<&str> = pending.iter().map(|row| row.state.as_str()).collect();
         to_come.retain(|state| Role::of(state) != Role::Unloaded);
-        to_come.retain(|state| !group.states.iter().any(|(_, own)| own.state == *state));
+        to_come.retain(|state| !group.states.iter().any(|(_, measured)| measured.state == *state));
         to_come.sort_unstable();
         to_come.dedup();
         let count = group.of(&[Role::Preload, Role::Loaded]).count() + to_come.len();
@@ -365,10 +365,10 @@ impl Reader<'_, '_> {
         if !cases.is_empty() {
             // Each state is under the load case of its name; several under one differ in size.
             for case in cases {
-                let own = group.of(&[Role::Loaded]);
-                let own: Vec<_> = own.filter(|(_, s)| case.is_of(&s.state)).collect();
-                let unknown = own.iter().find(|(_, state)| state.load.is_none());
-                let count = own.len() + to_come.iter().filter(|s| case.is_of(s)).count();
+                let case_states = group.of(&[Role::Loaded]);
+                let case_states: Vec<_> = case_states.filter(|(_, s)| case.is_of(&s.state)).collect();
+                let unknown = case_states.iter().find(|(_, state)| state.load.is_none());
+                let count = case_states.len() + to_come.iter().filter(|s| case.is_of(s)).count();
                 if let (true, Some((row, state))) = (count > 1, unknown) {
                     let message = format!(
                         "Posture \"{name}\" has {count} states under load case {}, but the force of \"{}\" is not given.",

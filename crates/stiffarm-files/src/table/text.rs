@@ -89,12 +89,12 @@ impl<'a> Table<'a> {
             let fields = fields(line, announced.unwrap_or_else(|| by_heading(line)));
             fields.into_iter().map(|(text, _)| text)
         };
-        let own = of_own_sheet(lines.iter().map(|(_, line)| by_itself(line)), columns);
-        let columns = own.as_ref().unwrap_or(columns);
-        let given = columns.separator.map(Separator::character).or(announced);
+        let sheet_columns = of_own_sheet(lines.iter().map(|(_, line)| by_itself(line)), columns);
+        let columns = sheet_columns.as_ref().unwrap_or(columns);
+        let stated_delimiter = columns.separator.map(Separator::character).or(announced);
         let titles = find(
             lines.iter().map(|(_, line)| {
-                let delimiter = given.unwrap_or_else(|| by_heading(line));
+                let delimiter = stated_delimiter.unwrap_or_else(|| by_heading(line));
                 fields(line, delimiter).into_iter().map(|(text, _)| text)
             }),
             columns,
@@ -107,7 +107,7 @@ impl<'a> Table<'a> {
                 .file(file)
                 .hint("the first line names the columns"));
         };
-        let delimiter = given
+        let delimiter = stated_delimiter
             .unwrap_or_else(|| if by_order && !first.contains([',', ';', '\t']) { ' ' } else { by_heading(first) });
         let style = match delimiter {
             ',' => Style::Commas,

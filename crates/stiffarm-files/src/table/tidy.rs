@@ -50,8 +50,8 @@ const SUMMARIES: [&str; 31] = [
 /// Numbers of the columns that count and whose name without unit is one of `stems`.
 fn columns(table: &Table<'_>, stems: &[&str]) -> Vec<usize> {
     let headings = table.headings.iter().enumerate();
-    let own = headings.filter(|(_, heading)| !heading.ignored && stems.contains(&stem(&heading.name)));
-    own.map(|(at, _)| at).collect()
+    let matching = headings.filter(|(_, heading)| !heading.ignored && stems.contains(&stem(&heading.name)));
+    matching.map(|(at, _)| at).collect()
 }
 
 fn is_blank(row: &Row<'_>, at: usize) -> bool {

@@ -59,8 +59,8 @@ pub(super) fn check(table: &Table<'_>, columns: &MeasurementColumns, rows: &[Row
         for (at, one) in group.iter().enumerate() {
             let others = group.iter().enumerate().filter(|(other, _)| *other != at);
             let others: Vec<&Read<'_>> = others.map(|(_, other)| *other).collect();
-            let found = tens(one, &others, usual).into_iter().flatten();
-            faults.extend(found.map(|(k, tens)| (one.row, k, tens)));
+            let powers = tens(one, &others, usual).into_iter().flatten();
+            faults.extend(powers.map(|(k, tens)| (one.row, k, tens)));
         }
     }
     faults.sort_by_key(|(row, k, _)| (row.source, row.line, *k));
@@ -104,7 +104,8 @@ fn zeros(table: &Table<'_>, columns: &MeasurementColumns, read: &[Read<'_>]) -> 
     for one in read.iter().filter(|one| !is_zero(one)) {
         distances.entry(one.of.1).or_default().push(one.position.norm());
     }
-    let far = distances.into_iter().filter(|(_, own)| median(own.clone()).is_some_and(|d| d > FAR));
+    let far =
+        distances.into_iter().filter(|(_, point_distances)| median(point_distances.clone()).is_some_and(|d| d > FAR));
     let far: Vec<&str> = far.map(|(point, _)| point).collect();
     let is_lost = |one: &&Read<'_>| is_zero(one) && far.contains(&one.of.1);
     let lost: Vec<&Read<'_>> = read.iter().filter(is_lost).collect();
@@ -126,7 +127,7 @@ fn zeros(table: &Table<'_>, columns: &MeasurementColumns, read: &[Read<'_>]) -> 
 /// The coordinates of a reading that are a power of ten too large or small against the `others` of
 /// its point, and the powers, where they explain all in which it differs from them.
 fn tens(one: &Read<'_>, others: &[&Read<'_>], usual: f64) -> Option<Vec<(usize, i32)>> {
-    let mut found = Vec::new();
+    let mut powers = Vec::new();
     let mut corrected = one.position;
     for k in 0..3 {
         let other = median(others.iter().map(|other| other.position[k]).collect())?;
@@ -142,7 +143,7 @@ fn tens(one: &Read<'_>, others: &[&Read<'_>], usual: f64) -> Option<Vec<(usize, 
         if (corrected[k] - other).abs() > tolerance {
             return None;
         }
-        found.push((k, power as i32));
+        powers.push((k, power as i32));
     }
     // Several others that agree are right; of two readings the one is wrong that stands where no
     // other of the table does.
@@ -152,7 +153,7 @@ fn tens(one: &Read<'_>, others: &[&Read<'_>], usual: f64) -> Option<Vec<(usize, 
     };
     let agree = others.len() > 1 && others.iter().all(near);
     let apart = |position: &Vector3<f64>| (position.norm() / usual).ln().abs();
-    (agree || apart(&one.position) > apart(&corrected) + CLEARLY).then_some(found)
+    (agree || apart(&one.position) > apart(&corrected) + CLEARLY).then_some(powers)
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {

@@ -3,7 +3,7 @@
 use super::beside::Beside;
 use super::grid::Table;
 use super::heading::{Known, find_heading, stem};
-use super::path::known_paths;
+use super::path::path_definitions;
 use super::quantity::Quantity;
 use stiffarm::error::{Code, Result};
 
@@ -35,16 +35,16 @@ impl Values {
     /// What its rows may have beside names, lengths and angles.
     pub(super) fn beside(self) -> impl Iterator<Item = Beside> {
         let all = Beside::ALL.into_iter();
-        all.filter(move |own| self == Values::Positions || own.is_of_displacements())
+        all.filter(move |quantity| self == Values::Positions || quantity.is_of_displacements())
     }
 
     /// The columns that a table of these values may have.
-    pub(super) fn known(self, joints: usize) -> Vec<Known> {
-        let mut known = ["posture", "state", "point"].map(Known::name).to_vec();
-        known.extend(self.components());
-        known.extend(self.beside().flat_map(Beside::known));
-        known.extend(Known::angles(joints));
-        known
+    pub(super) fn definitions(self, joints: usize) -> Vec<Known> {
+        let mut definitions = ["posture", "state", "point"].map(Known::name).to_vec();
+        definitions.extend(self.components());
+        definitions.extend(self.beside().flat_map(Beside::definitions));
+        definitions.extend(Known::angles(joints));
+        definitions
     }
 
     /// What the heading says that the table holds.
@@ -53,9 +53,9 @@ impl Values {
     /// Both, or neither.
     pub(super) fn of(table: &Table<'_>, joints: usize) -> Result<Self> {
         let first = |values: Values| {
-            let own = |name: &str| values.stems().contains(&stem(name));
+            let is_component = |name: &str| values.stems().contains(&stem(name));
             let mut headings = table.headings.iter();
-            headings.position(|heading| !heading.ignored && own(&heading.name))
+            headings.position(|heading| !heading.ignored && is_component(&heading.name))
         };
         match (first(Values::Positions), first(Values::Displacements)) {
             (Some(_), None) => Ok(Values::Positions),
@@ -68,7 +68,7 @@ impl Values {
             }
             (None, None) => {
                 // A heading that is no heading has an error of its own.
-                table.check_heading(&known_measurements(joints), joints)?;
+                table.check_heading(&measurement_definitions(joints), joints)?;
                 let message = "The table has neither positions nor displacements.";
                 let error = table.heading_error(None, Code::TableHeading, message);
                 Err(error.hint(
@@ -80,23 +80,23 @@ impl Values {
 }
 
 /// Every column that a measurement table may have.
-fn known_measurements(joints: usize) -> Vec<Known> {
-    let mut known = Values::Positions.known(joints);
+fn measurement_definitions(joints: usize) -> Vec<Known> {
+    let mut definitions = Values::Positions.definitions(joints);
     let displacements = Values::Displacements.components();
-    known.splice(3..3, displacements);
-    known
+    definitions.splice(3..3, displacements);
+    definitions
 }
 
 /// Every column that a table of measurements or of a path may have: those for
 /// which the cell file can name other headings.
-fn known_everywhere(joints: usize) -> Vec<Known> {
-    let mut known = known_measurements(joints);
-    for column in known_paths(joints) {
-        if !known.iter().any(|k| k.heading() == column.heading()) {
-            known.push(column);
+fn all_definitions(joints: usize) -> Vec<Known> {
+    let mut definitions = measurement_definitions(joints);
+    for column in path_definitions(joints) {
+        if !definitions.iter().any(|k| k.heading() == column.heading()) {
+            definitions.push(column);
         }
     }
-    known
+    definitions
 }
 
 /// A heading of tables as this program writes it, whatever its case.
@@ -105,13 +105,13 @@ fn known_everywhere(joints: usize) -> Vec<Known> {
 /// A name that no table of measurements or of a path has, with the nearest, among
 /// `also`, too, as a hint.
 pub(crate) fn own_heading(name: &str, joints: usize, also: &str) -> Result<String> {
-    find_heading(name, &known_everywhere(joints), joints, also)
+    find_heading(name, &all_definitions(joints), joints, also)
 }
 
 /// Every heading of tables of measurements and of paths in every unit, for
 /// `joints` joints.
 #[cfg(feature = "schema")]
 pub(crate) fn own_headings(joints: usize) -> Vec<String> {
-    let known = known_everywhere(joints);
-    known.iter().flat_map(Known::headings).collect()
+    let definitions = all_definitions(joints);
+    definitions.iter().flat_map(Known::headings).collect()
 }

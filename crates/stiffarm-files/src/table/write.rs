@@ -60,8 +60,8 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
             ];
             fields.extend(displacement.value.iter().map(|m| m_to_shortest_mm(*m).to_string()));
             let wrench = wrenches.as_ref().and_then(|wrenches| wrenches[g]);
-            let given = Given { wrench, time: displacement.time, ..Given::default() };
-            fields.extend(layout.fields(&given));
+            let contents = Given { wrench, time: displacement.time, ..Given::default() };
+            fields.extend(layout.fields(&contents));
             fields.extend(degrees(&group.posture.q));
             text += &line(&fields);
         }
@@ -96,17 +96,17 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
         Beside::Force => table.wrench_columns != WrenchColumns::None,
         Beside::Moment => table.wrench_columns == WrenchColumns::ForceAndMoment,
         Beside::Station if table.pending.iter().any(|row| row.station.is_some()) => true,
-        _ => rows().any(|(_, _, given)| beside.is_in(&given)),
+        _ => rows().any(|(_, _, contents)| beside.is_in(&contents)),
     });
     let mut text = line(&layout.heading(cell));
     for posture in postures() {
-        for (state, reading, given) in rows_of(posture) {
+        for (state, reading, contents) in rows_of(posture) {
             let q = state.angles.as_ref().unwrap_or(&posture.posture.q);
             let names = [&posture.posture.name, &state.state, target(reading, cell)];
             let lengths = reading.position.map(m_to_shortest_mm);
             let mut fields: Vec<String> = names.map(String::clone).into();
             fields.extend(lengths.iter().map(f64::to_string));
-            fields.extend(layout.fields(&given));
+            fields.extend(layout.fields(&contents));
             fields.extend(degrees(q));
             text += &line(&fields);
         }
@@ -114,8 +114,8 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
     // In the order of the postures above, then those of which nothing is measured.
     let mut begun = Vec::new();
     for posture in postures() {
-        let own = table.pending.iter();
-        begun.extend(own.filter(|row| row.posture == posture.posture.name));
+        let pending = table.pending.iter();
+        begun.extend(pending.filter(|row| row.posture == posture.posture.name));
     }
     let others = table.pending.iter();
     let others = others.filter(|row| postures().all(|p| p.posture.name != row.posture));
@@ -133,14 +133,14 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
 fn rows_of(posture: &PostureReadings) -> impl Iterator<Item = (&StateReadings, &Reading, Given<'_>)> {
     posture.states.iter().flat_map(move |state| {
         state.readings.iter().map(move |reading| {
-            let given = Given {
+            let contents = Given {
                 station: posture.station.as_deref(),
                 wrench: state.wrench,
                 load: state.load,
                 time: None,
                 reading: Some(reading),
             };
-            (state, reading, given)
+            (state, reading, contents)
         })
     })
 }

@@ -233,14 +233,14 @@ impl<'c> Builder<'c> {
     }
 
     /// Holds a frame that the program gives against that of the cell.
-    pub fn frame(&mut self, what: &str, own: &str, given: &Isometry3<f64>, cell: &Isometry3<f64>) {
-        let off = cell.inverse() * given;
+    pub fn frame(&mut self, what: &str, counterpart: &str, program_frame: &Isometry3<f64>, cell: &Isometry3<f64>) {
+        let off = cell.inverse() * program_frame;
         let (distance, angle) = (off.translation.vector.norm(), off.rotation.angle());
         if distance <= OTHER_FRAME[0] && angle <= OTHER_FRAME[1] {
             return;
         }
         let sentence = format!(
-            "{what} of the program lies {} and {:.2}° from {own}: the robot goes elsewhere than the cell says.",
+            "{what} of the program lies {} and {:.2}° from {counterpart}: the robot goes elsewhere than the cell says.",
             length(distance),
             rad_to_deg(angle)
         );

@@ -42,13 +42,13 @@ pub(super) struct Piece {
     length: f64,
 }
 
-/// The straight moves through the points `kept` of a `way` that begins at the point before.
-pub(super) fn pieces(own: &Divided, way: &[[f64; 10]], kept: &[usize]) -> Vec<Piece> {
+/// The straight moves through the `corners` of a `way` that begins at the point before.
+pub(super) fn pieces(division: &Divided, way: &[[f64; 10]], corners: &[usize]) -> Vec<Piece> {
     let place = |k: usize| Vector3::from_column_slice(&way[k][..3]);
-    let from = std::iter::once(0).chain(kept.iter().copied());
-    let pairs = from.zip(kept);
+    let from = std::iter::once(0).chain(corners.iter().copied());
+    let pairs = from.zip(corners);
     let piece = |(from, to): (usize, &usize)| Piece {
-        point: own.points.start + to - 1,
+        point: division.points.start + to - 1,
         numbers: way[*to],
         length: (place(*to) - place(from)).norm(),
     };
@@ -57,7 +57,7 @@ pub(super) fn pieces(own: &Divided, way: &[[f64; 10]], kept: &[usize]) -> Vec<Pi
 
 impl ToolPath {
     /// Straight moves in place of one.
-    pub(super) fn lines(&self, own: &Divided, pieces: &[Piece], nominal: &[PathPoint]) -> String {
+    pub(super) fn lines(&self, division: &Divided, pieces: &[Piece], nominal: &[PathPoint]) -> String {
         let form = &self.form;
         let line_end = if self.files[0].text.contains("\r\n") { "\r\n" } else { "\n" };
         let count = if form.orientation == Orientation::Kept { 3 } else { form.before.len() };
@@ -70,21 +70,21 @@ impl ToolPath {
                 format!("{before}{}", fixed(value, form.decimals_of(component)))
             });
             let mut words: String = words.collect();
-            if own.begin.ends_with('/') {
+            if division.begin.ends_with('/') {
                 words = words.trim_start_matches(',').to_string();
             }
-            if let Some(inverse) = own.inverse {
+            if let Some(inverse) = division.inverse {
                 words += &format!(" F{}", fixed(inverse * way / piece.length.max(SAME_PLACE), 4));
             }
             let (first, end) = match k {
-                0 => (own.first.as_str(), own.end.as_str()),
-                _ => (own.others, ""),
+                0 => (division.first.as_str(), division.end.as_str()),
+                _ => (division.others, ""),
             };
-            let last = if k + 1 == pieces.len() { &own.last } else { "" };
-            let begin = if nominal[piece.point].rapid { own.begin_rapid } else { &own.begin };
+            let last = if k + 1 == pieces.len() { &division.last } else { "" };
+            let begin = if nominal[piece.point].rapid { division.begin_rapid } else { &division.begin };
             lines.push(format!("{first}{begin}{words}{end}{last}"));
-            if own.waits.contains(&piece.point) {
-                lines.push(format!("{}{}", own.others, own.wait));
+            if division.waits.contains(&piece.point) {
+                lines.push(format!("{}{}", division.others, division.wait));
             }
         }
         lines.join(line_end)

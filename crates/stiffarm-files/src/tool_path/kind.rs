@@ -88,13 +88,13 @@ impl Kind {
     pub fn of(name: &str) -> Option<Kind> {
         // Creo numbers its files: `a.ncl.3`.
         let number = name.rfind(|c: char| !c.is_ascii_digit());
-        let own = number.and_then(|at| name[..=at].strip_suffix('.'));
-        let own = own.filter(|own| own.to_ascii_lowercase().ends_with(".ncl"));
-        let path = Path::new(own.unwrap_or(name));
+        let unnumbered = number.and_then(|at| name[..=at].strip_suffix('.'));
+        let unnumbered = unnumbered.filter(|unnumbered| unnumbered.to_ascii_lowercase().ends_with(".ncl"));
+        let path = Path::new(unnumbered.unwrap_or(name));
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         let mut kinds = KINDS.iter();
-        let found = kinds.find(|facts| facts.endings.contains(&ending.as_str()));
-        found.map(|facts| facts.kind)
+        let matching = kinds.find(|facts| facts.endings.contains(&ending.as_str()));
+        matching.map(|facts| facts.kind)
     }
 
     /// Its name for people.
@@ -128,8 +128,8 @@ const fn languages() -> [(&'static str, &'static str, PathLanguage); KINDS.len()
     let mut all = [("table", "A table of points", PathLanguage::Table); KINDS.len() + 1];
     let mut i = 0;
     while i < KINDS.len() {
-        let own = PathLanguage::Program(KINDS[i].kind);
-        all[i + 1] = (KINDS[i].name, KINDS[i].describe, own);
+        let language = PathLanguage::Program(KINDS[i].kind);
+        all[i + 1] = (KINDS[i].name, KINDS[i].describe, language);
         i += 1;
     }
     all
@@ -141,13 +141,13 @@ const TABLES: [&str; 6] = ["csv", "tsv", "xlsx", "xlsm", "xlsb", "xls"];
 /// Lines that are looked at.
 const LOOKED_AT: usize = 1000;
 
-/// What a path is: as `asked`, else by the ending of its name, else by what stands in it, which is said. `None` is a
+/// What a path is: by `language`, else by the ending of its name, else by what stands in it, which is said. `None` is a
 /// table.
 ///
 /// # Errors
 /// A language that is not read here, as Heidenhain's.
-pub fn recognised(name: &str, bytes: &[u8], asked: Option<PathLanguage>) -> Result<(Option<Kind>, Option<Finding>)> {
-    match asked {
+pub fn recognised(name: &str, bytes: &[u8], language: Option<PathLanguage>) -> Result<(Option<Kind>, Option<Finding>)> {
+    match language {
         Some(PathLanguage::Table) => return Ok((None, None)),
         Some(PathLanguage::Program(kind)) => return Ok((Some(kind), None)),
         None => {}
@@ -171,14 +171,14 @@ pub fn recognised(name: &str, bytes: &[u8], asked: Option<PathLanguage>) -> Resu
     // A block of G-code has few letters, which a line of another language may have, too.
     let mut all: Vec<&Facts> = KINDS.iter().collect();
     all.sort_by_key(|facts| facts.kind == Kind::Gcode);
-    let found = all.into_iter().find(|facts| lines().any(facts.is_mark));
-    let found = found.map(|facts| facts.kind);
-    let finding = found.map(|kind| {
+    let matching = all.into_iter().find(|facts| lines().any(facts.is_mark));
+    let kind = matching.map(|facts| facts.kind);
+    let finding = kind.map(|kind| {
         let sentence =
             format!("{name} is read as {}, by what stands in it: `--language` says otherwise.", kind.title());
         Finding::caution("path-language", "path", sentence)
     });
-    Ok((found, finding))
+    Ok((kind, finding))
 }
 
 /// `0 BEGIN PGM PART MM`.

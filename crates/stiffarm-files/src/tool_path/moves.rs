@@ -37,8 +37,8 @@ pub type Posed<'a> = (Isometry3<f64>, &'a [f64]);
 /// that the language does not allow, a speed that is not above zero, too many points.
 pub fn write_moves(language: Language, cell: &Cell, points: &[Posed<'_>], options: &MoveOptions) -> Result<String> {
     let fault = |code, message: String| Err(Error::new(code, message));
-    let known = language.poses();
-    let Some((poses, moves)) = known.and_then(|poses| Some((poses, poses.moves?))) else {
+    let pose_form = language.poses();
+    let Some((poses, moves)) = pose_form.and_then(|poses| Some((poses, poses.moves?))) else {
         let message = format!("Paths are not written in {} here.", language.title());
         return Err(
             Error::new(Code::Unsupported, message).hint("krl, rapid, ls and urscript hold paths; so does a table")
@@ -118,13 +118,13 @@ fn frames(poses: &PoseForm, cell: &Cell, tool: &str, base: &str) -> Vec<String> 
 
 /// FANUC's name of the configuration: wrist, elbow, arm, turns of axes 1, 4 and 6.
 fn configuration(cell: &Cell, q: &[f64]) -> String {
-    let Some(found) = Configuration::of(&cell.setup.robot, q) else {
+    let Some(configuration) = Configuration::of(&cell.setup.robot, q) else {
         return String::new();
     };
     let words = [
-        if found.wrist == Wrist::Flip { "F" } else { "N" },
-        if found.elbow == Elbow::Up { "U" } else { "D" },
-        if found.shoulder == Shoulder::Front { "T" } else { "B" },
+        if configuration.wrist == Wrist::Flip { "F" } else { "N" },
+        if configuration.elbow == Elbow::Up { "U" } else { "D" },
+        if configuration.shoulder == Shoulder::Front { "T" } else { "B" },
     ];
     let turns = [0, 3, 5].map(|axis| ((rad_to_deg(q[axis]) + 180.0) / 360.0).floor().to_string());
     format!("{}, {}", words.join(" "), turns.join(", "))

@@ -9,7 +9,7 @@ use stiffarm::units::{deg_to_rad, rad_to_deg};
 /// `tolerance` of all of them, its end included, and how far they are off without; none where it may go
 /// straight to the end. Of their numbers the first three count; `at` says how far along it they are.
 pub(super) fn bends(way: &[[f64; 10]], at: &[f64], tolerance: f64) -> (Vec<usize>, f64) {
-    let (mut kept, mut open) = (Vec::new(), vec![(0, way.len() - 1)]);
+    let (mut corners, mut open) = (Vec::new(), vec![(0, way.len() - 1)]);
     let mut most: f64 = 0.0;
     while let Some((from, to)) = open.pop() {
         let off = |k: usize| {
@@ -22,14 +22,14 @@ pub(super) fn bends(way: &[[f64; 10]], at: &[f64], tolerance: f64) -> (Vec<usize
             continue;
         };
         most = most.max(off(k));
-        kept.push(k);
+        corners.push(k);
         open.extend([(from, k), (k, to)]);
     }
-    if !kept.is_empty() {
-        kept.push(way.len() - 1);
-        kept.sort_unstable();
+    if !corners.is_empty() {
+        corners.push(way.len() - 1);
+        corners.sort_unstable();
     }
-    (kept, most)
+    (corners, most)
 }
 
 /// The numbers of `rotation`, of those that mean it the nearest to `old`.
@@ -68,12 +68,13 @@ pub(super) fn near(convention: Convention, degrees: bool, old: &[f64], rotation:
             let [x, _, _] = order([old[0], old[1], old[2]]);
             let [roll, pitch, yaw] = order([numbers[0], numbers[1], numbers[2]]);
             // Near a pitch of a quarter turn the first turn is free: that of before.
-            let kept = {
+            let steep_turns = {
                 let r = (rotation * UnitQuaternion::from_euler_angles(x, 0.0, 0.0).inverse()).to_rotation_matrix();
                 [x, (-r[(2, 0)]).atan2(r[(2, 2)]), (-r[(0, 1)]).atan2(r[(1, 1)])]
             };
             let is_steep = pitch.cos().abs() < 1e-5;
-            let all = if is_steep { vec![kept] } else { vec![[roll, pitch, yaw], [roll + PI, PI - pitch, yaw + PI]] };
+            let all =
+                if is_steep { vec![steep_turns] } else { vec![[roll, pitch, yaw], [roll + PI, PI - pitch, yaw + PI]] };
             let whole = |turns: [f64; 3]| {
                 let turns = order(turns).into_iter().zip(&old);
                 turns.map(|(turn, old)| to_file(turn + TAU * ((old - turn) / TAU).round())).collect()

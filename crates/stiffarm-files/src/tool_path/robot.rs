@@ -170,13 +170,13 @@ impl<'a> Walk<'a, '_, '_> {
         for (name, axis) in &mut self.external {
             let stands = *axis.stands.get_or_insert(axis.now);
             if (axis.now - stands).abs() > SAME_PLACE {
-                let own = pose.external.iter().find(|own| own.name == *name);
-                let own = own.map_or(place, |own| &own.place);
+                let moved = pose.external.iter().find(|external| external.name == *name);
+                let cursor = moved.map_or(place, |external| &external.place);
                 let message = format!(
                     "The external axis {name} goes from {stands} to {} here: the path moves with it.",
                     axis.now
                 );
-                return Err(own.clone().wrong_here(message).hint(
+                return Err(cursor.clone().wrong_here(message).hint(
                     "a path is read where external axes stand still: read the parts of the program between their moves as files of their own",
                 ));
             }
@@ -185,16 +185,16 @@ impl<'a> Walk<'a, '_, '_> {
     }
 
     /// The frames of a point: its own, else those of the move.
-    fn takes(&mut self, own: &Frames<'a>, others: &Frames<'a>) {
+    fn takes(&mut self, point_frames: &Frames<'a>, others: &Frames<'a>) {
         for number in 0..2 {
-            let taken = own[number].as_ref().or(others[number].as_ref());
-            let is_known = self.frames.iter().any(|known| {
-                let same = match (&known.taken, taken) {
-                    (Some(known), Some(taken)) => Arc::ptr_eq(known, taken) || known.is_same(taken),
+            let taken = point_frames[number].as_ref().or(others[number].as_ref());
+            let is_known = self.frames.iter().any(|frame| {
+                let same = match (&frame.taken, taken) {
+                    (Some(earlier), Some(taken)) => Arc::ptr_eq(earlier, taken) || earlier.is_same(taken),
                     (None, None) => true,
                     _ => false,
                 };
-                known.number == number && same
+                frame.number == number && same
             });
             if !is_known {
                 self.frames.push(Frame { number, taken: taken.cloned() });
@@ -203,8 +203,8 @@ impl<'a> Walk<'a, '_, '_> {
     }
 
     fn place(&mut self, to: &Pose<'_>) -> Result<Place> {
-        for (own, number) in self.numbers.iter_mut().zip(to.values()) {
-            *own = number.or(*own);
+        for (current, number) in self.numbers.iter_mut().zip(to.values()) {
+            *current = number.or(*current);
         }
         placed(&self.poses, &self.numbers).map(Place::Pose)
     }
@@ -307,22 +307,22 @@ fn hold(frames: &[Frame<'_>], poses: &PoseForm, base: &Isometry3<f64>, builder: 
         ("The tool frame", "the tip of the cell ([work] tip_mm)", tip),
         ("The base", "the workpiece frame of the cell ([work] workpiece_mm)", workpiece),
     ];
-    for (number, (what, own, cell)) in kinds.into_iter().enumerate() {
+    for (number, (what, counterpart, cell)) in kinds.into_iter().enumerate() {
         let taken = frames.iter().filter(|frame| frame.number == number);
         let taken: Vec<&Taken<'_>> = taken.filter_map(|frame| frame.taken.as_deref()).collect();
-        for Taken { name, line, given } in &taken {
+        for Taken { name, line, factors } in &taken {
             let is_null = poses.null_frames.contains(&name.to_ascii_uppercase().as_str());
-            if given.is_empty() && !is_null {
+            if factors.is_empty() && !is_null {
                 builder.remark("frame-unknown", what, *line, Severity::Note, || {
-                    format!("{what} {name} ({{}}) is not in the file, so it could not be held against {own}.")
+                    format!("{what} {name} ({{}}) is not in the file, so it could not be held against {counterpart}.")
                 });
                 continue;
             }
             let mut product = if number == 1 { *base } else { Isometry3::identity() };
-            for given in given {
-                product *= placed(poses, &given.values()).map_err(|error| error.line(given.line, None))?;
+            for factor in factors {
+                product *= placed(poses, &factor.values()).map_err(|error| error.line(factor.line, None))?;
             }
-            builder.frame(&format!("{what} {name} (line {line})"), own, &product, &cell);
+            builder.frame(&format!("{what} {name} (line {line})"), counterpart, &product, &cell);
         }
         if let [first, .., last] = &taken[..] {
             builder.remark("program-frames", what, last.line, Severity::Serious, || {

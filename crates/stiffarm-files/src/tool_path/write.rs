@@ -120,34 +120,37 @@ impl ToolPath {
             let last = std::mem::replace(&mut place, from);
             writer.aim(slots.clone(), (from, was), commanded)?;
             while divided.next_if(|one| one.points.end <= i).is_some() {}
-            let Some(own) = divided.peek().filter(|own| own.points.contains(&i)) else {
+            let Some(division) = divided.peek().filter(|division| division.points.contains(&i)) else {
                 writer.edit(slots, nominal.rapid);
                 continue;
             };
-            if own.points.start == i {
+            if division.points.start == i {
                 (way, at) = (vec![before], vec![0.0]);
                 start = last;
             }
             way.push(writer.numbers);
             at.push((place - start).norm());
-            if own.points.end > i + 1 {
+            if division.points.end > i + 1 {
                 continue;
             }
-            let kept =
-                if own.is_whole { (1..way.len()).collect() } else { writer.bends(&way, &at, !own.text.is_empty()) };
-            if kept.is_empty() {
+            let corners = if division.is_whole {
+                (1..way.len()).collect()
+            } else {
+                writer.bends(&way, &at, !division.text.is_empty())
+            };
+            if corners.is_empty() {
                 writer.edit(slots, false);
             } else {
-                straight.push((own, pieces(own, &way, &kept)));
+                straight.push((division, pieces(division, &way, &corners)));
                 writer.last = writer.numbers;
             }
         }
         let straight = straight.iter().filter(|_| writer.has_changed);
-        writer.edits.extend(straight.map(|(own, pieces)| Edit {
+        writer.edits.extend(straight.map(|(division, pieces)| Edit {
             file: 0,
-            at: own.text.start as u32,
-            length: own.text.len() as u32,
-            text: self.lines(own, pieces, nominal),
+            at: division.text.start as u32,
+            length: division.text.len() as u32,
+            text: self.lines(division, pieces, nominal),
         }));
         let Writer { mut edits, tilt_left, bend_left, .. } = writer;
         edits.sort_by_key(|edit| (edit.file, edit.at));
@@ -251,27 +254,27 @@ impl Writer<'_> {
     /// included; none where it stays straight, or where the program `can_have` no more points.
     fn bends(&mut self, way: &[[f64; 10]], at: &[f64], can_have: bool) -> Vec<usize> {
         let unit = self.path.form.unit;
-        let (kept, most) = bends(way, at, TOLERANCE / unit);
+        let (corners, most) = bends(way, at, TOLERANCE / unit);
         if !can_have {
             self.bend_left = self.bend_left.max(most * unit);
             return Vec::new();
         }
-        kept
+        corners
     }
 
     /// The text of a slot's number, and whether it says what is there.
     fn text(&self, slot: usize) -> (String, bool) {
         let Slot { at, length, file, component, modal } = self.path.slots[slot];
         let component = usize::from(component);
-        let own = &self.path.files[usize::from(file)].text[at as usize..][..usize::from(length)];
+        let old_text = &self.path.files[usize::from(file)].text[at as usize..][..usize::from(length)];
         let fewest = self.path.form.decimals_of(component);
-        let decimals = decimals_of(own).map_or(fewest, |decimals| decimals.max(fewest));
+        let decimals = decimals_of(old_text).map_or(fewest, |decimals| decimals.max(fewest));
         let text = fixed(self.numbers[component], decimals);
         // What a line leaves out is what was written last.
         let before =
             if modal && !self.last[component].is_nan() { self.last[component] } else { self.path.values[slot] };
         let is_same = text == fixed(before, decimals);
-        if is_same && length > 0 { (own.to_string(), true) } else { (text, is_same) }
+        if is_same && length > 0 { (old_text.to_string(), true) } else { (text, is_same) }
     }
 
     /// Writes the numbers of a point into `slots`. A `rapid` move keeps what it leaves out: it retracts
@@ -305,8 +308,8 @@ impl Writer<'_> {
 
     /// Keeps the columns of what is written in columns.
     fn push(&mut self, file: u8, at: u32, length: u16, text: String) {
-        let own = &self.path.files[usize::from(file)].text;
-        let blank = own[..at as usize].bytes().rev().take_while(|byte| *byte == b' ');
+        let file_text = &self.path.files[usize::from(file)].text;
+        let blank = file_text[..at as usize].bytes().rev().take_while(|byte| *byte == b' ');
         // One space stays.
         let spare = blank.count().saturating_sub(1);
         let longer = text.len() as isize - isize::from(length as i16);

@@ -26,7 +26,7 @@ impl UrdfRobot {
             // Fitted in the frame that cell.toml gives them in, where their numbers are short.
             let frame = robot.row_frame(link);
             let mut meshes = TriangleMesh::default();
-            let mut own = Vec::new();
+            let mut link_capsules = Vec::new();
             for shape in self.shapes.iter().filter(|shape| shape.link == link) {
                 let pose = frame.inv_mul(&shape.pose);
                 let (solid, size) = match shape.geometry {
@@ -57,10 +57,11 @@ impl UrdfRobot {
                     }
                 };
                 check_size(shape, size)?;
-                own.extend(capsules_around(&solid.placed(&pose)));
+                link_capsules.extend(capsules_around(&solid.placed(&pose)));
             }
-            own.splice(0..0, capsules_of_mesh(&meshes, MOST));
-            capsules.extend(own.into_iter().map(|capsule| LinkCapsule { link, capsule: capsule.placed(&frame) }));
+            link_capsules.splice(0..0, capsules_of_mesh(&meshes, MOST));
+            capsules
+                .extend(link_capsules.into_iter().map(|capsule| LinkCapsule { link, capsule: capsule.placed(&frame) }));
         }
         Ok(capsules)
     }

@@ -194,7 +194,7 @@ fn coupling<'a>(source: &Source<'_>, base: &str, groups: &[Group<'a>]) -> Result
     for group in groups {
         let before = drives.len();
         for (drive, _) in &group.terms {
-            if !drives.iter().any(|known| known.name == drive.name) {
+            if !drives.iter().any(|other| other.name == drive.name) {
                 drives.push(drive);
             }
         }
@@ -203,7 +203,7 @@ fn coupling<'a>(source: &Source<'_>, base: &str, groups: &[Group<'a>]) -> Result
         }
     }
     let n = groups.len();
-    let at = |drive: &Joint| drives.iter().position(|known| known.name == drive.name);
+    let at = |drive: &Joint| drives.iter().position(|other| other.name == drive.name);
     let mut coupling = DMatrix::zeros(n, drives.len());
     for (i, group) in groups.iter().enumerate() {
         for (drive, factor) in &group.terms {

@@ -13,10 +13,10 @@ pub(super) fn limits(source: &Source<'_>, joint: &Joint) -> Result<[f64; 2]> {
     if joint.kind == JointKind::Continuous {
         return Ok([-TAU, TAU]);
     }
-    let found = [joint.limit.lower, joint.limit.upper];
-    let [low, high] = found.map(rad_to_deg);
+    let joint_limits = [joint.limit.lower, joint.limit.upper];
+    let [low, high] = joint_limits.map(rad_to_deg);
     let error = |code, message| source.error_at("joint", &joint.name, code, message);
-    if found[0] >= found[1] {
+    if joint_limits[0] >= joint_limits[1] {
         let message = if joint.limit.is_given {
             format!(
                 "The lower limit of the joint \"{}\" is not below the upper one: {low:.3}° and {high:.3}°.",
@@ -28,12 +28,12 @@ pub(super) fn limits(source: &Source<'_>, joint: &Joint) -> Result<[f64; 2]> {
         let error = error(Code::InvalidValue, message);
         return Err(error.hint("give <limit lower=\"…\" upper=\"…\" …/> in rad, or type=\"continuous\""));
     }
-    degrees(source, joint, found)?;
+    degrees(source, joint, joint_limits)?;
     // From URDF 1.2 on there may be none to one side: a full turn stands in for it.
     let turn = |limit: f64| {
         if limit.is_finite() { meant(limit) } else { TAU.copysign(limit) }
     };
-    Ok(found.map(turn))
+    Ok(joint_limits.map(turn))
 }
 
 /// Decimals of radians at least: who writes 2.5 may mean just that.
@@ -69,8 +69,8 @@ pub(super) fn speeds(drives: &[&Joint]) -> Option<Vec<f64>> {
 
 /// Says that limits of a joint without end do not count.
 pub(super) fn endless(joint: &Joint) -> Option<Finding> {
-    let given = joint.limit.is_given && joint.limit.lower < joint.limit.upper;
-    (given && joint.kind == JointKind::Continuous).then(|| {
+    let has_limits = joint.limit.is_given && joint.limit.lower < joint.limit.upper;
+    (has_limits && joint.kind == JointKind::Continuous).then(|| {
         let [low, high] = [joint.limit.lower, joint.limit.upper].map(rad_to_deg);
         let sentence = format!(
             "The joint is of the type continuous, so that its limits, {low:.1}° to {high:.1}°, do not count; ±360° \
@@ -119,15 +119,15 @@ pub(super) fn narrowed(
     joint: &Joint,
     (drive, multiplier, offset): (&Joint, f64, f64),
 ) -> Result<[f64; 2]> {
-    let own = [joint.limit.lower, joint.limit.upper].map(meant);
-    if joint.kind == JointKind::Continuous || own[0] == own[1] || multiplier == 0.0 {
+    let joint_limits = [joint.limit.lower, joint.limit.upper].map(meant);
+    if joint.kind == JointKind::Continuous || joint_limits[0] == joint_limits[1] || multiplier == 0.0 {
         return Ok(limits);
     }
-    if own[0] > own[1] {
+    if joint_limits[0] > joint_limits[1] {
         return self::limits(source, joint);
     }
-    degrees(source, joint, own)?;
-    let mut ends = own.map(|end| (end - offset) / multiplier);
+    degrees(source, joint, joint_limits)?;
+    let mut ends = joint_limits.map(|end| (end - offset) / multiplier);
     ends.sort_by(f64::total_cmp);
     let both = [limits[0].max(ends[0]), limits[1].min(ends[1])];
     if both[0] < both[1] {

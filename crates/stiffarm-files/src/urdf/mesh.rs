@@ -39,8 +39,8 @@ impl MeshFolders {
             return Err(Error::new(Code::Unsupported, message).hint(hint));
         }
         let (wanted, hint) = self.wanted(path)?;
-        let found = wanted.iter().find(|file| file.is_file());
-        found.cloned().ok_or_else(|| {
+        let mesh_file = wanted.iter().find(|file| file.is_file());
+        mesh_file.cloned().ok_or_else(|| {
             let looked: Vec<String> = wanted.iter().map(|w| w.display().to_string()).collect();
             let message = format!("The mesh {path} was not found. Looked for: {}.", looked.join(", "));
             Error::new(Code::FileRead, message).hint(hint + "; or go without shapes: --no-shapes")
@@ -81,7 +81,7 @@ impl MeshFolders {
     /// Where the packages of the given folders are, by their names.
     pub fn known(&self) -> BTreeMap<String, PathBuf> {
         let mut by_folder = BTreeMap::new();
-        let mut known = BTreeMap::new();
+        let mut by_name = BTreeMap::new();
         for folder in &self.packages {
             let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.clone());
             for inner in std::iter::once(folder.clone()).chain(folders_in(&folder, DEEPEST)) {
@@ -90,11 +90,11 @@ impl MeshFolders {
                     by_folder.entry(name).or_insert(inner.clone());
                 }
                 if let Some(name) = said_name(&inner) {
-                    known.entry(name).or_insert(inner);
+                    by_name.entry(name).or_insert(inner);
                 }
             }
         }
-        by_folder.extend(known);
+        by_folder.extend(by_name);
         by_folder
     }
 
@@ -117,16 +117,16 @@ impl MeshFolders {
         let urdf = std::path::absolute(self.urdf.join("."));
         let urdf = urdf.unwrap_or_else(|_| self.urdf.clone());
         let named = |folder: &&Path| is_package(folder, package);
-        let own = urdf.ancestors().filter(named).map(|folder| folder.join(rest));
-        wanted.extend(own);
+        let enclosing = urdf.ancestors().filter(named).map(|folder| folder.join(rest));
+        wanted.extend(enclosing);
         // A package beside the URDF's own.
         let beside = urdf.ancestors().map(|folder| folder.join(package));
         wanted.extend(beside.filter(|f| f.is_dir()).map(|folder| folder.join(rest)));
         if wanted.is_empty() {
             wanted.push(self.urdf.join(package).join(rest));
         }
-        let mut known = HashSet::new();
-        wanted.retain(|file| known.insert(file.clone()));
+        let mut seen = HashSet::new();
+        wanted.retain(|file| seen.insert(file.clone()));
         wanted
     }
 }

@@ -209,8 +209,8 @@ fn origin(source: &Source<'_>, element: Element<'_>) -> Result<Isometry3<f64>> {
 fn joint(source: &Source<'_>, element: Element<'_>) -> Result<Joint> {
     let name = source.required(element, "name")?.to_string();
     let kind = source.required(element, "type")?;
-    let known = JOINT_KINDS.iter().find(|(name, _)| *name == kind);
-    let Some((_, kind)) = known else {
+    let joint_kind = JOINT_KINDS.iter().find(|(name, _)| *name == kind);
+    let Some((_, kind)) = joint_kind else {
         let names = JOINT_KINDS.map(|(name, _)| name);
         let message = format!("There is no joint type \"{kind}\".");
         let hint = did_you_mean(kind, names).unwrap_or_else(|| names.join(", "));

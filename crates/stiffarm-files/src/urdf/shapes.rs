@@ -32,7 +32,7 @@ pub(super) type Shapes = (Vec<CollisionShape>, Vec<String>);
 /// A size that is not above zero.
 pub(super) fn shapes(tree: &Tree<'_>, chain: &Chain<'_>, rows: &AxisRows) -> Result<Shapes> {
     let placed = placed(tree, chain);
-    let mut found = Vec::new();
+    let mut shapes = Vec::new();
     let mut left_out = Vec::new();
     for link in &tree.robot.links {
         if link.collisions.is_empty() {
@@ -52,7 +52,7 @@ pub(super) fn shapes(tree: &Tree<'_>, chain: &Chain<'_>, rows: &AxisRows) -> Res
                 let source = tree.source;
                 return Err(source.error_at("link", &link.name, Code::InvalidValue, message));
             }
-            found.push(CollisionShape {
+            shapes.push(CollisionShape {
                 link: *body,
                 urdf_link: link.name.clone(),
                 pose: frame.inv_mul(&(at * collision.origin)),
@@ -60,19 +60,19 @@ pub(super) fn shapes(tree: &Tree<'_>, chain: &Chain<'_>, rows: &AxisRows) -> Res
             });
         }
     }
-    found.sort_by_key(|shape| shape.link);
-    Ok((found, left_out))
+    shapes.sort_by_key(|shape| shape.link);
+    Ok((shapes, left_out))
 }
 
 /// The links that go with one of the chain's, and their frames at zero in the base.
 fn placed<'a>(tree: &Tree<'a>, chain: &Chain<'a>) -> BTreeMap<&'a str, (usize, Isometry3<f64>)> {
-    let in_chain: BTreeSet<&str> = chain.links.iter().map(|own| own.name).collect();
+    let in_chain: BTreeSet<&str> = chain.links.iter().map(|chain_link| chain_link.name).collect();
     let mut placed = BTreeMap::new();
-    for own in &chain.links {
-        let Some(body) = own.axes_before else {
+    for chain_link in &chain.links {
+        let Some(body) = chain_link.axes_before else {
             continue;
         };
-        let mut open = vec![(own.name, own.pose)];
+        let mut open = vec![(chain_link.name, chain_link.pose)];
         while let Some((link, at)) = open.pop() {
             placed.insert(link, (body, at));
             let below = tree.joints_below(link).iter();

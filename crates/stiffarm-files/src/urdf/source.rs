@@ -93,9 +93,9 @@ impl<'a> Source<'a> {
     /// # Errors
     /// A second one.
     pub(super) fn child<'s>(&'s self, element: Element<'s>, name: &str) -> Result<Option<Element<'s>>> {
-        let mut found = self.children(element, name);
-        let first = found.next();
-        match found.next() {
+        let mut children = self.children(element, name);
+        let first = children.next();
+        match children.next() {
             Some(second) => {
                 let message = format!("<{}> has <{name}> twice.", element.tag_name().name());
                 Err(self.error(second, Code::Duplicate, message))

@@ -75,14 +75,14 @@ fn is_grippers(joint: &str) -> bool {
 /// Doubts axes of an arm that have the name of a gripper's joint, where all that is left are the names.
 pub fn doubted_axes(joints: &[&str]) -> Vec<Finding> {
     let is_arm = joints.first().is_some_and(|first| !is_grippers(first));
-    let found = joints.iter().filter(|name| is_arm && is_grippers(name));
+    let gripper_names = joints.iter().filter(|name| is_arm && is_grippers(name));
     let sentence = |name: &str| {
         format!(
             "By its name {name} is a joint of a gripper, and no axis of the arm: write the cell again, up to the flange \
              (`stiffarm init --urdf … --tip LINK`), or take the joint out of [robot]."
         )
     };
-    found.map(|name| Finding::caution(codes::URDF_GRIPPER, *name, sentence(name))).collect()
+    gripper_names.map(|name| Finding::caution(codes::URDF_GRIPPER, *name, sentence(name))).collect()
 }
 
 /// Joints that follow a joint.
@@ -96,7 +96,7 @@ fn followers<'t>(tree: &'t Tree<'_>, joint: &Joint) -> impl Iterator<Item = &'t 
 
 /// What the last joint shows beside its name: one sign of a gripper and another one, or its limits.
 fn seen(tree: &Tree<'_>, path: &[&Joint], before: &Joint, joint: &Joint) -> Option<&'static str> {
-    let in_chain = |other: &Joint| path.iter().any(|own| own.name == other.name);
+    let in_chain = |other: &Joint| path.iter().any(|chain_joint| chain_joint.name == other.name);
     let beside = [&joint.parent, &joint.child].map(|link| tree.joints_below(link));
     let mut beside = beside.into_iter().flatten();
     let limit = &joint.limit;
@@ -171,21 +171,21 @@ pub(super) fn tip<'a>(tree: &Tree<'a>, name: Option<&str>, base: &'a str) -> Res
 
 /// Doubts a chain that goes on into a gripper.
 pub(super) fn doubted<'a>(tree: &Tree<'a>, path: &[&'a Joint]) -> Option<Finding> {
-    let found = gripper(tree, path)?;
+    let gripper = gripper(tree, path)?;
     let sentence = format!(
         "The joint looks like one of a gripper, {}: no axis of the arm. The arm before it ends in \"{}\": --tip {}.",
-        found.sign, found.flange, found.flange
+        gripper.sign, gripper.flange, gripper.flange
     );
-    let name = found.joint.name.as_str();
+    let name = gripper.joint.name.as_str();
     Some(Finding::caution(codes::URDF_GRIPPER, name, sentence))
 }
 
 /// The option that ends a chain before its gripper, where it has one.
 pub(super) fn before_gripper<'a>(tree: &Tree<'a>, path: &[&'a Joint]) -> Option<String> {
-    let found = gripper(tree, path)?;
+    let gripper = gripper(tree, path)?;
     Some(format!(
         "\"{}\" looks like a joint of a gripper: --tip {} ends the chain before it",
-        found.joint.name, found.flange
+        gripper.joint.name, gripper.flange
     ))
 }
 
@@ -216,12 +216,12 @@ impl Tip {
         if let Some(at) = cut {
             said += &format!("; with --base {}", whole[at].child);
         }
-        let found = gripper(tree, path);
-        if let Some(found) = &found {
-            said += &format!("; {} looks like a gripper's", found.joint.name);
+        let gripper = gripper(tree, path);
+        if let Some(gripper) = &gripper {
+            said += &format!("; {} looks like a gripper's", gripper.joint.name);
         }
         Some(Tip {
-            is_gripper: found.is_some(),
+            is_gripper: gripper.is_some(),
             is_uncommon: !FLANGES.iter().any(|end| link.ends_with(end)),
             joints: Reverse(names.len()),
             is_behind,
@@ -241,7 +241,7 @@ fn listed<'a>(tree: &Tree<'a>, base: &'a str, ends: &[&'a str]) -> String {
     let mut tips = BTreeMap::new();
     for end in ends {
         let path = tree.path(base, end).unwrap_or_default();
-        let arm = gripper(tree, &path).map(|found| found.flange);
+        let arm = gripper(tree, &path).map(|gripper| gripper.flange);
         let arm = arm.or_else(|| {
             let last = path.iter().rfind(|j| j.kind != JointKind::Fixed && turns(j));
             last.map(|joint| flange(tree, &joint.child))

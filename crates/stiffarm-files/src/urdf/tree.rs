@@ -83,17 +83,17 @@ impl<'a> Tree<'a> {
 
     /// A link and those below it, and whether a joint between moves them.
     pub(super) fn all_below(&self, top: &'a str) -> Vec<(&'a str, bool)> {
-        let mut found = vec![(top, false)];
+        let mut links = vec![(top, false)];
         let mut at = 0;
-        while let Some((link, moved)) = found.get(at).copied() {
+        while let Some((link, moved)) = links.get(at).copied() {
             let below = self.joints_below(link).iter();
-            found.extend(below.map(|joint| {
+            links.extend(below.map(|joint| {
                 let moves = joint.kind != JointKind::Fixed;
                 (joint.child.as_str(), moved || moves)
             }));
             at += 1;
         }
-        found
+        links
     }
 
     /// The joint above a link.

@@ -52,8 +52,8 @@ fn said(error: &XmlError) -> Error {
         XmlError::NoRootNode => no_xml("The text has no XML elements."),
         XmlError::UnclosedRootNode => no_xml("<robot> is not closed."),
         XmlError::UnexpectedEndOfStream => no_xml("The text ends within an element."),
-        XmlError::UnexpectedCloseTag(expected, found, _) => {
-            no_xml(format!("</{found}> stands where </{expected}> must."))
+        XmlError::UnexpectedCloseTag(expected, actual, _) => {
+            no_xml(format!("</{actual}> stands where </{expected}> must."))
         }
         other => {
             // The place is said apart.

@@ -6,7 +6,7 @@ import html
 import json
 import os
 import shlex
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
@@ -18,7 +18,6 @@ from ._table import Table
 from .cell import Cell
 
 _R = TypeVar("_R", bound="Result")
-_D = TypeVar("_D", bound="Callable[..., Any]")
 
 
 class Result(Record):
@@ -32,9 +31,6 @@ class Result(Record):
 
     #: Keys that lead to the rows of :meth:`to_frame`.
     _rows: ClassVar[tuple[str, ...]] = ()
-
-    #: Function of :mod:`stiffarm.plot` that draws it.
-    _figure: ClassVar[Callable[..., Any] | None] = None
 
     #: Classes by the command whose results they are, and by its mode where it answers several questions.
     _classes: ClassVar[dict[tuple[str, str], type[Result]]] = {}
@@ -155,17 +151,24 @@ class Result(Record):
         """
         return write_file(path, self.page(), overwrite=overwrite)
 
-    def plot(self, **options: Any) -> Any:
-        """Draws the result with the function of :mod:`stiffarm.plot` that its class has, which says what the options are;
-        ``ax=`` are axes to draw into, of a simulation ``figure=`` an empty figure.
+    def figures(self) -> dict[str, dict[str, Any]]:
+        """The figures of the :meth:`page` by name: title, caption, and the panels with axes and series as data.
 
         Raises:
-            StiffarmError: A result that has no figure, or matplotlib is not installed.
+            StiffarmError: A result that has no page.
         """
-        draw = type(self)._figure
-        if draw is None:
-            raise StiffarmError(f"A {type(self).__name__} has no figure.", "unsupported", hint="page() has what can be seen of it")
-        return draw(self, **options)
+        figures, _ = json.loads(_stiffarm.figures(self._text, self._native()))
+        return {figure["id"]: figure for figure in figures}
+
+    def plot(self, name: str | None = None, *, panel: int | None = None, ax: Any = None, width_in: float = 3.5) -> Any:
+        """Draws one of the :meth:`figures`, the first unless named: :func:`stiffarm.plot.figure`.
+
+        Raises:
+            StiffarmError: A result that has no such figure, or matplotlib is not installed.
+        """
+        from .plot import figure
+
+        return figure(self, name, panel=panel, ax=ax, width_in=width_in)
 
     def table(self) -> Table:
         """The main table of the result, a row each; see :meth:`to_frame`."""
@@ -216,17 +219,6 @@ def result_of(text: str, document: dict[str, Any], interrupted: bool = False, ce
         mode = "place"
     of_command = Result._classes.get((command, ""), Result)
     return Result._classes.get((command, mode), of_command)(text, interrupted, cell)
-
-
-def draws(*kinds: type[Result]) -> Callable[[_D], _D]:
-    """Marks the function that draws results of these classes: :meth:`Result.plot` calls it."""
-
-    def mark(function: _D) -> _D:
-        for kind in kinds:
-            kind._figure = function
-        return function
-
-    return mark
 
 
 class Page(str):

@@ -21,9 +21,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         if let Some(most) = most {
             row.case.experiments = row.case.experiments.min(most);
         }
-        let found = coverage(&row.cell, &row.group.postures, &row.case, Control::default())?;
-        eprintln!("{:>3}/{total} {:6.2} % {}", i + 1, 100.0 * found.coverage, row.situation);
-        records.push(record(row, &found));
+        let coverage = coverage(&row.cell, &row.group.postures, &row.case, Control::default())?;
+        eprintln!("{:>3}/{total} {:6.2} % {}", i + 1, 100.0 * coverage.coverage, row.situation);
+        records.push(record(row, &coverage));
     }
     let page = page::page(&records);
     if most.is_some() {
@@ -48,8 +48,8 @@ fn most() -> Result<Option<usize>, String> {
     }
 }
 
-fn record(row: Row, found: &Coverage) -> Record {
-    let shares = || found.joints.iter().map(|j| j.coverage);
+fn record(row: Row, coverage: &Coverage) -> Record {
+    let shares = || coverage.joints.iter().map(|j| j.coverage);
     Record {
         table: row.table.to_string(),
         situation: row.situation,
@@ -57,14 +57,14 @@ fn record(row: Row, found: &Coverage) -> Record {
         adverse: row.adverse,
         postures: row.group.postures.len(),
         points: row.cell.setup.tool.point_count(),
-        degrees_of_freedom: found.degrees_of_freedom,
-        experiments: found.experiments,
-        coverage: digits(found.coverage),
-        standard_error: digits(found.standard_error),
+        degrees_of_freedom: coverage.degrees_of_freedom,
+        experiments: coverage.experiments,
+        coverage: digits(coverage.coverage),
+        standard_error: digits(coverage.standard_error),
         lowest: digits(shares().fold(f64::INFINITY, f64::min)),
         highest: digits(shares().fold(0.0, f64::max)),
-        relative_half_width: found.relative_half_width.map(digits),
-        open_above: digits(found.open_above),
+        relative_half_width: coverage.relative_half_width.map(digits),
+        open_above: digits(coverage.open_above),
     }
 }
 

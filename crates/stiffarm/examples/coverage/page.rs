@@ -97,21 +97,21 @@ fn inexact(records: &[&Record]) -> String {
         the fit. Below the table's smallest no coverage is claimed.\n"
         .to_string();
     for (intervals, title, words) in names {
-        let own: Vec<&Record> = records.iter().copied().filter(|r| r.intervals == Some(intervals)).collect();
+        let matching: Vec<&Record> = records.iter().copied().filter(|r| r.intervals == Some(intervals)).collect();
         let range = |adverse: bool| {
-            let values = || own.iter().filter(|r| r.adverse == adverse).map(|r| 100.0 * r.coverage);
+            let values = || matching.iter().filter(|r| r.adverse == adverse).map(|r| 100.0 * r.coverage);
             let low = values().fold(f64::INFINITY, f64::min);
             let high = values().fold(0.0, f64::max);
             format!("{low:.1} to {high:.1} %")
         };
-        let smallest = own.iter().filter_map(|r| r.degrees_of_freedom).min().unwrap_or(0);
+        let smallest = matching.iter().filter_map(|r| r.degrees_of_freedom).min().unwrap_or(0);
         // Writing to a string cannot fail.
         let _ = write!(
             out,
             "\n### {title}\n\n{words}\n\n{}\n{} As assumed: {}; against the assumptions: {}. No coverage is claimed below \
              {smallest} degrees of freedom.\n",
-            table(&own),
-            counted(&own),
+            table(&matching),
+            counted(&matching),
             range(false),
             range(true)
         );
@@ -156,11 +156,11 @@ fn table(records: &[&Record]) -> String {
     }
     let mut out = "| simulated |".to_string();
     for &(postures, points) in &sizes {
-        let own =
+        let freedoms =
             || records.iter().filter(|r| (r.postures, r.points) == (postures, points)).map(|r| r.degrees_of_freedom);
-        let first = own().next().flatten();
+        let first = freedoms().next().flatten();
         let dof = match first {
-            Some(dof) if own().all(|d| d == first) => format!(", {dof}"),
+            Some(dof) if freedoms().all(|d| d == first) => format!(", {dof}"),
             _ => String::new(),
         };
         out += &format!(" {postures} × {points}{dof} |");
@@ -170,8 +170,8 @@ fn table(records: &[&Record]) -> String {
         let against = if adverse { "*against*: " } else { "" };
         out += &format!("| {against}{situation} |");
         for &size in &sizes {
-            let found = records.iter().find(|r| r.situation == situation && (r.postures, r.points) == size);
-            out += &format!(" {} |", found.map(|r| share(r)).unwrap_or_default());
+            let record = records.iter().find(|r| r.situation == situation && (r.postures, r.points) == size);
+            out += &format!(" {} |", record.map(|r| share(r)).unwrap_or_default());
         }
         out.push('\n');
     }

@@ -99,12 +99,12 @@ impl Dice {
 fn stiffness(key: &str, dice: &mut Dice) -> Vec<f64> {
     let entry = find_in_catalogue(key).expect("a robot of the catalogue");
     let first = find_in_catalogue(ROBOTS[0]).expect("the default robot");
-    let own = entry.stiffness.first();
-    let factor = match own {
+    let published = entry.stiffness.first();
+    let factor = match published {
         Some(_) => 1.0,
         None => entry.payload_kg().unwrap_or(165.0) / 165.0 * entry.reach_m().unwrap_or(3.0) / 3.0,
     };
-    let values = own.unwrap_or(&first.stiffness[0]).values;
+    let values = published.unwrap_or(&first.stiffness[0]).values;
     let common = (0.2 * dice.normal()).exp();
     let spread = |k: &f64| k * factor * common * (0.15 * dice.normal()).exp();
     values.iter().map(spread).collect()

@@ -171,8 +171,8 @@ impl Fault {
             }
             Plant::Coordinates(f, all) => {
                 let state = dice.below(sound.table.postures[posture].states.len());
-                for (p, own) in sound.table.postures.iter_mut().enumerate() {
-                    for (s, state_of) in own.states.iter_mut().enumerate() {
+                for (p, row) in sound.table.postures.iter_mut().enumerate() {
+                    for (s, state_of) in row.states.iter_mut().enumerate() {
                         if all || (p, s) == (posture, state) {
                             state_of.readings.iter_mut().for_each(|r| r.position /= f);
                         }
@@ -182,8 +182,8 @@ impl Fault {
             }
             Plant::Displacements(f, all) => {
                 let measured = sound.displacements.iter_mut().flatten();
-                for own in measured.filter(|m| all || m.posture.name == name) {
-                    own.displacements.iter_mut().for_each(|d| d.value /= f);
+                for measurement in measured.filter(|m| all || m.posture.name == name) {
+                    measurement.displacements.iter_mut().for_each(|d| d.value /= f);
                 }
                 Expected { posture: (!all).then_some(name), ..expect(Cause::DisplacementUnits, f) }
             }
@@ -204,11 +204,11 @@ impl Fault {
                 expect(Cause::LoadingPointUnits, f)
             }
             Plant::Angles(f) => {
-                for own in &mut sound.table.postures {
-                    own.posture.q.iter_mut().for_each(|q| *q /= f);
+                for row in &mut sound.table.postures {
+                    row.posture.q.iter_mut().for_each(|q| *q /= f);
                 }
-                for own in sound.displacements.iter_mut().flatten() {
-                    own.posture.q.iter_mut().for_each(|q| *q /= f);
+                for measurement in sound.displacements.iter_mut().flatten() {
+                    measurement.posture.q.iter_mut().for_each(|q| *q /= f);
                 }
                 Expected { factor: None, ..expect(Cause::Radians, f) }
             }
@@ -219,8 +219,8 @@ impl Fault {
                 expect(Cause::PriorUnits, f)
             }
             Plant::Cases(all) => {
-                for (p, own) in sound.table.postures.iter_mut().enumerate() {
-                    for state in own.states.iter_mut().filter(|_| all || p == posture) {
+                for (p, row) in sound.table.postures.iter_mut().enumerate() {
+                    for state in row.states.iter_mut().filter(|_| all || p == posture) {
                         state.state = match state.state.as_str() {
                             "left" => "right".to_string(),
                             "right" => "left".to_string(),
@@ -241,8 +241,8 @@ fn is_loaded(state: &str) -> bool {
 /// Multiplies loads and wrenches by what `factor` says for posture and state; three
 /// digits after the point are typed.
 fn each_load(sound: &mut Sound, factor: impl Fn(usize, usize) -> f64) {
-    for (p, own) in sound.table.postures.iter_mut().enumerate() {
-        for (s, state) in own.states.iter_mut().enumerate() {
+    for (p, row) in sound.table.postures.iter_mut().enumerate() {
+        for (s, state) in row.states.iter_mut().enumerate() {
             let factor = factor(p, s);
             state.load = state.load.map(|l| (l * factor * 1e3).round() / 1e3);
             if let Some(wrench) = &mut state.wrench {
@@ -251,8 +251,8 @@ fn each_load(sound: &mut Sound, factor: impl Fn(usize, usize) -> f64) {
             }
         }
     }
-    for (p, own) in sound.displacements.iter_mut().flatten().enumerate() {
-        if let Some(wrench) = &mut own.wrench {
+    for (p, measurement) in sound.displacements.iter_mut().flatten().enumerate() {
+        if let Some(wrench) = &mut measurement.wrench {
             wrench.force *= factor(p, 1);
             wrench.moment *= factor(p, 1);
         }
@@ -331,8 +331,9 @@ pub fn judge(sound: &Sound, expected: &Expected) -> Judged {
         f if f == INCH => "factor 25.4".to_string(),
         f => format!("factor {f:.0}"),
     };
-    let told = expected.factor.map(number).unwrap_or_default();
-    let among = |s: &&Suspicion| place(s) && s.factor.is_some() && s.alternatives.iter().any(|a| a.ends_with(&told));
+    let factor_text = expected.factor.map(number).unwrap_or_default();
+    let among =
+        |s: &&Suspicion| place(s) && s.factor.is_some() && s.alternatives.iter().any(|a| a.ends_with(&factor_text));
     let first = suspicions.iter().position(|s| right(&s));
     let second = suspicions.iter().position(|s| among(&s));
     let outcome = match (first, second, suspicions.len()) {

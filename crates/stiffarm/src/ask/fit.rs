@@ -1,6 +1,6 @@
 //! How the joint stiffness is estimated.
 
-use crate::ask::rules::given;
+use crate::ask::rules::changed_options;
 #[cfg(feature = "clap")]
 use crate::ask::values::{Choice, ELASTIC, choice, number, one_of};
 use crate::error::{Code, Error, Result};
@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 pub struct FitOptions {
     /// How the joint stiffness is estimated
     #[cfg_attr(feature = "clap", arg(long, value_name = "NAME", default_value = "two-variance",
-        value_parser = one_of(&Estimator::ALL, |own| own.as_str().into())))]
+        value_parser = one_of(&Estimator::ALL, |estimator| estimator.as_str().into())))]
     pub estimator: Estimator,
     /// Extra terms: tilt (of all joints), tilt1, …, base, lost (motion of all joints), lost1, …
     #[cfg_attr(feature = "clap", arg(long, value_name = "NAME,…", value_delimiter = ','))]
@@ -97,7 +97,7 @@ impl FitOptions {
     /// # Errors
     /// One of them is not as it is by default (its field is the key).
     pub fn refuse(&self) -> Result<()> {
-        match given(self)?.into_iter().next() {
+        match changed_options(self)?.into_iter().next() {
             Some(name) => Err(Error::new(Code::Usage, format!("`{name}` can be used only with `folds`."))
                 .key(name)
                 .hint("a saved stiffness brings its own estimator, terms and confidence")),

@@ -119,7 +119,7 @@ pub struct Judgement {
 impl Judgement {
     /// Every finding of the result, each once.
     pub fn every_finding(&self) -> Vec<Finding> {
-        let standing = self.standing.iter().flat_map(|own| &own.findings);
+        let standing = self.standing.iter().flat_map(|standing| &standing.findings);
         each_once(self.readings.iter().chain(standing))
     }
 }
@@ -193,7 +193,7 @@ pub fn judge(
     control: Control<'_>,
 ) -> Result<Judgement> {
     let begun = measurements.as_ref().map_or_else(|_| Vec::new(), begun);
-    let measured = match measurements.and_then(|own| prepare(cell, own, reduce)) {
+    let measured = match measurements.and_then(|measurements| prepare(cell, measurements, reduce)) {
         Ok(measured) => measured,
         // Nothing but a heading yet, or the first posture is not complete.
         Err(error) if error.code() == Code::TooFewData => {
@@ -211,24 +211,24 @@ pub fn judge(
             done.push(posture.posture.name.clone());
         }
     }
-    let known: BTreeSet<String> = done.iter().cloned().collect();
-    let left = plan.iter().filter(|posture| !known.contains(&posture.name));
+    let measured_names: BTreeSet<String> = done.iter().cloned().collect();
+    let left = plan.iter().filter(|posture| !measured_names.contains(&posture.name));
     let left: Vec<Posture> = left.cloned().collect();
     let readings = measured.findings().filter(|f| f.code != codes::NOT_MEASURED_YET);
     let mut out = Judgement {
-        begun: begun.into_iter().filter(|name| !known.contains(name)).collect(),
+        begun: begun.into_iter().filter(|name| !measured_names.contains(name)).collect(),
         measured: done,
         readings: readings.cloned().collect(),
         ..Judgement::not_yet(plan, &left)
     };
     let fit = Fit::new(cell, measured, &IdentifyOptions::default())?;
-    let found = SoFar::new(&fit).and_then(|so_far| {
-        let found = standing(&so_far, &left, options.until.and_then(Goal::stiffness))?;
-        Ok((found, so_far))
+    let judged = SoFar::new(&fit).and_then(|so_far| {
+        let standing = standing(&so_far, &left, options.until.and_then(Goal::stiffness))?;
+        Ok((standing, so_far))
     });
-    let so_far = match found {
-        Ok((found, so_far)) => {
-            out.standing = Some(found);
+    let so_far = match judged {
+        Ok((standing, so_far)) => {
+            out.standing = Some(standing);
             so_far
         }
         Err(error) => {
@@ -242,9 +242,9 @@ pub fn judge(
     }
     out.readings.extend(of_fit);
     if let Some(goal) = options.until.and_then(Goal::deflection) {
-        let mut found = deflection(&fit, &so_far, goal)?;
-        found.reached &= so_far.missing_postures(left.len()) == 0;
-        out.deflection = Some(found);
+        let mut deflection_standing = deflection(&fit, &so_far, goal)?;
+        deflection_standing.reached &= so_far.missing_postures(left.len()) == 0;
+        out.deflection = Some(deflection_standing);
         if let Some(standing) = &mut out.standing {
             standing.findings.extend(so_far.too_few(left.len()));
         }
@@ -267,7 +267,7 @@ fn of_fit(fit: &Fit, so_far: &SoFar<'_>, left: usize) -> Result<Vec<Finding>> {
     let is_due = |f: &Finding| f.severity > Severity::Note && (left == 0 || !MAY_COME.contains(&f.code.as_str()));
     // A joint that yields against its torque follows from a set-up that is rejected.
     let diagnosis = so_far.diagnosis.as_ref();
-    let is_rejected = diagnosis.is_some_and(|own| own.rejected().is_some());
+    let is_rejected = diagnosis.is_some_and(|diagnosis| diagnosis.rejected().is_some());
     let joints = joints.filter(|f| f.code == codes::NEGATIVE_COMPLIANCE && !is_rejected);
     let of_fit = doubts(fit, diagnosis)?;
     Ok(joints.chain(of_fit.into_iter().filter(is_due)).collect())
@@ -283,8 +283,8 @@ fn deflection(fit: &Fit, so_far: &SoFar<'_>, goal: f64) -> Result<DeflectionStan
     cell.work.tip = Some(tip);
     // While a joint is open below, nothing is predicted.
     let options = PredictOptions::default();
-    let known = so_far.compliance();
-    let predicted = known.and_then(|known| predict(&cell, &known, &tasks, &options, Control::default()));
+    let compliance = so_far.compliance();
+    let predicted = compliance.and_then(|compliance| predict(&cell, &compliance, &tasks, &options, Control::default()));
     let mut out = DeflectionStanding { largest_m: None, task: String::new(), reached: false };
     let Ok(predicted) = predicted else {
         return Ok(out);
@@ -307,14 +307,14 @@ fn better(fit: &Fit, cell: &Cell, left: &[Posture], seed: u64, control: Control<
         return Ok(None);
     };
     // Stopped, or no posture helps: the plan stands.
-    let Ok(mut found) = next_posture(fit, &options, control) else {
+    let Ok(mut posture) = next_posture(fit, &options, control) else {
         return Ok(None);
     };
-    if !is_better(&found, &planned) {
+    if !is_better(&posture, &planned) {
         return Ok(None);
     }
-    found.angles = rounded(cell, &[&found.angles], STEP_DEG)?.swap_remove(0);
-    Ok(Some(found))
+    posture.angles = rounded(cell, &[&posture.angles], STEP_DEG)?.swap_remove(0);
+    Ok(Some(posture))
 }
 
 /// Postures with a reading.

@@ -173,7 +173,7 @@ impl PoseOptions {
     /// A maker's convention, where nothing says that the cell's angles are a controller's.
     pub fn of(&self, cell: &Cell) -> Result<PoseKind> {
         let robot = &cell.setup.robot;
-        if self.convention.is_some_and(|asked| asked != Convention::Matrix) {
+        if self.convention.is_some_and(|convention| convention != Convention::Matrix) {
             robot.known_controller()?;
         }
         Ok(PoseKind {

@@ -39,7 +39,7 @@ pub struct Predicted {
 impl Predicted {
     /// Every finding of the result, each once.
     pub fn every_finding(&self) -> Vec<Finding> {
-        let of_path = self.postures.iter().flat_map(|own| &own.findings);
+        let of_path = self.postures.iter().flat_map(|path| &path.findings);
         each_once(self.prediction.findings.iter().chain(of_path))
     }
 }

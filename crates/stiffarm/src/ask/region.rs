@@ -71,10 +71,10 @@ impl Region {
     ///
     /// # Errors
     /// An upside-down box (key `from_mm`), a plane of no axis (key `plane`).
-    pub fn of_map(cell: &Cell, asked: &RegionOptions) -> Result<Self> {
-        let (lower, upper) = corners(cell, asked)?;
+    pub fn of_map(cell: &Cell, options: &RegionOptions) -> Result<Self> {
+        let (lower, upper) = corners(cell, options)?;
         let is_box = (0..3).all(|axis| lower[axis] < upper[axis]);
-        let steps = match asked.steps {
+        let steps = match options.steps {
             None if is_box => {
                 let [x, y, _] = proportional(lower, upper, BOX);
                 [x, y, PLANES]
@@ -90,23 +90,23 @@ impl Region {
     ///
     /// # Errors
     /// An upside-down box (key `from_mm`), a plane of no axis (key `plane`).
-    pub fn of_places(cell: &Cell, asked: &RegionOptions) -> Result<Self> {
-        let (mut lower, mut upper) = corners(cell, asked)?;
-        if asked.plane.is_none() && asked.from_mm.is_none() {
+    pub fn of_places(cell: &Cell, options: &RegionOptions) -> Result<Self> {
+        let (mut lower, mut upper) = corners(cell, options)?;
+        if options.plane.is_none() && options.from_mm.is_none() {
             let height = cell.work.workpiece.translation.vector.z;
             (lower[2], upper[2]) = (height, height);
         }
-        let steps = asked.steps.unwrap_or(Steps::Longest(PLACES));
+        let steps = options.steps.unwrap_or(Steps::Longest(PLACES));
         Ok(Region { lower, upper, steps: counted(lower, upper, steps) })
     }
 }
 
-fn corners(cell: &Cell, asked: &RegionOptions) -> Result<([f64; 3], [f64; 3])> {
-    let (mut lower, mut upper) = match (asked.from_mm, asked.to_mm) {
+fn corners(cell: &Cell, options: &RegionOptions) -> Result<([f64; 3], [f64; 3])> {
+    let (mut lower, mut upper) = match (options.from_mm, options.to_mm) {
         (Some(from), Some(to)) => (from.map(mm_to_m), to.map(mm_to_m)),
         _ => within_reach(cell),
     };
-    if let Some(plane) = asked.plane {
+    if let Some(plane) = options.plane {
         if plane.axis > 2 {
             let message = format!("A plane's axis is 0, 1 or 2 for x, y, z; got {}.", plane.axis);
             return Err(Error::invalid(message).key("plane"));

@@ -29,22 +29,22 @@ impl PairOptions {
     pub fn kept(&self, pairs: Vec<PointPair>) -> Result<Vec<PointPair>> {
         let is = |pair: &PointPair, name: &String| pair.name == *name;
         if let Some(name) = self.exclude.iter().find(|name| !pairs.iter().any(|pair| is(pair, name))) {
-            let known: Vec<&str> = pairs.iter().map(|pair| pair.name.as_str()).collect();
+            let names: Vec<&str> = pairs.iter().map(|pair| pair.name.as_str()).collect();
             let message = format!("The table has no point \"{name}\".");
             return Err(Error::new(Code::UnknownName, message)
                 .key("exclude")
-                .hint(format!("points: {}", known.join(", "))));
+                .hint(format!("points: {}", names.join(", "))));
         }
-        let kept = pairs.into_iter().filter(|pair| !self.exclude.iter().any(|name| is(pair, name)));
-        Ok(kept.collect())
+        let remaining = pairs.into_iter().filter(|pair| !self.exclude.iter().any(|name| is(pair, name)));
+        Ok(remaining.collect())
     }
 
     /// Registers pairs of [`PairOptions::kept`].
     ///
     /// # Errors
     /// As [`register_with`].
-    pub fn register(&self, kept: &[PointPair]) -> Result<Registration> {
+    pub fn register(&self, pairs: &[PointPair]) -> Result<Registration> {
         let options = RegisterOptions { std: self.std_mm.map(mm_to_m), weights: Vec::new() };
-        register_with(kept, &options)
+        register_with(pairs, &options)
     }
 }

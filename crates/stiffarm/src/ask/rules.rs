@@ -11,21 +11,21 @@ pub type NotWith = &'static [(&'static str, &'static [&'static str])];
 ///
 /// # Errors
 /// Options that JSON cannot hold.
-pub(super) fn given<O: Serialize + Default>(options: &O) -> Result<BTreeSet<String>> {
+pub(super) fn changed_options<O: Serialize + Default>(options: &O) -> Result<BTreeSet<String>> {
     let json = |options: &O| serde_json::to_value(options).map_err(|e| Error::new(Code::Internal, e.to_string()));
-    let (own, default) = (json(options)?, json(&O::default())?);
-    let fields = own.as_object().into_iter().flatten();
+    let (chosen, default) = (json(options)?, json(&O::default())?);
+    let fields = chosen.as_object().into_iter().flatten();
     let changed = fields.filter(|(key, value)| default.get(key) != Some(value));
     Ok(changed.map(|(key, _)| key.strip_suffix("_s").unwrap_or(key).to_string()).collect())
 }
 
-/// Refuses two of the `given` names that exclude each other.
+/// Refuses two of the `names` that exclude each other.
 ///
 /// # Errors
 /// There are two such.
-pub(super) fn refuse(rules: NotWith, given: &BTreeSet<String>) -> Result<()> {
-    for (name, others) in rules.iter().filter(|(name, _)| given.contains(*name)) {
-        if let Some(other) = others.iter().find(|other| given.contains(**other)) {
+pub(super) fn refuse(rules: NotWith, names: &BTreeSet<String>) -> Result<()> {
+    for (name, others) in rules.iter().filter(|(name, _)| names.contains(*name)) {
+        if let Some(other) = others.iter().find(|other| names.contains(**other)) {
             let message = format!("`{name}` is not taken beside `{other}`.");
             let hint = format!("leave out `{name}` or `{other}`");
             return Err(Error::new(Code::Conflict, message).key(*name).hint(hint));

@@ -74,7 +74,8 @@ impl Validated {
     /// Every finding of the result, each once.
     pub fn every_finding(&self) -> Vec<Finding> {
         let readings = self.readings.iter();
-        let readings = readings.flat_map(|own| own.reduction.findings.iter().chain(&own.screening.findings));
+        let readings =
+            readings.flat_map(|reduced| reduced.reduction.findings.iter().chain(&reduced.screening.findings));
         each_once(self.validation.findings.iter().chain(readings).chain(&self.remarks))
     }
 }
@@ -227,11 +228,11 @@ impl Folds {
 /// Predicts fold by fold with the elastic model asked for; which one it was.
 fn crossed(
     fit: &Fit,
-    asked: Option<ElasticChoice>,
+    choice: Option<ElasticChoice>,
     count: usize,
     tolerance: Option<f64>,
 ) -> Result<(Validation, ElasticChoice)> {
-    let mixed = match (asked, ElasticChoice::or_default(asked, fit.options())) {
+    let mixed = match (choice, ElasticChoice::or_default(choice, fit.options())) {
         (_, ElasticChoice::Axes) => None,
         (Some(_), _) => Some(MixedFit::new(fit).map_err(|e| e.key("elastic"))?),
         (None, _) => carried(fit)?.ok(),
@@ -249,7 +250,7 @@ fn crossed(
 /// As [`never_loaded`].
 fn untold(cell: &Cell, saved: &Saved, measured: &Measured) -> Result<Option<Finding>> {
     let predictor = &saved.predictor;
-    let Some(spread) = predictor.spread.as_ref().filter(|own| own.doubt.is_some()) else {
+    let Some(spread) = predictor.spread.as_ref().filter(|spread| spread.doubt.is_some()) else {
         return Ok(None);
     };
     let noise = 3.0 * (spread.sigma.powi(2) + spread.shift.powi(2));
@@ -268,12 +269,12 @@ fn untold(cell: &Cell, saved: &Saved, measured: &Measured) -> Result<Option<Find
 /// That postures took part in the identification, where some did: by their angles, by their names where these are not
 /// known. Plans of two days both begin at posture 1.
 fn seen(saved: &Saved, result: &Validation) -> Option<Finding> {
-    let is_seen = |own: &ValidatedPosture| match saved.angles.is_empty() {
-        true => saved.postures.contains(&own.posture),
-        false => saved.angles.iter().any(|q| is_same(q, &own.angles)),
+    let is_seen = |posture: &ValidatedPosture| match saved.angles.is_empty() {
+        true => saved.postures.contains(&posture.posture),
+        false => saved.angles.iter().any(|q| is_same(q, &posture.angles)),
     };
-    let seen = result.postures.iter().filter(|own| is_seen(own));
-    let mut seen: Vec<&str> = seen.map(|own| own.posture.as_str()).collect();
+    let seen = result.postures.iter().filter(|posture| is_seen(posture));
+    let mut seen: Vec<&str> = seen.map(|posture| posture.posture.as_str()).collect();
     seen.dedup();
     let (verb, them) = match seen.len() {
         0 => return None,

@@ -28,8 +28,8 @@ pub fn seed() -> impl Fn(&str) -> Result<u64, String> + Clone {
 pub fn within<T: TryFrom<u64>>(range: RangeInclusive<u64>) -> impl Fn(&str) -> Result<T, String> + Clone {
     move |text| {
         let whole = text.parse().ok().filter(|whole| range.contains(whole));
-        let found = whole.and_then(|whole| T::try_from(whole).ok());
-        found.ok_or_else(|| match range.clone().into_inner() {
+        let number = whole.and_then(|whole| T::try_from(whole).ok());
+        number.ok_or_else(|| match range.clone().into_inner() {
             (low, u64::MAX) => format!("a whole number from {low} on is needed"),
             (low, high) => format!("a whole number from {low} to {high} is needed"),
         })
@@ -43,8 +43,8 @@ pub fn one_of<T: Copy + Send + Sync + 'static>(
 ) -> impl TypedValueParser<Value = T> {
     let names = all.iter().map(|value| shown(*value));
     PossibleValuesParser::new(names).try_map(move |name| {
-        let found = all.iter().find(|value| shown(**value).matches(&name, false));
-        found.copied().ok_or("it is none of these")
+        let selected = all.iter().find(|value| shown(**value).matches(&name, false));
+        selected.copied().ok_or("it is none of these")
     })
 }
 

@@ -46,9 +46,9 @@ impl Measured {
     /// The noise of `cell` with as many readings per displacement as were taken, and that of
     /// the step in which they were written down.
     pub fn noise(&self, cell: &Cell) -> Noise {
-        let own = cell.noise.readings_per_displacement;
+        let assumed = cell.noise.readings_per_displacement;
         Noise {
-            readings_per_displacement: self.readings_per_displacement.unwrap_or(own),
+            readings_per_displacement: self.readings_per_displacement.unwrap_or(assumed),
             reading_variance: cell.noise.reading_variance + self.resolution_variance,
             ..cell.noise
         }
@@ -87,7 +87,7 @@ impl Measured {
     /// A name that no posture has.
     pub fn keep_only(&mut self, names: &[String]) -> Result<()> {
         self.check_names(names)?;
-        self.retain(|name| names.iter().any(|kept| kept == name));
+        self.retain(|name| names.iter().any(|wanted| wanted == name));
         Ok(())
     }
 
@@ -102,8 +102,8 @@ impl Measured {
     }
 
     fn check_names(&self, names: &[String]) -> Result<()> {
-        let known = self.postures.iter().map(|m| m.posture.name.as_str());
-        check_names(names, known)
+        let posture_names = self.postures.iter().map(|m| m.posture.name.as_str());
+        check_names(names, posture_names)
     }
 
     /// All that was noticed about raw readings, those about the readings
@@ -119,15 +119,15 @@ impl Measured {
     }
 }
 
-/// Refuses names that are not among those of measured postures, `known`.
-pub(crate) fn check_names<'a>(names: &[String], known: impl Iterator<Item = &'a str>) -> Result<()> {
-    let mut known: Vec<&str> = known.collect();
-    let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) else {
+/// Refuses names that are not among those of measured postures, `posture_names`.
+pub(crate) fn check_names<'a>(names: &[String], posture_names: impl Iterator<Item = &'a str>) -> Result<()> {
+    let mut posture_names: Vec<&str> = posture_names.collect();
+    let Some(name) = names.iter().find(|name| !posture_names.contains(&name.as_str())) else {
         return Ok(());
     };
-    known.dedup();
+    posture_names.dedup();
     Err(Error::new(Code::UnknownName, format!("The measurements have no posture \"{name}\"."))
-        .hint(format!("measured postures: {}", known.join(", "))))
+        .hint(format!("measured postures: {}", posture_names.join(", "))))
 }
 
 /// No posture is left.
@@ -201,8 +201,8 @@ pub fn prepare(cell: &Cell, measurements: impl Into<Measurements>, options: &Red
     let mut table = table.in_order_of_time();
     let resolution = Resolution::of(cell, &table);
     let cell = resolution.as_ref().map_or(cell, |rounded| &rounded.cell);
-    let given = options.base_from_tracker.as_ref();
-    let doubtful = stations::in_one_frame(cell, &mut table, given)?;
+    let stated_transform = options.base_from_tracker.as_ref();
+    let doubtful = stations::in_one_frame(cell, &mut table, stated_transform)?;
     let series = PostureSeries::all(&table);
     let screening = match doubtful {
         // Frames say nothing where the model fits from no station: one by itself tells why.
@@ -210,8 +210,8 @@ pub fn prepare(cell: &Cell, measurements: impl Into<Measurements>, options: &Red
         None => None,
     };
     let screening = match screening {
-        Some(found) => found,
-        None => screen_series(cell, &table, &series, given)?,
+        Some(screening) => screening,
+        None => screen_series(cell, &table, &series, stated_transform)?,
     };
     let mut reduction = reduce_series(cell, &table, &series, options).map_err(|error| {
         let mut findings = screening.findings.iter();
@@ -269,11 +269,11 @@ fn screened_alone(
     series: &[PostureSeries<'_>],
     station: &str,
 ) -> Result<Option<Screening>> {
-    let own = series.iter();
-    let own = own.filter(|s| s.readings.station.as_deref() == Some(station));
-    let own: Vec<PostureSeries<'_>> = own.cloned().collect();
-    let found = screen_series(cell, table, &own, None)?;
-    let is_common = found.suspicions.iter().zip(&found.findings);
+    let station_series = series.iter();
+    let station_series = station_series.filter(|s| s.readings.station.as_deref() == Some(station));
+    let station_series: Vec<PostureSeries<'_>> = station_series.cloned().collect();
+    let screening = screen_series(cell, table, &station_series, None)?;
+    let is_common = screening.suspicions.iter().zip(&screening.findings);
     let mut is_common = is_common.filter(|(s, f)| s.postures.is_empty() && f.severity == Severity::Serious);
-    Ok(is_common.next().is_some().then_some(found))
+    Ok(is_common.next().is_some().then_some(screening))
 }

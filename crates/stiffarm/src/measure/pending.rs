@@ -78,9 +78,9 @@ pub(super) fn nothing_measured(table: &ReadingTable) -> Option<Error> {
 /// `3 (loaded; unloaded-2 at 4)`: the states that are missing, with the points where only
 /// some are.
 fn missing(table: &ReadingTable, posture: &str) -> String {
-    let own: Vec<&PendingReading> = table.pending.iter().filter(|row| row.posture == posture).collect();
+    let rows: Vec<&PendingReading> = table.pending.iter().filter(|row| row.posture == posture).collect();
     let mut states: Vec<&str> = Vec::new();
-    for row in &own {
+    for row in &rows {
         if !states.contains(&row.state.as_str()) {
             states.push(&row.state);
         }
@@ -89,7 +89,7 @@ fn missing(table: &ReadingTable, posture: &str) -> String {
         if !table.has_readings_in(posture, state) {
             return (*state).to_string();
         }
-        let points = own.iter().filter(|row| row.state == *state);
+        let points = rows.iter().filter(|row| row.state == *state);
         let points: Vec<&str> = points.map(|row| row.point.as_str()).collect();
         format!("{state} at {}", list(&points))
     });

@@ -47,7 +47,7 @@ impl Resolution {
         let std = step / 12f64.sqrt();
         let distance = readings.iter().map(|r| r.position.norm()).sum::<f64>() / readings.len() as f64;
         let mut with = cell.clone();
-        let own = match &mut with.tracker.accuracy {
+        let tracker_std = match &mut with.tracker.accuracy {
             Some(accuracy) => {
                 let along = accuracy.range + accuracy.range_per_metre * distance;
                 let across = accuracy.angle * distance;
@@ -58,17 +58,17 @@ impl Resolution {
             None => cell.noise.reading_variance.sqrt(),
         };
         with.noise.reading_variance += std.powi(2);
-        if std < MEANT * own {
+        if std < MEANT * tracker_std {
             return None;
         }
         let sentence = format!(
             "All {} readings are multiples of {shown}: they were rounded before they came here. That is a noise of {} in each coordinate (step/√12) beside {} of the tracker, with which it is counted.",
             readings.len(),
             length(std),
-            length(own),
+            length(tracker_std),
         );
         let advice = " Export the readings with all their digits.";
-        let is_coarse = std >= SMALL * own;
+        let is_coarse = std >= SMALL * tracker_std;
         let finding = if !is_coarse {
             Finding::note(codes::READING_RESOLUTION, "readings", sentence)
         } else {

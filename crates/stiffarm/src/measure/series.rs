@@ -144,8 +144,8 @@ impl<'a> Series<'a> {
     ) -> Self {
         let mut states = Vec::new();
         for (number, state) in posture.states.iter().enumerate() {
-            let own = state.readings.iter().zip(&clocks[number]);
-            let (readings, samples): (Vec<&Reading>, Vec<Sample>) = own
+            let clocked = state.readings.iter().zip(&clocks[number]);
+            let (readings, samples): (Vec<&Reading>, Vec<Sample>) = clocked
                 .filter(|(reading, _)| reading.target == target)
                 .map(|(reading, clock)| {
                     let sample = Sample { clock: *clock, position: reading.position };

@@ -191,9 +191,9 @@ pub(crate) fn fitted(
         scale,
     }));
     all.extend(beams(robot).into_iter().map(|term| Effect { term, class: ElasticClass::Beam, scale: 1.0 }));
-    for known in drawing {
-        all.retain(|effect| effect.term != known.term);
-        all.push(known.effect());
+    for element in drawing {
+        all.retain(|effect| effect.term != element.term);
+        all.push(element.effect());
     }
     all
 }
@@ -210,10 +210,10 @@ pub fn elastic_effects(
 
 /// Compliance of each joint over the geometric mean; one where it is not known or not positive.
 fn relative(joints: usize, compliance: &[f64]) -> Vec<f64> {
-    let known = |j: usize| compliance.get(j).copied().filter(|h| *h > 0.0);
-    let logarithms: Vec<f64> = (0..joints).filter_map(known).map(f64::ln).collect();
+    let positive = |j: usize| compliance.get(j).copied().filter(|h| *h > 0.0);
+    let logarithms: Vec<f64> = (0..joints).filter_map(positive).map(f64::ln).collect();
     let mean = logarithms.iter().sum::<f64>() / logarithms.len().max(1) as f64;
-    let size = |j: usize| known(j).map_or(1.0, |h| (h.ln() - mean).exp());
+    let size = |j: usize| positive(j).map_or(1.0, |h| (h.ln() - mean).exp());
     (0..joints).map(size).collect()
 }
 

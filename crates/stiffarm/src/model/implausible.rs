@@ -76,14 +76,14 @@ pub fn load<'a>(robot: &Robot, loads: impl IntoIterator<Item = (&'a str, &'a Wre
 /// What of the cell's process can hardly be meant.
 pub fn process(cell: &Cell) -> Vec<Finding> {
     let mut out = Vec::new();
-    let own = cell.work.process.iter().map(|own| ("work".to_string(), own));
+    let of_work = cell.work.process.iter().map(|process| ("work".to_string(), process));
     let of_features = cell.work.features.iter().filter_map(|feature| {
         let table = format!("work.feature \"{}\"", feature.name);
         Some((table, feature.process.as_ref()?))
     });
-    for (table, process) in own.chain(of_features) {
-        let (kind, given) = match process {
-            Process::Constant(given, _) => ("force", *given),
+    for (table, process) in of_work.chain(of_features) {
+        let (kind, tip_load) = match process {
+            Process::Constant(tip_load, _) => ("force", *tip_load),
             Process::Milling(cut) => {
                 milling(cut, &table, &mut out);
                 ("milling", cut.mean_load())
@@ -94,7 +94,7 @@ pub fn process(cell: &Cell) -> Vec<Finding> {
                 continue;
             }
         };
-        let wrench = Wrench { force: given.force, moment: given.moment };
+        let wrench = Wrench { force: tip_load.force, moment: tip_load.moment };
         let key = format!("{table}.{kind}");
         out.extend(load(&cell.setup.robot, [(key.as_str(), &wrench)]));
     }

@@ -141,17 +141,17 @@ impl Load {
     pub(crate) fn following(&self, frames: &Frames, loading_point: &Vector3<f64>, wrench: &Wrench) -> Option<Load> {
         if let Load::Cases(cases) = self {
             // Under a load at a point of its own the wrench has a moment, and matches none.
-            let own = cases.iter().filter(|case| case.loading_point.is_none());
-            return own.filter_map(|case| case.load.following(frames, loading_point, wrench)).next();
+            let candidates = cases.iter().filter(|case| case.loading_point.is_none());
+            return candidates.filter_map(|case| case.load.following(frames, loading_point, wrench)).next();
         }
         if !matches!(self, Load::Rope { .. } | Load::Constant { axes: Axes::Tool, .. }) {
             return None;
         }
-        let own = self.wrench(frames, loading_point)?;
-        let size = own.force.norm_squared() + own.moment.norm_squared();
-        let factor = (own.force.dot(&wrench.force) + own.moment.dot(&wrench.moment)) / size;
-        let off =
-            (wrench.force - own.force * factor).norm_squared() + (wrench.moment - own.moment * factor).norm_squared();
+        let nominal = self.wrench(frames, loading_point)?;
+        let size = nominal.force.norm_squared() + nominal.moment.norm_squared();
+        let factor = (nominal.force.dot(&wrench.force) + nominal.moment.dot(&wrench.moment)) / size;
+        let off = (wrench.force - nominal.force * factor).norm_squared()
+            + (wrench.moment - nominal.moment * factor).norm_squared();
         let whole = wrench.force.norm_squared() + wrench.moment.norm_squared();
         // Not true for a load of zero either, whose factor is no number.
         if !(off <= SAME_DIRECTION * SAME_DIRECTION * whole && factor.is_finite()) {
@@ -189,8 +189,8 @@ impl Load {
     /// # Errors
     /// A state that belongs to none of the load cases.
     pub fn case_of(&self, state: &str) -> Result<usize> {
-        let found = self.cases().iter().position(|case| case.is_of(state));
-        found.or((!self.has_cases()).then_some(0)).ok_or_else(|| {
+        let position = self.cases().iter().position(|case| case.is_of(state));
+        position.or((!self.has_cases()).then_some(0)).ok_or_else(|| {
             let message = format!("The state \"{state}\" belongs to no load case of the cell.");
             Error::invalid(message).key("state").hint(format!(
                 "name states after the load cases, with -2 and so on where one is taken again: {}",

@@ -81,10 +81,10 @@ impl LoadLog {
             if point.load.is_some() {
                 continue;
             }
-            let own = stations[i];
+            let station = stations[i];
             // A rapid move has the load of none of its ends.
             let to = |is_near: bool, other: usize| {
-                if is_near { 0.5 * (own + stations[other]) } else { own }
+                if is_near { 0.5 * (station + stations[other]) } else { station }
             };
             let from = to(i > 0 && !rapid[i], i.saturating_sub(1));
             let next = (i + 1).min(rapid.len() - 1);
@@ -168,7 +168,7 @@ impl LoadLog {
     /// The value there, and the integral up to there.
     fn until(&self, at: f64) -> (Vector6<f64>, Vector6<f64>) {
         let last = self.at.len() - 1;
-        let next = self.at.partition_point(|own| *own <= at);
+        let next = self.at.partition_point(|sample| *sample <= at);
         if next == 0 || next > last {
             let end = next.min(last);
             let value = self.values[end];

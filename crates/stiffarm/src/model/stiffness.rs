@@ -235,7 +235,7 @@ pub(crate) fn equilibrium_from(
     wrench: Option<&Wrench>,
 ) -> Result<Equilibrium> {
     let (frames, at) = (terms.frames(), terms.loading_point());
-    let following = wrench.and_then(|own| setup.load.following(frames, at, own));
+    let following = wrench.and_then(|wrench| setup.load.following(frames, at, wrench));
     match following {
         Some(load) => {
             let setup = Setup { load, ..setup.clone() };

@@ -108,7 +108,7 @@ impl Work {
     /// What differs at the feature `name`, if anything does.
     pub fn feature(&self, name: &str) -> Option<&FeatureWork> {
         let mut features = self.features.iter();
-        features.find(|own| own.name == name)
+        features.find(|feature| feature.name == name)
     }
 
     /// Gives the points of a path that have no load the load of their feature, and says which features of the
@@ -118,16 +118,16 @@ impl Work {
     /// A load follows from the feed, and the feed is not known.
     pub fn put_on(&self, points: &mut [PathPoint]) -> Result<Option<Finding>> {
         let mut missing: Vec<String> = Vec::new();
-        for own in &self.features {
-            let load = own.process.as_ref().map(Process::load);
+        for feature in &self.features {
+            let load = feature.process.as_ref().map(Process::load);
             let mut is_missing = true;
-            let is_own = |point: &&mut PathPoint| point.feature.as_deref() == Some(&own.name);
+            let is_own = |point: &&mut PathPoint| point.feature.as_deref() == Some(&feature.name);
             for point in points.iter_mut().filter(is_own) {
                 point.load = point.load_by(load.as_ref())?;
                 is_missing = false;
             }
             if is_missing {
-                missing.push(format!("\"{}\"", own.name));
+                missing.push(format!("\"{}\"", feature.name));
             }
         }
         let (first, are) = match missing.len() {
@@ -145,8 +145,8 @@ impl Work {
     /// The process at a point: that of its feature, else that of the whole path.
     pub fn process_at(&self, point: &PathPoint) -> Option<&Process> {
         let feature = point.feature.as_deref();
-        let own = feature.and_then(|name| self.feature(name)?.process.as_ref());
-        own.or(self.process.as_ref())
+        let of_feature = feature.and_then(|name| self.feature(name)?.process.as_ref());
+        of_feature.or(self.process.as_ref())
     }
 
     /// Says that a measuring point stands for the tip.

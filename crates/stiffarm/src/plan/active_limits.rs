@@ -113,8 +113,8 @@ impl<'a> ActiveLimits<'a> {
         let n = self.cell.bounds.len();
         let mut at = before;
         for (p, q) in angles.chunks_exact(n).enumerate() {
-            let own = p * self.per_posture..(p + 1) * self.per_posture;
-            let wanted = self.active.get(own).unwrap_or_default();
+            let range = p * self.per_posture..(p + 1) * self.per_posture;
+            let wanted = self.active.get(range).unwrap_or_default();
             let slopes = Slopes { rows: &mut self.gradients[..wanted.len() * n], wanted };
             let margins = &mut self.margins;
             if margins.evaluate(q, SCENE_DISTANCE, &mut self.values, slopes).is_err() {

@@ -115,7 +115,7 @@ pub fn characteristic_length(cell: &Cell) -> Result<CharacteristicLength> {
 pub fn with_characteristic_length(mut cell: Cell) -> Result<Cell> {
     if cell.characteristic_length.is_none() {
         cell.characteristic_length = match characteristic_length(&cell) {
-            Ok(found) => Some(found.length),
+            Ok(minimum) => Some(minimum.length),
             Err(error) if error.code() == Code::Unsupported => None,
             Err(error) => return Err(error),
         };

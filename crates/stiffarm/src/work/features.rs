@@ -86,18 +86,18 @@ impl Verdict {
     }
 }
 
-/// The features of a path, with what is to be said about their tolerances \[m\], the cell's or else the one that is
-/// `given`; none where the path names none and no tolerance is given.
+/// The features of a path, with what is to be said about their tolerances \[m\], the cell's or else the
+/// `default_tolerance`; none where the path names none and no tolerance is given.
 ///
 /// # Errors
 /// Angles of the wrong number.
 pub(crate) fn features(
     (cell, arm): (&Cell, &LoadedArm),
     postures: &[LoadedPosture],
-    given: Option<f64>,
+    default_tolerance: Option<f64>,
     deviation: impl Fn(usize) -> Deviation,
 ) -> Result<(Vec<Feature>, Option<Finding>)> {
-    if given.is_none() && postures.iter().all(|posture| posture.feature.is_none()) {
+    if default_tolerance.is_none() && postures.iter().all(|posture| posture.feature.is_none()) {
         return Ok((Vec::new(), None));
     }
     let angles: Vec<&[f64]> = postures.iter().map(|p| p.q.as_slice()).collect();
@@ -137,13 +137,13 @@ pub(crate) fn features(
         let worst = worst.unwrap_or_default();
         let half_width = deviation(worst).half_width_m;
         let left = points.iter().map(|i| {
-            let own = deviation(*i);
-            Some(own.residual_m? + own.half_width_m?)
+            let point_deviation = deviation(*i);
+            Some(point_deviation.residual_m? + point_deviation.half_width_m?)
         });
         let left = left.reduce(|a, b| Some(a?.max(b?))).flatten();
         let across_max_m = across(worst);
-        let tolerance = cell.work.feature(&name).and_then(|own| own.tolerance);
-        let tolerance = tolerance.or(given);
+        let tolerance = cell.work.feature(&name).and_then(|feature| feature.tolerance);
+        let tolerance = tolerance.or(default_tolerance);
         Feature {
             name: name.to_string(),
             points: points.len(),
@@ -155,8 +155,8 @@ pub(crate) fn features(
             half_width_m: half_width,
             compensated_m: left,
             tolerance_m: tolerance,
-            verdict: tolerance.map(|own| Verdict::of(across_max_m, half_width.unwrap_or(0.0), own)),
-            compensated_verdict: tolerance.zip(left).map(|(own, left)| Verdict::of(left, 0.0, own)),
+            verdict: tolerance.map(|tolerance| Verdict::of(across_max_m, half_width.unwrap_or(0.0), tolerance)),
+            compensated_verdict: tolerance.zip(left).map(|(tolerance, left)| Verdict::of(left, 0.0, tolerance)),
         }
     });
     let features: Vec<Feature> = groups.collect();
@@ -186,7 +186,8 @@ fn judged(features: &[Feature]) -> Option<Finding> {
             } else {
                 format!("tolerances of {} to {}", length(low), length(high))
             };
-            let compensated = features.iter().all(|own| own.tolerance_m.is_none() || own.compensated_verdict.is_some());
+            let compensated =
+                features.iter().all(|feature| feature.tolerance_m.is_none() || feature.compensated_verdict.is_some());
             let words = if compensated { "Compensated, the" } else { "The" };
             let sentence = format!("{words} path keeps to its {tolerance}.");
             return Some(Finding::note("tolerance", "path", sentence));
@@ -206,7 +207,7 @@ impl Feature {
             Some(half) => length_with_error(self.across_max_m, half),
             None => length(self.across_max_m),
         };
-        let allowed = self.tolerance_m.map(|own| format!(" of {}", length(own)));
+        let allowed = self.tolerance_m.map(|tolerance| format!(" of {}", length(tolerance)));
         let verdict = self.verdict.map(|verdict| format!(", {}", verdict.word()));
         let left = self.compensated_m.map(|left| format!("; compensated {}", length(left)));
         let parts = [allowed, verdict, left].into_iter().flatten().collect::<String>();

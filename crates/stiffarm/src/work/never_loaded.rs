@@ -23,7 +23,7 @@ pub(crate) fn never_loaded_at_work<'a>(
     saved: &Saved,
     points: impl Iterator<Item = (&'a LoadedPosture, [f64; 3], Option<TipBand>)>,
 ) -> Result<Option<Finding>> {
-    let Some(spread) = saved.predictor.spread.as_ref().filter(|own| own.doubt.is_some()) else {
+    let Some(spread) = saved.predictor.spread.as_ref().filter(|spread| spread.doubt.is_some()) else {
         return Ok(None);
     };
     let loaded = points.filter(|(posture, ..)| posture.wrench != Wrench::force(Vector3::zeros()));
@@ -32,12 +32,12 @@ pub(crate) fn never_loaded_at_work<'a>(
     let work = work.map(|(posture, shift, band)| {
         let terms = arm.terms(&posture.q, &posture.wrench)?;
         let rows = arm.sensitivity(&terms);
-        let own = (&rows * &spread.covariance).dot(&rows);
+        let variance = (&rows * &spread.covariance).dot(&rows);
         Ok(WorkRows {
             rows,
             terms,
             squares: Vector3::from(*shift).norm_squared(),
-            other: (band.rms_m.powi(2) - own).max(0.0),
+            other: (band.rms_m.powi(2) - variance).max(0.0),
         })
     });
     never_loaded(cell, saved, &work.collect::<Result<Vec<_>>>()?)

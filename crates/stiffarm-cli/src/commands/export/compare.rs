@@ -53,18 +53,18 @@ pub struct Compared {
 pub(super) fn run(session: &Session, args: &ExportArgs, task: &Task) -> Result<Answer> {
     let files = files(session, args)?;
     let joints = task.cell.cell.setup.robot.joint_count();
-    let found = read_program(&files, task.language, &task.options, joints)?;
+    let program = read_program(&files, task.language, &task.options, joints)?;
     // As the language holds it: rounded, in whole pulses.
     let (_, planned) = task.written()?;
     let wanted = |target: &&Move| task.start.is_some() || target.kind != MoveKind::Start;
     let planned: Vec<&Move> = planned.moves().filter(wanted).collect();
-    let moves: Vec<&Move> = found.moves().filter(wanted).collect();
+    let moves: Vec<&Move> = program.moves().filter(wanted).collect();
     let mut differences = compare_moves(&planned, &moves, task.language, deg_to_rad(TOLERANCE_DEG));
-    differences.extend(missing_stops(&found));
-    differences.extend(other_lines(task, &files, &found)?);
-    let postures = at_limits(task, &found, &differences);
+    differences.extend(missing_stops(&program));
+    differences.extend(other_lines(task, &files, &program)?);
+    let postures = at_limits(task, &program, &differences);
     let result = Compared {
-        program: found.name.clone(),
+        program: program.name.clone(),
         same: differences.is_empty(),
         tolerance_deg: TOLERANCE_DEG,
         planned_postures: task.plan.len(),
@@ -81,20 +81,21 @@ pub(super) fn run(session: &Session, args: &ExportArgs, task: &Task) -> Result<A
 
 /// The postures of the program, to be held against the limits: those that are the plan's as the plan
 /// has them, for one that lies on a limit is rounded to either side of it.
-fn at_limits(task: &Task, found: &Program, differences: &[Difference]) -> Vec<Posture> {
+fn at_limits(task: &Task, program: &Program, differences: &[Difference]) -> Vec<Posture> {
     let is_other = |name: &str| {
         differences.iter().any(|difference| match difference {
             Difference::Angle { posture, .. } | Difference::Added { posture } => posture == name,
             _ => false,
         })
     };
-    let own = |target: &Move| {
+    let planned_posture = |target: &Move| {
         let planned = task.plan.iter().find(|posture| posture.name == target.name);
         planned.filter(|_| !is_other(&target.name)).cloned()
     };
-    let measured = found.moves().filter(|target| target.kind == MoveKind::Posture);
-    let postures = measured
-        .map(|target| own(target).unwrap_or_else(|| Posture { name: target.name.clone(), q: target.q.clone() }));
+    let measured = program.moves().filter(|target| target.kind == MoveKind::Posture);
+    let postures = measured.map(|target| {
+        planned_posture(target).unwrap_or_else(|| Posture { name: target.name.clone(), q: target.q.clone() })
+    });
     postures.collect()
 }
 
@@ -109,10 +110,10 @@ fn files(session: &Session, args: &ExportArgs) -> Result<Vec<ProgramFile>> {
 }
 
 /// Lines beside those that are written for the plan, under the name that the program has.
-fn other_lines(task: &Task, files: &[ProgramFile], found: &Program) -> Result<Vec<Difference>> {
+fn other_lines(task: &Task, files: &[ProgramFile], program: &Program) -> Result<Vec<Difference>> {
     let mut planned = task.program.clone();
-    if task.language.check_name(&found.name).is_ok() {
-        planned.name.clone_from(&found.name);
+    if task.language.check_name(&program.name).is_ok() {
+        planned.name.clone_from(&program.name);
     }
     let joints = task.cell.cell.setup.robot.joint_count();
     let written = write_program(&planned, task.language, &task.options)?;

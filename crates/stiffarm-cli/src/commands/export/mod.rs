@@ -130,9 +130,9 @@ impl Task {
     fn new(session: &Session, args: &ExportArgs) -> Result<Self> {
         let cell = session.read_cell(&args.cell)?;
         let robot = &cell.cell.setup.robot;
-        let asked = args.controller.controller;
-        let language = args.language.map_or_else(|| language_of(robot, asked), Ok)?;
-        language.check_robot(robot, asked)?;
+        let controller = args.controller.controller;
+        let language = args.language.map_or_else(|| language_of(robot, controller), Ok)?;
+        language.check_robot(robot, controller)?;
         let plan = read_postures(session, "plan", &args.plan, robot)?;
         let start = match args.start.as_deref() {
             Some(from) => Some(only_posture(session, from, &cell)?),
@@ -358,8 +358,8 @@ fn rounding_deg(program: &Program, read: &Program) -> Result<f64> {
 }
 
 /// The language of the controller that is asked for, or that shows the angles of the cell.
-fn language_of(robot: &Robot, asked: Option<Controller>) -> Result<Language> {
-    let controller = asked.map_or_else(|| robot.known_controller(), Ok)?;
+fn language_of(robot: &Robot, controller: Option<Controller>) -> Result<Language> {
+    let controller = controller.map_or_else(|| robot.known_controller(), Ok)?;
     Language::of(controller).ok_or_else(|| {
         let message = format!("No language of {} is written here.", controller.title());
         Error::new(Code::Usage, message).key("--language").hint("--language csv writes a table of the moves")

@@ -36,7 +36,7 @@ impl Driven {
         let mut options = RouteOptions::default();
         options.keep_order = true;
         options.keep_angles = true;
-        let found = route(&cell, plan, &options, Control::default())?;
+        let route = route(&cell, plan, &options, Control::default())?;
         let mut stops: Vec<Stop> = plan
             .iter()
             .enumerate()
@@ -51,7 +51,7 @@ impl Driven {
             .collect();
         let mut back = Vec::new();
         let mut blocked = Vec::new();
-        for each in &found.moves {
+        for each in &route.moves {
             let name = |stop: Option<usize>| match (stop, start) {
                 (Some(stop), _) => plan[stop].name.clone(),
                 (None, Some(start)) => start.name.clone(),
@@ -71,11 +71,11 @@ impl Driven {
             }
         }
         Ok(Driven {
-            is_approached: found.is_approached(),
-            not_approached: not_approached(&cell, plan, &found)?,
-            with_via: found.moves.iter().filter(|m| !m.via.is_empty()).count(),
+            is_approached: route.is_approached(),
+            not_approached: not_approached(&cell, plan, &route)?,
+            with_via: route.moves.iter().filter(|m| !m.via.is_empty()).count(),
             start: start.map(|start| Start { posture: start.clone(), back }),
-            checked: found.checked,
+            checked: route.checked,
             blocked,
             stops,
         })

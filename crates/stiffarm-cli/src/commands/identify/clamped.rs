@@ -19,15 +19,15 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
     let target = only_target(session, args.output.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
     let clamped = read(session, args, &named)?;
-    let asked = &args.options;
-    let options = asked.options(&named.cell.setup.robot)?;
-    if asked.fit.elastic == Some(ElasticChoice::Mixed) {
+    let request = &args.options;
+    let options = request.options(&named.cell.setup.robot)?;
+    if request.fit.elastic == Some(ElasticChoice::Mixed) {
         let message = "With the flange fixed only the joint axes can be told: angles show nothing else.";
         return Err(Error::new(Code::Unsupported, message)
             .key("--elastic")
             .hint("leave it out, or measure displacements with the flange free"));
     }
-    let noise = asked.angle_noise_deg.map(deg_to_rad);
+    let noise = request.angle_noise_deg.map(deg_to_rad);
     if options.noise == NoiseSource::Known && noise.is_none() {
         let message = "Known noise with --clamped needs the standard deviation of the angles.";
         return Err(Error::new(Code::Usage, message).key("--noise").hint("give it with --angle-noise-deg"));
@@ -37,7 +37,7 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
     let complete = result.estimates.is_complete();
     let serious = |f: &stiffarm::findings::Finding| f.severity == Severity::Serious;
     let exit = Exit::finding(!complete || result.findings.iter().any(serious));
-    let envelope = session.envelope("identify", None, asked.clone(), result);
+    let envelope = session.envelope("identify", None, request.clone(), result);
     Answer::told(exit, envelope, named, args.details).with_object(target)
 }
 

@@ -21,15 +21,15 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
     }
     let target = only_target(session, args.output.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
-    let asked = &args.options;
-    let options = asked.options(&named.cell.setup.robot)?;
+    let request = &args.options;
+    let options = request.options(&named.cell.setup.robot)?;
     let measurements = read_measurements(session, &args.measurements, args.postures.as_deref(), &named.cell)?;
     let reduce = read_registration(session, args.registration.as_deref())?;
     let mut measured = prepare(&named.cell, measurements, &reduce)?;
-    measured.exclude(&asked.exclude).map_err(|e| e.key("exclude"))?;
+    measured.exclude(&request.exclude).map_err(|e| e.key("exclude"))?;
     let progress = Progress::new(session, "examining the identification");
     let fit = Fit::watched(&named.cell, measured, &options, progress.shared())?;
-    let result = progress.watch(|control| Identified::new(&fit, asked, control))?;
+    let result = progress.watch(|control| Identified::new(&fit, request, control))?;
     drop(progress);
 
     let exit = if result.not_computed.is_empty() {
@@ -37,6 +37,6 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
     } else {
         Exit::Interrupted
     };
-    let envelope = session.envelope("identify", Some(asked.seed), asked.clone(), result);
+    let envelope = session.envelope("identify", Some(request.seed), request.clone(), result);
     Answer::told(exit, envelope, named, args.details).with_object(target)
 }

@@ -40,9 +40,10 @@ pub fn run(session: &Session, args: &InitArgs) -> Result<Answer> {
     let mut findings = robot_doubts(&cell.setup.robot);
     findings.extend(start.findings);
     let bounds: Vec<[f64; 2]> = cell.bounds.iter().map(|b| b.map(rad_to_shortest_deg)).collect();
-    let kept = joints_kept_inside(&cell.setup.robot, &bounds);
-    if !kept.is_empty() {
-        let sentence = format!("bounds.q_deg end {BOUNDS_MARGIN_DEG}° before the machine's limits of {}.", list(&kept));
+    let joints = joints_kept_inside(&cell.setup.robot, &bounds);
+    if !joints.is_empty() {
+        let sentence =
+            format!("bounds.q_deg end {BOUNDS_MARGIN_DEG}° before the machine's limits of {}.", list(&joints));
         findings.push(Finding::note("bounds-margin", "bounds.q_deg", sentence));
     }
     let files = [

@@ -53,9 +53,9 @@ pub struct Options {
 impl Options {
     /// Those of the command.
     pub fn of(args: &InitArgs) -> Self {
-        let own = args.urdf.is_some() || args.dh.is_some();
+        let from_file = args.urdf.is_some() || args.dh.is_some();
         Options {
-            robot: (!own).then(|| args.robot.clone()),
+            robot: (!from_file).then(|| args.robot.clone()),
             urdf: args.urdf.clone(),
             dh: args.dh.clone(),
             dh_convention: args.dh.as_ref().map(|_| args.dh_convention),

@@ -28,11 +28,11 @@ pub fn expanded(path: &str, name: &str, packages: &[PathBuf]) -> Result<String> 
     let mut output = run(path, name, None)?;
     if !output.status.success() && !packages.is_empty() {
         let folders = MeshFolders { packages: packages.to_vec(), ..MeshFolders::default() };
-        let own = OwnLookUp::new(&folders).map_err(|error| {
+        let look_up = OwnLookUp::new(&folders).map_err(|error| {
             let message = format!("Where packages are could not be told to xacro: {error}.");
             Error::new(Code::FileWrite, message).file(name)
         })?;
-        output = run(path, name, Some(&own.0))?;
+        output = run(path, name, Some(&look_up.0))?;
     }
     if !output.status.success() {
         return Err(refused(name, &String::from_utf8_lossy(&output.stderr), packages));
@@ -56,18 +56,18 @@ impl OwnLookUp {
         let name = format!("stiffarm-xacro-{}-{number}", std::process::id());
         let folder = std::env::temp_dir().join(name);
         std::fs::create_dir(&folder)?;
-        let own = OwnLookUp(folder);
-        let module = own.0.join(LOOK_UP);
+        let look_up = OwnLookUp(folder);
+        let module = look_up.0.join(LOOK_UP);
         std::fs::create_dir(&module)?;
         // An object of JSON with strings is one of Python.
-        let known = serde_json::to_string(&folders.known())?;
+        let packages = serde_json::to_string(&folders.known())?;
         let text = format!(
-            "known = {known}\n\n\ndef get_package_share_directory(name):\n    if name not in known:\n        \
+            "known = {packages}\n\n\ndef get_package_share_directory(name):\n    if name not in known:\n        \
              raise LookupError(f\"no package {{name}} in --package-dir\")\n    return known[name]\n"
         );
         std::fs::write(module.join("__init__.py"), "")?;
         std::fs::write(module.join("packages.py"), text)?;
-        Ok(own)
+        Ok(look_up)
     }
 }
 

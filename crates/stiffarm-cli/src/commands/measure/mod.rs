@@ -28,11 +28,14 @@ pub fn run(session: &Session, args: &MeasureArgs) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
     let plan = read_postures(session, "plan", &args.plan, &named.cell.setup.robot)?;
     check_goal(&named.cell, args)?;
-    let found = Progress::new(session, "judging the readings")
+    let judgement = Progress::new(session, "judging the readings")
         .watch(|control| look(session, (&named.cell, &plan), args, control))?;
-    let exit =
-        if session.stopped() { Exit::Interrupted } else { Exit::finding(found.is_serious() || found.is_missed()) };
-    let envelope = session.envelope("measure", Some(args.options.seed), args.options.clone(), found);
+    let exit = if session.stopped() {
+        Exit::Interrupted
+    } else {
+        Exit::finding(judgement.is_serious() || judgement.is_missed())
+    };
+    let envelope = session.envelope("measure", Some(args.options.seed), args.options.clone(), judgement);
     Ok(Answer::told(exit, envelope, named, true))
 }
 

@@ -81,15 +81,15 @@ impl Day {
     /// Looks at the files again; an exit where there is nothing left to wait for.
     fn look(&mut self, session: &Session, cell: &Cell, plan: &[Posture], args: &MeasureArgs) -> Result<Option<Exit>> {
         // A look of its own: what is quoted in messages is what is there now.
-        let own = session.afresh();
-        let found = Progress::new(session, "judging the readings")
-            .watch(|control: Control<'_>| look(&own, (cell, plan), args, control));
-        let found = match found {
-            Ok(found) => found,
+        let fresh_session = session.afresh();
+        let judgement = Progress::new(session, "judging the readings")
+            .watch(|control: Control<'_>| look(&fresh_session, (cell, plan), args, control));
+        let judgement = match judgement {
+            Ok(judgement) => judgement,
             Err(error) if error.code() == Code::Interrupted => return Ok(Some(Exit::Interrupted)),
             // An export in the middle of being written, or a slip: said once, and waited for.
             Err(error) => {
-                let text = crate::error::in_words(&own, &error);
+                let text = crate::error::in_words(&fresh_session, &error);
                 if self.failure.as_deref() != Some(text.as_str()) {
                     session.print(&format!("\n{text}"))?;
                     self.failure = Some(text);
@@ -100,14 +100,14 @@ impl Day {
         if self.failure.take().is_some() {
             session.print("the readings can be read again\n")?;
         }
-        session.print(&self.news(session, cell, &found, args)?)?;
-        let reached = found.reached() == Some(true);
-        let (serious, missed) = (found.is_serious(), found.is_missed());
-        self.measured = found.measured;
-        self.findings = found.readings;
+        session.print(&self.news(session, cell, &judgement, args)?)?;
+        let reached = judgement.reached() == Some(true);
+        let (serious, missed) = (judgement.is_serious(), judgement.is_missed());
+        self.measured = judgement.measured;
+        self.findings = judgement.readings;
         // A first posture alone may still be at work.
         let enough = reached && (self.measured.len() > 1 || plan.len() == 1);
-        Ok(match (serious, enough || found.left.is_empty()) {
+        Ok(match (serious, enough || judgement.left.is_empty()) {
             (false, true) => Some(Exit::finding(missed)),
             // Something is still to be settled.
             _ => None,
@@ -115,15 +115,16 @@ impl Day {
     }
 
     /// What is new since the last look; nothing where only parts of a posture have come.
-    fn news(&self, session: &Session, cell: &Cell, found: &Judgement, args: &MeasureArgs) -> Result<String> {
+    fn news(&self, session: &Session, cell: &Cell, judgement: &Judgement, args: &MeasureArgs) -> Result<String> {
         let is_new = |name: &&String| !self.measured.contains(name);
-        let postures: Vec<String> = found.measured.iter().filter(is_new).cloned().collect();
-        let known = |list: &[Finding], f: &Finding| {
+        let postures: Vec<String> = judgement.measured.iter().filter(is_new).cloned().collect();
+        let contains = |list: &[Finding], f: &Finding| {
             let same = |other: &Finding| other.code == f.code && other.subject == f.subject;
             list.iter().any(same)
         };
-        let is_new = found.readings.iter().any(|f| !known(&self.findings, f));
-        let settled = self.findings.iter().filter(|f| f.severity == Severity::Serious && !known(&found.readings, f));
+        let is_new = judgement.readings.iter().any(|f| !contains(&self.findings, f));
+        let settled =
+            self.findings.iter().filter(|f| f.severity == Severity::Serious && !contains(&judgement.readings, f));
         let settled: Vec<&Finding> = settled.collect();
         if postures.is_empty() && !is_new && settled.is_empty() {
             return Ok(String::new());
@@ -132,14 +133,14 @@ impl Day {
         for finding in &settled {
             out += &format!("{}: {}\n", green("settled"), finding.subject);
         }
-        if !postures.is_empty() && !found.is_serious() {
+        if !postures.is_empty() && !judgement.is_serious() {
             let sound = green("sound");
             out += &format!("posture {}: readings {sound}\n", list(&postures));
         }
-        let envelope = session.envelope("measure", Some(args.options.seed), args.options.clone(), found);
+        let envelope = session.envelope("measure", Some(args.options.seed), args.options.clone(), judgement);
         let mut told = told(&envelope, Some(cell))?;
         // What is still to settle is said again.
-        told.findings.retain(|f| f.severity == Severity::Serious || !known(&self.findings, f));
+        told.findings.retain(|f| f.severity == Severity::Serious || !contains(&self.findings, f));
         told.sections.clear();
         Ok(out + &text::told(&told, true))
     }

@@ -120,15 +120,15 @@ pub(super) fn describe(entry: &CatalogueEntry) -> Result<Robot> {
     })
 }
 
-fn capsule(own: &robot::LinkCapsule) -> LinkCapsule {
+fn capsule(shape: &robot::LinkCapsule) -> LinkCapsule {
     // To 1e-9 mm: the ends went through a frame.
     let mm = |m: f64| (m_to_mm(m) * 1e9).round() / 1e9 + 0.0;
     let point = |p: &nalgebra::Vector3<f64>| [p.x, p.y, p.z].map(mm);
     LinkCapsule {
-        link: own.link,
-        from_mm: point(&own.capsule.a),
-        to_mm: point(&own.capsule.b),
-        radius_mm: mm(own.capsule.radius),
+        link: shape.link,
+        from_mm: point(&shape.capsule.a),
+        to_mm: point(&shape.capsule.b),
+        radius_mm: mm(shape.capsule.radius),
     }
 }
 

@@ -99,12 +99,12 @@ fn said(label: &str, sentence: &str) -> String {
 
 fn one(robot: &Robot) -> String {
     let mut out = format!("{} ({})\n", robot.name, robot.key);
-    let known = |value: Option<String>, source: Option<&str>| match (value, source) {
+    let with_source = |value: Option<String>, source: Option<&str>| match (value, source) {
         (Some(value), Some(source)) => format!("{value} ({source})"),
         _ => "not known".to_string(),
     };
-    out += &said("payload", &known(robot.payload_kg.map(|kg| format!("{kg} kg")), robot.payload_source));
-    out += &said("reach", &known(robot.reach_mm.map(|mm| format!("{mm:.0} mm")), robot.reach_source));
+    out += &said("payload", &with_source(robot.payload_kg.map(|kg| format!("{kg} kg")), robot.payload_source));
+    out += &said("reach", &with_source(robot.reach_mm.map(|mm| format!("{mm:.0} mm")), robot.reach_source));
     out += &match robot.file {
         "" => wrapped(robot.source, columns()) + "\n",
         file => {

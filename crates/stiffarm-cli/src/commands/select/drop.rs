@@ -13,15 +13,15 @@ use stiffarm_files::source::read_postures;
 const EVALUATIONS: usize = 10_000;
 
 /// Compares the ways to leave postures out and writes those that stay.
-pub(super) fn run(job: &Job<'_>, given: &str, count: usize) -> Result<Answer> {
+pub(super) fn run(job: &Job<'_>, path: &str, count: usize) -> Result<Answer> {
     let robot = &job.cell().setup.robot;
-    let given = read_postures(job.session, "given", given, robot)?;
-    if count < given.len() {
-        let groups = drop_evaluations(given.len(), count);
+    let postures = read_postures(job.session, "given", path, robot)?;
+    if count < postures.len() {
+        let groups = drop_evaluations(postures.len(), count);
         announce(job.session, groups, EVALUATIONS, "groups to evaluate");
     }
     let planned = Progress::new(job.session, "leaving postures out")
-        .watch(|control| plan_drop(job.cell(), &given, &job.args.options, control))?;
+        .watch(|control| plan_drop(job.cell(), &postures, &job.args.options, control))?;
     let exit = Exit::of_findings(&planned.result.findings);
     job.answer(planned, exit)
 }

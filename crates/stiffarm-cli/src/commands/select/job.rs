@@ -143,7 +143,7 @@ impl Outputs {
             return Ok(());
         }
         for state in &self.options.states {
-            let known = match Role::of(state) {
+            let checked = match Role::of(state) {
                 Role::Unloaded => Ok(()),
                 Role::Loaded => cell.setup.load.case_of(state).map(|_| ()),
                 Role::Preload => {
@@ -153,7 +153,7 @@ impl Outputs {
                         .hint("leave the preload out, or put one load alone into [load]"))
                 }
             };
-            known.map_err(|error| error.key("--states"))?;
+            checked.map_err(|error| error.key("--states"))?;
         }
         Ok(())
     }

@@ -27,8 +27,8 @@ pub fn run(session: &Session, args: &SelectArgs) -> Result<Answer> {
         space_filling::run(&job)?
     } else if args.options.curve {
         curve::run(&job)?
-    } else if let (Some(given), Some(count)) = (&args.given, args.options.drop) {
-        drop::run(&job, given, count)?
+    } else if let (Some(path), Some(count)) = (&args.given, args.options.drop) {
+        drop::run(&job, path, count)?
     } else {
         plan::run(&job)?
     };

@@ -41,8 +41,8 @@ pub struct Written {
 }
 
 impl Telling<Options> for Written {
-    fn told(&self, options: &Options, given: &Given<'_>) -> Result<Told> {
-        self.study.told(options, given)
+    fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
+        self.study.told(options, context)
     }
 }
 
@@ -76,19 +76,19 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Ans
 }
 
 fn options(args: &StudyArgs) -> Result<MeasuredStudyOptions> {
-    let given = &args.splits;
+    let splits = &args.splits;
     let mut options = MeasuredStudyOptions::default();
     options.seed = args.seed;
-    options.splits = given.splits.map_or(options.splits, to_usize);
-    options.pool = given.pool.map(to_usize);
-    options.size_factor = given.size_factor.unwrap_or(options.size_factor);
-    if !given.choose.is_empty() {
-        options.counts = given.choose.iter().copied().map(to_usize).collect();
+    options.splits = splits.splits.map_or(options.splits, to_usize);
+    options.pool = splits.pool.map(to_usize);
+    options.size_factor = splits.size_factor.unwrap_or(options.size_factor);
+    if !splits.choose.is_empty() {
+        options.counts = splits.choose.iter().copied().map(to_usize).collect();
         options.counts.sort_unstable();
         options.counts.dedup();
     }
-    if !given.indices.is_empty() {
-        let indices = given.indices.iter().map(|name| Index::from_name(name));
+    if !splits.indices.is_empty() {
+        let indices = splits.indices.iter().map(|name| Index::from_name(name));
         options.indices = indices.collect::<Result<_>>()?;
         let mut seen = Vec::new();
         options.indices.retain(|index| {

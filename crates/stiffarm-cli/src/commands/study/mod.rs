@@ -57,8 +57,8 @@ pub struct Written {
 }
 
 impl Telling<Options> for Written {
-    fn told(&self, options: &Options, given: &Given<'_>) -> Result<Told> {
-        self.study.told(options, given)
+    fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
+        self.study.told(options, context)
     }
 }
 
@@ -70,16 +70,16 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
     let (initial, origin) = initial_group(session, args, &named.cell)?;
     let options = {
-        let mut own = StudyOptions::default();
-        own.simulation = {
+        let mut study_options = StudyOptions::default();
+        study_options.simulation = {
             let mut options = SimulationOptions::default();
             options.runs = args.runs;
             options.seed = args.seed;
             options
         };
-        own.starts = args.initial_groups;
-        own.elastic = args.elastic.unwrap_or(ElasticChoice::Axes);
-        own
+        study_options.starts = args.initial_groups;
+        study_options.elastic = args.elastic.unwrap_or(ElasticChoice::Axes);
+        study_options
     };
     if args.runs == 0 {
         return Err(Error::new(Code::Usage, "A study needs at least one run.").key("--runs"));

@@ -90,14 +90,14 @@ pub(super) fn add_table(path: &str, is_array: bool, keys: &'static [&'static str
 pub(in crate::cell) struct Reading<'s> {
     source: &'s Source<'s>,
     /// What is wrong with it.
-    pub found: Vec<Error>,
+    pub errors: Vec<Error>,
     /// Key paths of what was read, each before those inside it.
     pub paths: Vec<(Range<usize>, String)>,
 }
 
 impl<'s> Reading<'s> {
     pub(in crate::cell) fn of(source: &'s Source<'s>) -> Self {
-        Reading { source, found: Vec::new(), paths: Vec::new() }
+        Reading { source, errors: Vec::new(), paths: Vec::new() }
     }
 
     /// The value of a key of a table, where it is there and can be read.
@@ -112,7 +112,7 @@ impl<'s> Reading<'s> {
     }
 
     /// The keys of a table, those that it does not know noted.
-    pub(super) fn table<'v>(&mut self, node: &Node<'v>, known: &'static [&'static str]) -> Option<&'v DeTable<'v>> {
+    pub(super) fn table<'v>(&mut self, node: &Node<'v>, keys: &'static [&'static str]) -> Option<&'v DeTable<'v>> {
         let Some(table) = node.value.get_ref().as_table() else {
             let path = &node.path;
             let hint = || format!("write [{path}] on a line of its own, and its keys below it");
@@ -120,15 +120,15 @@ impl<'s> Reading<'s> {
         };
         for (key, _) in table {
             let name = key.get_ref().as_ref();
-            if !known.contains(&name) {
-                let error = self.unknown_key(name, key.span(), &node.path, known);
-                self.found.push(error);
+            if !keys.contains(&name) {
+                let error = self.unknown_key(name, key.span(), &node.path, keys);
+                self.errors.push(error);
             }
         }
         Some(table)
     }
 
-    fn unknown_key(&self, name: &str, span: Range<usize>, table: &str, known: &'static [&'static str]) -> Error {
+    fn unknown_key(&self, name: &str, span: Range<usize>, table: &str, keys: &'static [&'static str]) -> Error {
         let here = without_indices(table);
         let elsewhere = || {
             let mut all = Vec::new();
@@ -146,8 +146,8 @@ impl<'s> Reading<'s> {
             })
         };
         let hint = elsewhere()
-            .or_else(|| did_you_mean(name, known.iter().copied()))
-            .unwrap_or_else(|| format!("known keys here: {}", known.join(", ")));
+            .or_else(|| did_you_mean(name, keys.iter().copied()))
+            .unwrap_or_else(|| format!("known keys here: {}", keys.join(", ")));
         let message = format!("The format has no key \"{name}\" here.");
         let source = self.source;
         source.error_at(Code::UnknownKey, &join(table, name), span, message).hint(hint)
@@ -155,7 +155,7 @@ impl<'s> Reading<'s> {
 
     /// Notes that something else stands there.
     pub(super) fn wrong<T>(&mut self, node: &Node<'_>, expected: &str, hint: Option<String>) -> Option<T> {
-        let found = match node.value.get_ref() {
+        let kind = match node.value.get_ref() {
             DeValue::String(_) => "text",
             DeValue::Float(_) if expected == i64::KIND => "a number with a decimal point",
             DeValue::Integer(_) | DeValue::Float(_) => "a number",
@@ -164,13 +164,13 @@ impl<'s> Reading<'s> {
             DeValue::Array(_) => "a list",
             DeValue::Table(_) => TABLE,
         };
-        let message = format!("This is {found}; it must be {expected}.");
+        let message = format!("This is {kind}; it must be {expected}.");
         self.note(Code::WrongType, node, message, hint)
     }
 
     fn note<T>(&mut self, code: Code, node: &Node<'_>, message: impl Into<String>, hint: Option<String>) -> Option<T> {
         let error = self.source.error_at(code, &node.path, node.value.span(), message);
-        self.found.push(error.hint_if(hint));
+        self.errors.push(error.hint_if(hint));
         None
     }
 

@@ -43,14 +43,14 @@ pub(super) fn rope(
 ) -> Result<Option<RopeRules>> {
     let is_rope = setup.load.has_rope();
     if let (Some(table), false) = (table, is_rope) {
-        let given = [
+        let rope_keys = [
             ("rope_mm", table.rope_mm.as_ref().map(Placed::span)),
             ("rope_free_mm", table.rope_free_mm.as_ref().map(Placed::span)),
             ("rope_axis", table.rope_axis.as_ref().map(Placed::span)),
             ("rope_cone_deg", table.rope_cone_deg.as_ref().map(Placed::span)),
         ];
-        let mut given = given.into_iter();
-        if let Some((key, Some(span))) = given.find(|(_, span)| span.is_some()) {
+        let mut rope_keys = rope_keys.into_iter();
+        if let Some((key, Some(span))) = rope_keys.find(|(_, span)| span.is_some()) {
             let message = format!("{key} needs a load of kind \"rope\", or \"cylinder\" with anchor_mm.");
             let key = format!("clearance.{key}");
             let error = source.error_at(Code::Conflict, &key, span, message);

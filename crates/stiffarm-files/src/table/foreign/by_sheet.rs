@@ -31,8 +31,8 @@ pub(in crate::table) fn take<'a>(tables: &mut Vec<Table<'a>>) -> Option<Table<'a
 
 fn columns_where(headings: &[Heading], wanted: impl Fn(&Heading) -> bool) -> Vec<usize> {
     let all = headings.iter().enumerate();
-    let found = all.filter(|(_, heading)| !heading.ignored && wanted(heading));
-    found.map(|(at, _)| at).collect()
+    let matching = all.filter(|(_, heading)| !heading.ignored && wanted(heading));
+    matching.map(|(at, _)| at).collect()
 }
 
 /// Puts what the sheet says beside the readings, row by row, and leaves a remark. Of readings that are `growing` the
@@ -57,12 +57,12 @@ pub(in crate::table) fn put<'a>(table: &mut Table<'a>, sheet: &Table<'a>, growin
         ));
     }
     // What the readings have themselves counts.
-    let own = |heading: &Heading| {
+    let is_in_table = |heading: &Heading| {
         let of_table = table.headings.iter().filter(|heading| !heading.ignored);
         let mut stems = of_table.map(|heading| stem(&heading.name));
         stems.any(|other| other == stem(&heading.name))
     };
-    let added = columns_where(&sheet.headings, |heading| !own(heading));
+    let added = columns_where(&sheet.headings, |heading| !is_in_table(heading));
     let beside = |row: &Row<'_>| -> Vec<Field> {
         let fields = added.iter().map(|at| row.fields.get(*at).cloned());
         fields.map(|field| field.unwrap_or_else(Field::empty)).collect()

@@ -17,7 +17,7 @@ pub(in crate::table) fn join<'a>(table: &mut Table<'a>, other: Table<'a>) -> Res
     }
     let counts = |heading: &&Heading| !heading.ignored;
     for (at, heading) in other.headings.iter().enumerate() {
-        if counts(&heading) && !table.headings.iter().any(|own| own.name == heading.name) {
+        if counts(&heading) && !table.headings.iter().any(|candidate| candidate.name == heading.name) {
             let message = format!("{first} has no such column.");
             let error = other.heading_error(Some(at), Code::Conflict, message);
             return Err(error.hint("files that are read together have the same columns; ignore in [columns] of the cell file leaves columns out"));
@@ -25,7 +25,7 @@ pub(in crate::table) fn join<'a>(table: &mut Table<'a>, other: Table<'a>) -> Res
     }
     let mut places = Vec::with_capacity(table.headings.len());
     for heading in &table.headings {
-        let place = other.headings.iter().position(|own| own.name == heading.name);
+        let place = other.headings.iter().position(|candidate| candidate.name == heading.name);
         if place.is_none() && !heading.ignored {
             let message = format!("The column {} is missing, which {first} has.", heading.shown);
             let error = other.heading_error(None, Code::Conflict, message);

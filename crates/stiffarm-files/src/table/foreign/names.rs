@@ -16,7 +16,7 @@ pub(in crate::table) struct Names<'n> {
 
 impl Names<'_> {
     /// How many parts of a name are known ones.
-    fn known(&self, columns: &[&str], parts: &[&str]) -> usize {
+    fn count_known(&self, columns: &[&str], parts: &[&str]) -> usize {
         let is_known = |(column, part): (&&str, &&str)| match *column {
             "posture" => self.postures.contains(part),
             "point" => self.points.contains(part) || ReadingTarget::is_base_name(part),
@@ -30,7 +30,7 @@ impl Names<'_> {
     fn split<'t>(&self, pattern: &NamePattern, name: &'t str) -> Option<Vec<&'t str>> {
         let columns: Vec<&str> = pattern.columns().collect();
         let ways = pattern.splits(name).into_iter().rev();
-        ways.max_by_key(|parts| self.known(&columns, parts))
+        ways.max_by_key(|parts| self.count_known(&columns, parts))
     }
 }
 
@@ -76,8 +76,8 @@ pub(super) fn split(table: &mut Table<'_>, pattern: &NamePattern, names: &Names<
         rows.push_as(&row, row.source, row.fields.iter().cloned().chain(parts));
     }
     let whole = table.headings[at].clone();
-    let own = pattern.columns().map(|name| Heading { name: name.to_string(), ..whole.clone() });
-    table.headings.extend(own.collect::<Vec<_>>());
+    let headings = pattern.columns().map(|name| Heading { name: name.to_string(), ..whole.clone() });
+    table.headings.extend(headings.collect::<Vec<_>>());
     table.headings[at].ignored = true;
     table.rows = rows;
     Ok(())

@@ -66,9 +66,9 @@ impl<'o> Order<'o> {
     /// `None` where a number cannot be read: that has an error of its own.
     fn new(table: &'o Table<'o>, sheet: &'o Table<'o>, readings: &'o [Row<'o>], rows: &'o [Row<'o>]) -> Option<Self> {
         let column = |axis: &str| -> Option<Column> {
-            let known = Known::of(axis, Quantity::Length, "position");
+            let definition = Known::of(axis, Quantity::Length, "position");
             let mut headings = table.headings.iter().enumerate();
-            headings.find_map(|(at, heading)| known.column(&heading.name, at).filter(|_| !heading.ignored))
+            headings.find_map(|(at, heading)| definition.column(&heading.name, at).filter(|_| !heading.ignored))
         };
         let [x, y, z] = POSITION.map(column);
         let columns = [x?, y?, z?];
@@ -103,9 +103,9 @@ impl<'o> Order<'o> {
         let mut first: BTreeMap<usize, &Vector3<f64>> = BTreeMap::new();
         let pairs = readings.zip(rows);
         let apart = pairs.filter(|(i, j)| {
-            let own = &self.positions[*i];
-            let first = first.entry(self.groups[*j]).or_insert(own);
-            (*first - own).norm() > NEAR
+            let position = &self.positions[*i];
+            let first = first.entry(self.groups[*j]).or_insert(position);
+            (*first - position).norm() > NEAR
         });
         apart.count()
     }

@@ -125,7 +125,7 @@ fn seconds(table: &Table<'_>, at: usize, stamps: &[(usize, Clock)], dates: Optio
     }
     let order = match dates {
         Some(order) => Some(order),
-        None => told_order(stamps).map_err(|row| {
+        None => stated_order(stamps).map_err(|row| {
             let message = "Day and month stand in another order than before.";
             fault(row, message).hint("give the whole column in one form")
         })?,
@@ -165,14 +165,14 @@ fn seconds(table: &Table<'_>, at: usize, stamps: &[(usize, Clock)], dates: Optio
 
 /// The order of day and month, where a number above 12 tells it or there is nothing to tell; the
 /// error is the row that says otherwise.
-fn told_order(stamps: &[(usize, Clock)]) -> std::result::Result<Option<DateOrder>, usize> {
+fn stated_order(stamps: &[(usize, Clock)]) -> std::result::Result<Option<DateOrder>, usize> {
     let mut order = None;
     let mut open = false;
     for (row, clock) in stamps {
         let Clock::Either { parts, .. } = clock else {
             continue;
         };
-        let told = match (parts[0], parts[1]) {
+        let date_order = match (parts[0], parts[1]) {
             (13.., _) => DateOrder::DayFirst,
             (_, 13..) => DateOrder::MonthFirst,
             _ => {
@@ -180,10 +180,10 @@ fn told_order(stamps: &[(usize, Clock)]) -> std::result::Result<Option<DateOrder
                 continue;
             }
         };
-        if order.is_some_and(|before| before != told) {
+        if order.is_some_and(|before| before != date_order) {
             return Err(*row);
         }
-        order = Some(told);
+        order = Some(date_order);
     }
     Ok(order.or((!open).then_some(DateOrder::DayFirst)))
 }

@@ -67,19 +67,19 @@ pub(super) fn axis() -> [Known; 3] {
 pub(super) fn contents(joints: usize) -> Vec<(Content, Known)> {
     fn numbered(
         content: fn(usize) -> Content,
-        known: impl IntoIterator<Item = Known>,
+        definitions: impl IntoIterator<Item = Known>,
     ) -> impl Iterator<Item = (Content, Known)> {
-        let known = known.into_iter().enumerate();
-        known.map(move |(i, known)| (content(i), known))
+        let definitions = definitions.into_iter().enumerate();
+        definitions.map(move |(i, definition)| (content(i), definition))
     }
     let mut all = vec![(Content::Name, Known::name("point"))];
     let angles = Known::angles(joints).enumerate();
-    all.extend(angles.map(|(j, known)| (Content::Angle(j), known)));
+    all.extend(angles.map(|(j, definition)| (Content::Angle(j), definition)));
     all.extend(numbered(Content::Position, position()));
     all.extend(numbered(Content::Turn, turns()));
     all.extend(numbered(Content::Axis, axis()));
-    all.extend(numbered(Content::Force, Beside::Force.known()));
-    all.extend(numbered(Content::Moment, Beside::Moment.known()));
+    all.extend(numbered(Content::Force, Beside::Force.definitions()));
+    all.extend(numbered(Content::Moment, Beside::Moment.definitions()));
     all.push((Content::Axes, Known::name("axes")));
     all.push((Content::Feature, Known::name("feature")));
     all.push((Content::Feed, Known::of("feed", Quantity::Feed, "feed")));
@@ -87,7 +87,7 @@ pub(super) fn contents(joints: usize) -> Vec<(Content, Known)> {
 }
 
 /// The columns that a path may have.
-pub(in crate::table) fn known(joints: usize) -> Vec<Known> {
+pub(in crate::table) fn definitions(joints: usize) -> Vec<Known> {
     let contents = contents(joints).into_iter();
-    contents.map(|(_, known)| known).collect()
+    contents.map(|(_, definition)| definition).collect()
 }

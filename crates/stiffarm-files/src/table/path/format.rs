@@ -124,5 +124,5 @@ impl PathFormat {
 /// Every column in its usual unit.
 fn usual(cell: &Cell) -> impl Iterator<Item = FormatColumn> {
     let contents = contents(cell.setup.robot.joint_count()).into_iter();
-    contents.map(|(content, known)| FormatColumn::new(known.heading(), content, known.usual_unit()))
+    contents.map(|(content, definition)| FormatColumn::new(definition.heading(), content, definition.usual_unit()))
 }

@@ -36,21 +36,21 @@ impl PathColumns {
         let mut contents = contents(joints);
         // A table of postures is a path, too: its names stand under `posture`.
         contents.push((Content::Name, Known::name("posture")));
-        let known: Vec<Known> = contents.iter().map(|(_, known)| known.clone()).collect();
-        let found = table.check_heading(&known, joints).map_err(|error| controller_angles(table, error))?;
-        let names = [found.get("point"), found.get("posture")];
+        let definitions: Vec<Known> = contents.iter().map(|(_, definition)| definition.clone()).collect();
+        let heading = table.check_heading(&definitions, joints).map_err(|error| controller_angles(table, error))?;
+        let names = [heading.get("point"), heading.get("posture")];
         if let [Some(_), Some(second)] = names {
             let message = "The table has both points and postures as names.";
             let error = table.heading_error(Some(second.at), Code::Conflict, message);
             return Err(error.hint("keep one of them"));
         }
-        let kind = kind(table, &found, joints)?;
-        let all = |group: &[Known], hint: &str| found.all(group, hint);
+        let kind = kind(table, &heading, joints)?;
+        let all = |group: &[Known], hint: &str| heading.all(group, hint);
         let (angles, position, orientation) = match kind {
             PathKind::Angles => {
-                let known: Vec<Known> = Known::angles(joints).collect();
+                let angle_columns: Vec<Known> = Known::angles(joints).collect();
                 let hint = format!("give the angles of all {joints} joints");
-                (all(&known, &hint)?, Vec::new(), Vec::new())
+                (all(&angle_columns, &hint)?, Vec::new(), Vec::new())
             }
             PathKind::Poses | PathKind::ToolAxes => {
                 let orientation = match kind {
@@ -63,7 +63,7 @@ impl PathColumns {
                 (Vec::new(), position, all(&orientation, hint)?)
             }
         };
-        let all_or_none = |own: Beside| found.all_or_none(&own.known(), &own.hint());
+        let all_or_none = |quantity: Beside| heading.all_or_none(&quantity.definitions(), &quantity.hint());
         let (force, moment) = (all_or_none(Beside::Force)?, all_or_none(Beside::Moment)?);
         if let (None, Some(moment)) = (&force, &moment) {
             let message = "The table has moments but no forces.";
@@ -72,10 +72,10 @@ impl PathColumns {
         }
         let mut format: Vec<(usize, FormatColumn)> = contents
             .iter()
-            .filter_map(|(content, known)| {
-                let column = found.of(known)?;
-                let heading = table.headings[column.at].shown.clone();
-                Some((column.at, FormatColumn::new(heading, *content, column.unit)))
+            .filter_map(|(content, definition)| {
+                let column = heading.of(definition)?;
+                let shown = table.headings[column.at].shown.clone();
+                Some((column.at, FormatColumn::new(shown, *content, column.unit)))
             })
             .collect();
         format.sort_by_key(|(at, _)| *at);
@@ -87,18 +87,18 @@ impl PathColumns {
             orientation,
             force,
             moment,
-            axes: found.get("axes"),
-            feature: found.get("feature"),
-            feed: found.get("feed"),
+            axes: heading.get("axes"),
+            feature: heading.get("feature"),
+            feed: heading.get("feed"),
             format: format.into_iter().map(|(_, column)| column).collect(),
         })
     }
 }
 
 /// What the rows say of the tip.
-fn kind(table: &Table<'_>, found: &Found<'_, '_>, joints: usize) -> Result<PathKind> {
+fn kind(table: &Table<'_>, heading: &Found<'_, '_>, joints: usize) -> Result<PathKind> {
     let first = |group: &[Known]| {
-        let columns = group.iter().filter_map(|known| found.of(known));
+        let columns = group.iter().filter_map(|definition| heading.of(definition));
         columns.map(|column| column.at).min()
     };
     let angles: Vec<Known> = Known::angles(joints).collect();

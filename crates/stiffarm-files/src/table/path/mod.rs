@@ -15,7 +15,7 @@ mod size;
 mod write;
 
 pub use contents::PathKind;
-pub(super) use contents::known as known_paths;
+pub(super) use contents::definitions as path_definitions;
 pub use format::PathFormat;
 pub use read::read_path;
 pub use write::write_path;

@@ -132,7 +132,7 @@ impl Reader<'_> {
     fn load(&self, row: &Row) -> Result<Option<TipLoad>> {
         let (table, columns) = (self.table, self.columns);
         // A slip in a word is found even where there is no load.
-        let own = self.own_axes(row)?;
+        let row_axes = self.row_axes(row)?;
         let Some(force) = &columns.force else {
             return Ok(None);
         };
@@ -148,7 +148,7 @@ impl Reader<'_> {
                 error.hint("write 0 where there is no component; leave all of them empty for the load of the cell")
             );
         }
-        let Some(axes) = own.or(self.axes) else {
+        let Some(axes) = row_axes.or(self.axes) else {
             let at = columns.axes.unwrap_or(force[0]).at;
             let message = "The axes of the force are not given.";
             let error = table.error(row, at, Code::TableRow, message);
@@ -185,19 +185,19 @@ impl Reader<'_> {
     }
 
     /// The axes that the row names.
-    fn own_axes(&self, row: &Row) -> Result<Option<ForceAxes>> {
+    fn row_axes(&self, row: &Row) -> Result<Option<ForceAxes>> {
         let table = self.table;
         let Some(column) = table.filled(row, self.columns.axes) else {
             return Ok(None);
         };
-        let given = table.name(row, column)?;
-        let word = normal(given);
+        let axes_name = table.name(row, column)?;
+        let word = normal(axes_name);
         let mut names = ForceAxes::NAMES.iter();
         if let Some((_, axes)) = names.find(|(name, _)| *name == word) {
             return Ok(Some(*axes));
         }
         let names = ForceAxes::NAMES.map(|(name, _)| name);
-        let message = format!("Axes \"{given}\" are not known.");
+        let message = format!("Axes \"{axes_name}\" are not known.");
         let error: Error = table.error(row, column.at, Code::UnknownName, message);
         Err(error.hint(did_you_mean(&word, names).unwrap_or_else(|| format!("axes: {}", names.join(", ")))))
     }

@@ -97,7 +97,7 @@ impl<'p> Numbers<'p> {
                 Ok(Numbers::Axis(place(&pose.translation.vector), axis))
             }
             (kind, target) => {
-                let given = match target {
+                let target_kind = match target {
                     PathTarget::Angles(_) => "joint angles",
                     PathTarget::Pose(_) => "a pose",
                     PathTarget::Axis { .. } => "a position with a tool axis",
@@ -107,7 +107,7 @@ impl<'p> Numbers<'p> {
                     PathKind::Poses => "poses",
                     PathKind::ToolAxes => "positions with a tool axis",
                 };
-                let message = format!("Point {} is given as {given}; the table holds {wanted}.", point.name);
+                let message = format!("Point {} is given as {target_kind}; the table holds {wanted}.", point.name);
                 Err(Error::new(Code::Conflict, message))
             }
         }

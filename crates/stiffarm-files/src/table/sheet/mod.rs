@@ -102,14 +102,14 @@ impl Sheet {
             if layout.has(Beside::Load) { loads::planned(states, &cell.setup.load) } else { vec![None; states.len()] };
         let mut rows = Vec::with_capacity(postures.len() * states.len() * points.len());
         for (number, posture) in postures.iter().enumerate() {
-            let mut own: Vec<(&String, &Option<f64>)> = states.iter().zip(&loads).collect();
+            let mut state_loads: Vec<(&String, &Option<f64>)> = states.iter().zip(&loads).collect();
             let station = layout.has(Beside::Station);
             let station = station.then(|| station_at(cell, posture)).flatten();
             if is_turned(cell, states, number) {
-                own.reverse();
+                state_loads.reverse();
             }
             let hidden = cell.hidden_points(&posture.q);
-            for (state, load) in own {
+            for (state, load) in state_loads {
                 let seen = points.iter().enumerate();
                 let seen = seen.filter(|(number, _)| !hidden.contains(number));
                 rows.extend(seen.map(|(_, point)| SheetRow {
@@ -157,11 +157,11 @@ impl Sheet {
                 },
             };
             // Postures come in blocks; there are few states and points.
-            let known = match column {
+            let is_listed = match column {
                 0 => names.last() == Some(&name.as_str()),
                 _ => names.contains(&name.as_str()),
             };
-            if !known {
+            if !is_listed {
                 names.push(name);
             }
         }
@@ -230,7 +230,7 @@ pub fn displacement_sheet(postures: &[Posture], states: &[&str], cell: &Cell) ->
 /// The station from which a posture is read, where the cell has several.
 fn station_at(cell: &Cell, posture: &Posture) -> Option<String> {
     let terms = PostureTerms::new(&cell.setup.cases()[0], &posture.q, None).ok()?;
-    cell.scene.station_at(&terms).map(|own| own.name.clone())
+    cell.scene.station_at(&terms).map(|station| station.name.clone())
 }
 
 /// Whether the states of posture `number`, counted from 0, are taken in the reverse order: where the load

@@ -21,12 +21,13 @@ pub(in crate::table) fn suggestion(headings: &[Heading], is_known: impl Fn(&str)
     let mut rest: Vec<String> = Vec::new();
     for heading in headings.iter().filter(|heading| !heading.ignored) {
         if is_known(&heading.name) || heading.shown.is_empty() {
-            let own = OURS.iter().find(|own| **own == heading.name);
-            taken.extend(own.map(|own| own.to_string()));
+            let ours = OURS.iter().find(|ours| **ours == heading.name);
+            taken.extend(ours.map(|ours| ours.to_string()));
             continue;
         }
         let there = |key: &str| {
-            taken.iter().any(|own| own == key) || headings.iter().any(|h| h.name == key && h.name != heading.name)
+            taken.iter().any(|taken_key| taken_key == key)
+                || headings.iter().any(|h| h.name == key && h.name != heading.name)
         };
         match key(&heading.name).filter(|key| (is_known(key) || !key.contains('_')) && !there(key)) {
             Some(key) => {
@@ -40,7 +41,7 @@ pub(in crate::table) fn suggestion(headings: &[Heading], is_known: impl Fn(&str)
         return None;
     }
     // Where posture and state have columns, a name is that of the point.
-    let has = |own: &str| taken.iter().any(|key| key == own);
+    let has = |name: &str| taken.iter().any(|key| key == name);
     let apart = ["posture", "state"].into_iter().all(has);
     let mut out: Vec<String> = Vec::new();
     for (key, shown) in keys {

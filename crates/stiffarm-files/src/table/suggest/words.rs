@@ -92,7 +92,7 @@ pub(super) fn words(name: &str) -> Vec<String> {
         let joined = out.last().map(|before| format!("{before}{word}"));
         let is_unit = |joined: &String| {
             let moments = UNITS.iter().filter(|unit| unit.1 == Quantity::Moment);
-            moments.flat_map(|unit| unit.0).any(|own| own == joined)
+            moments.flat_map(|unit| unit.0).any(|unit_name| unit_name == joined)
         };
         match joined.filter(is_unit) {
             Some(joined) => {

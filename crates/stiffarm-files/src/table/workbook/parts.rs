@@ -57,9 +57,9 @@ fn part(bytes: &[u8], sheet: &str) -> Option<String> {
     let (workbook, relations) = (text(bytes, WORKBOOK)?, text(bytes, RELATIONS)?);
     let workbook = Document::parse(&workbook).ok()?;
     let mut sheets = workbook.descendants();
-    let own = sheets.find(|node| node.attribute("name") == Some(sheet))?;
+    let sheet_node = sheets.find(|node| node.attribute("name") == Some(sheet))?;
     // Its namespace is another one in strict files.
-    let mut ids = own.attributes().filter(|attribute| attribute.name() == "id");
+    let mut ids = sheet_node.attributes().filter(|attribute| attribute.name() == "id");
     let id = ids.next()?.value();
     let relations = Document::parse(&relations).ok()?;
     let mut all = relations.descendants();

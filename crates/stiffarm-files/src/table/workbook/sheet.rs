@@ -137,9 +137,9 @@ fn read(bytes: &[u8], foreign: &Columns) -> Result<Sheet> {
     if let Some(wanted) = &foreign.sheet {
         let Some(name) = names.iter().find(|name| *name == wanted) else {
             // The sheet of an export is none of our own workbook.
-            let own = sheet(&mut workbook, bytes, first, foreign);
-            if let Some(own) = own.ok().filter(|own| own.columns.is_some()) {
-                return Ok(own);
+            let first_sheet = sheet(&mut workbook, bytes, first, foreign);
+            if let Some(first_sheet) = first_sheet.ok().filter(|first_sheet| first_sheet.columns.is_some()) {
+                return Ok(first_sheet);
             }
             let message = format!("The workbook has no sheet \"{wanted}\".");
             return Err(Error::new(Code::UnknownName, message)
@@ -147,14 +147,14 @@ fn read(bytes: &[u8], foreign: &Columns) -> Result<Sheet> {
         };
         return sheet(&mut workbook, bytes, name, foreign);
     }
-    let own = sheet(&mut workbook, bytes, first, foreign)?;
+    let first_sheet = sheet(&mut workbook, bytes, first, foreign)?;
     // Other sheets matter only to those who miss something in the first.
     let mut others = others.iter().take(OTHERS);
     let with_data = others.find(|name| holds_something(&mut workbook, name));
     let aside = with_data.map(|other| {
         format!("only the first sheet, \"{first}\", is read; \"{other}\" holds data, too: move the table's sheet to the front, or name it in [columns] of the cell file: sheet = \"{other}\"")
     });
-    Ok(Sheet { aside, ..own })
+    Ok(Sheet { aside, ..first_sheet })
 }
 
 /// The sheet of this name.

@@ -217,19 +217,19 @@ impl State<'_, '_> {
             _ => return Err(not_read()),
         };
         let behind = stops + usize::from(counts);
-        let own = statement.numbers.len().saturating_sub(behind);
-        if own != 7 && (own != 4 || *what == "CYLNDR") {
+        let circle_count = statement.numbers.len().saturating_sub(behind);
+        if circle_count != 7 && (circle_count != 4 || *what == "CYLNDR") {
             return Err(not_read());
         }
         let value = |at: usize| statement.numbers[at].1.value;
-        let count = if counts { value(own) } else { 1.0 };
+        let count = if counts { value(circle_count) } else { 1.0 };
         let (Some(Pending::Direction(way, at)), Some(start)) = (self.pending.take(), self.position) else {
             let message = "The point or the direction (INDIRV) from which this arc sets out is missing.";
             return Err(statement.wrong(message));
         };
         let centre = self.point(statement, 0)?;
-        let radius = value(own - 1) * self.builder.form.unit;
-        let axis = match own {
+        let radius = value(circle_count - 1) * self.builder.form.unit;
+        let axis = match circle_count {
             7 => self.turned(statement.direction(3)?),
             _ => self.axis,
         };

@@ -29,14 +29,14 @@ fn name<'a>(line: &mut Cursor<'a>) -> &'a str {
 
 /// The word that begins a line, in capitals; a label before it (`A1)`) is passed.
 pub(super) fn word<'a>(line: &mut Cursor<'a>) -> Cow<'a, str> {
-    let mut own = name(line);
-    while !own.is_empty() && line.passes(")") {
-        own = name(line);
+    let mut first_word = name(line);
+    while !first_word.is_empty() && line.passes(")") {
+        first_word = name(line);
     }
-    if own.bytes().any(|byte| byte.is_ascii_lowercase()) {
-        Cow::Owned(own.to_ascii_uppercase())
+    if first_word.bytes().any(|byte| byte.is_ascii_lowercase()) {
+        Cow::Owned(first_word.to_ascii_uppercase())
     } else {
-        Cow::Borrowed(own)
+        Cow::Borrowed(first_word)
     }
 }
 
@@ -91,7 +91,7 @@ impl<'a> Statement<'a> {
     }
 
     pub fn has(&self, word: &str) -> bool {
-        self.words.iter().any(|own| own == word)
+        self.words.iter().any(|candidate| candidate == word)
     }
 
     /// An error at its word.

@@ -78,14 +78,14 @@ const UNITS: &[(bool, &str)] =
 
 /// Whether a word stands for inches, if it is one of a unit.
 pub(super) fn is_inch(word: &str) -> Option<bool> {
-    let is_one = |words: &str| words.split(' ').any(|own| own.eq_ignore_ascii_case(word));
-    let found = UNITS.iter().find(|(_, words)| is_one(words));
-    found.map(|(inch, _)| *inch)
+    let is_one = |words: &str| words.split(' ').any(|unit_name| unit_name.eq_ignore_ascii_case(word));
+    let unit = UNITS.iter().find(|(_, words)| is_one(words));
+    unit.map(|(inch, _)| *inch)
 }
 
 /// Lines of the first feed in inches and in millimetres of a file that names no unit; none where it does.
 pub(super) fn unit_of_feeds(file: &ProgramFile) -> Option<[Option<usize>; 2]> {
-    let mut found = [None; 2];
+    let mut first_lines = [None; 2];
     for (i, line) in file.text.lines().enumerate() {
         let line = line.trim_start();
         if !line.starts_with(['U', 'u', 'F', 'f', 'M', 'm']) {
@@ -96,13 +96,13 @@ pub(super) fn unit_of_feeds(file: &ProgramFile) -> Option<[Option<usize>; 2]> {
             return None;
         } else if begins("FEDRAT") || begins("MODE") {
             for inch in words(line).filter_map(|word| is_inch(&word)) {
-                found[usize::from(!inch)].get_or_insert(i + 1);
+                first_lines[usize::from(!inch)].get_or_insert(i + 1);
             }
         } else if begins("FINI") {
             break;
         }
     }
-    Some(found)
+    Some(first_lines)
 }
 
 /// The words of the rest of a line, in capitals.
@@ -147,7 +147,8 @@ pub(super) fn feed(rest: &str, line: usize, builder: &mut Builder<'_>) {
         }
         is_per_turn |= matches!(word.as_str(), "MMPR" | "IPR" | "PERREV");
     }
-    builder.feed = number.map(|own| if is_per_turn { Feed::Turn(own * unit) } else { Feed::Second(own * unit / 60.0) });
+    builder.feed =
+        number.map(|rate| if is_per_turn { Feed::Turn(rate * unit) } else { Feed::Second(rate * unit / 60.0) });
 }
 
 /// `SPINDL/RPM,6000,CLW`, in any order; without a number the speed is as before, that of a cutting edge is none.

@@ -2,7 +2,7 @@
 
 use super::effect::{Drill, Feeds, Out};
 use super::words::Word;
-use super::{Block, State, known};
+use super::{Block, State, known_position};
 use crate::tool_path::builder::Place;
 use crate::tool_path::{FAR_AWAY, FARTHEST, SPAN};
 use nalgebra::Vector3;
@@ -65,7 +65,7 @@ impl State<'_, '_> {
             return wrong("A cycle begins with Z and R.");
         };
         let stated = [b'X', b'Y'].map(|letter| block.value(letter));
-        let Some(mut at) = known(&self.position) else {
+        let Some(mut at) = known_position(&self.position) else {
             self.unknown(line);
             let over = [0, 1]
                 .map(|axis| stated[axis].map_or(self.position[axis], |value| self.moved(self.position[axis], value)));
@@ -169,7 +169,7 @@ impl State<'_, '_> {
         let (line, unit) = (last.place.line_number(), self.builder.form.unit);
         let first = self.builder.points.len();
         let mut waits = Vec::new();
-        let mut before = known(&self.position);
+        let mut before = known_position(&self.position);
         for (number, (end, rapid)) in moves.iter().enumerate() {
             if (end * unit).amax() > FARTHEST {
                 return Err(last.place.wrong(FAR_AWAY));

@@ -178,13 +178,13 @@ impl State<'_, '_> {
     /// Takes feed and speed.
     fn speeds(&mut self, block: &Block<'_, '_>) {
         if let Some(value) = block.value(b'F') {
-            let own = value * self.builder.form.unit;
+            let feed = value * self.builder.form.unit;
             match self.feeds {
                 Feeds::Minute => {
                     self.clues.feed = self.clues.feed.max(value);
-                    self.builder.feed = Some(Feed::Second(own / 60.0));
+                    self.builder.feed = Some(Feed::Second(feed / 60.0));
                 }
-                Feeds::Turn => self.builder.feed = Some(Feed::Turn(own)),
+                Feeds::Turn => self.builder.feed = Some(Feed::Turn(feed)),
                 Feeds::Inverse => {}
             }
         }
@@ -223,7 +223,7 @@ impl State<'_, '_> {
                 self.position[axis] = self.moved(self.position[axis], word.number.value);
             }
         }
-        let Some(end) = known(&self.position) else {
+        let Some(end) = known_position(&self.position) else {
             if mode != Mode::Rapid {
                 self.unknown(line);
             }
@@ -235,7 +235,7 @@ impl State<'_, '_> {
         }
         self.keeps_steps(line);
         let place = Place::Axis(end * unit, self.axis);
-        let start = known(&start).map(|start| start * unit);
+        let start = known_position(&start).map(|start| start * unit);
         let first = self.builder.points.len();
         let Mode::Arc { is_left } = mode else {
             self.inverse(block, start.map(|start| (end * unit - start).norm()));
@@ -295,7 +295,7 @@ impl State<'_, '_> {
     }
 }
 
-fn known(position: &[Option<f64>; 3]) -> Option<Vector3<f64>> {
+fn known_position(position: &[Option<f64>; 3]) -> Option<Vector3<f64>> {
     match *position {
         [Some(x), Some(y), Some(z)] => Some(Vector3::new(x, y, z)),
         _ => None,

@@ -145,10 +145,10 @@ impl State<'_, '_> {
             let why = "is a shift of the frame on Siemens controls and a point on others: put the offset into a block of its own.";
             return Err(block.refused(axis, why));
         }
-        let own = [code, number];
+        let offset = [code, number];
         let first = self.has_moved().then_some([FIRST_OFFSET, 0.0]);
-        let before = self.offset.replace(own).or(first);
-        if before.is_some_and(|before| before != own) {
+        let before = self.offset.replace(offset).or(first);
+        if before.is_some_and(|before| before != offset) {
             let line = word.place.line_number();
             self.builder.remark("work-offset", "", line, Severity::Serious, || {
                 "The work offset changes within the program ({}): the cell has one workpiece frame.".to_string()
@@ -160,8 +160,8 @@ impl State<'_, '_> {
     /// Refuses words that no word of the block takes.
     pub(super) fn check(&mut self, block: &Block<'_, '_>) -> Result<()> {
         let effects = || {
-            let own = block.words.iter().filter(|word| word.is_own());
-            own.map(|word| word.row.map(|row| row.effect))
+            let code_words = block.words.iter().filter(|word| word.is_own());
+            code_words.map(|word| word.row.map(|row| row.effect))
         };
         let goes = block.words.iter().any(|word| word.axis().is_some());
         let takes_numbers = || {

@@ -18,10 +18,10 @@ static INDEX: LazyLock<Index> = LazyLock::new(|| {
                 named.insert(word, row);
                 continue;
             };
-            let own: &mut Vec<Option<&Row>> = &mut numbered[letter];
-            own.resize(own.len().max(last + 1), None);
+            let rows: &mut Vec<Option<&Row>> = &mut numbered[letter];
+            rows.resize(rows.len().max(last + 1), None);
             let whole = (first..=last).step_by(PARTS as usize);
-            whole.for_each(|number| own[number] = Some(row));
+            whole.for_each(|number| rows[number] = Some(row));
         }
     }
     (numbered, named)
@@ -37,7 +37,7 @@ fn key_of(word: &str) -> Option<(usize, usize)> {
 
 /// Which of the lists of numbers, and where in it.
 fn key(letter: u8, number: f64) -> Option<(usize, usize)> {
-    let letter = [b'G', b'M'].iter().position(|own| *own == letter)?;
+    let letter = [b'G', b'M'].iter().position(|candidate| *candidate == letter)?;
     let tenths = number * f64::from(PARTS);
     let is_whole = (tenths - tenths.round()).abs() < 1e-6 && (0.0..1e6).contains(&tenths);
     is_whole.then_some((letter, tenths.round() as usize))

@@ -32,10 +32,10 @@ impl State<'_, '_> {
                 continue;
             };
             let value = word.number.value;
-            let own = self.moved(Some(self.rotary[axis - 3]), value).unwrap_or(value);
+            let angle = self.moved(Some(self.rotary[axis - 3]), value).unwrap_or(value);
             let work = &self.builder.cell.work;
             let is_known = work.rotary.iter().any(|axis| axis.letter() == word.letter);
-            if !is_known && own != 0.0 {
+            if !is_known && angle != 0.0 {
                 let letter = char::from(word.letter);
                 let message = format!("The rotary axis {letter} turns, and nothing says how it carries the tool.");
                 return Err(word.place.wrong(message).hint(
@@ -44,7 +44,7 @@ impl State<'_, '_> {
                      its A, [\"-C\", \"-A\"] for a table whose A carries its C; `check` shows the tool axis of one pose",
                 ));
             }
-            (self.rotary[axis - 3], has_turned) = (own, true);
+            (self.rotary[axis - 3], has_turned) = (angle, true);
         }
         if has_turned {
             self.axis = self.builder.cell.work.tool_axis(self.rotary);

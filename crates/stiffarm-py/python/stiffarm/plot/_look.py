@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping, Sequence
+import textwrap
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,14 +14,7 @@ from .._errors import StiffarmError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-_T = TypeVar("_T")
-
-#: The colours of Okabe and Ito without yellow, which is too faint on white.
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-MARKERS = ("o", "s", "^", "D", "v", "P", "X")
-DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)), (0, (3, 1)), (0, (8, 2)), (0, (2, 2)))
-GREY = "#666666"
+    from matplotlib.figure import Figure
 
 #: Sizes for a picture that a journal prints as wide as it is made.
 SIZES: dict[str, Any] = {
@@ -35,6 +29,7 @@ SIZES: dict[str, Any] = {
     "axes.linewidth": 0.7,
     "lines.linewidth": 1.1,
     "lines.markersize": 4,
+    "hatch.linewidth": 0.5,
     "legend.frameon": False,
     "legend.handlelength": 2.2,
     "figure.dpi": 144,
@@ -58,37 +53,26 @@ def pyplot() -> Any:
 
 
 @contextmanager
-def settings(own: bool) -> Generator[None, None, None]:
-    """:data:`SIZES` for a figure of one's own, else the caller's settings.
+def settings() -> Generator[None, None, None]:
+    """:data:`SIZES` while a figure is made.
 
     Not ``rc_context``: where the first figure of a notebook is made within it, it would undo what the notebook's backend
     has just set, and later figures would not be shown.
     """
     parameters = pyplot().rcParams
-    before = {key: parameters[key] for key in SIZES} if own else {}
+    before = {key: parameters[key] for key in SIZES}
     try:
-        parameters.update(SIZES if own else {})
+        parameters.update(SIZES)
         yield
     finally:
         parameters.update(before)
 
 
-@contextmanager
-def axes(
-    ax: Axes | None, width_in: float, height_in: float, layout: str = "constrained"
-) -> Generator[Axes, None, None]:
-    """The given axes as they are, or new ones in a figure of this size."""
-    plt = pyplot()
-    if ax is not None:
-        if not hasattr(ax, "fill_between"):
-            raise StiffarmError(f"These must be axes of matplotlib, got {_checks.shown(ax)}.", "wrong-type", {"key": "ax"})
-        yield ax
-        return
-    with settings(True):
-        figure = plt.figure(figsize=(width_in, height_in), layout=layout)
-        made = figure.add_subplot()
-        fix_ticks(made)
-        yield made
+def check_axes(ax: Any) -> None:
+    """Refuses what are no axes."""
+    pyplot()
+    if not hasattr(ax, "fill_between"):
+        raise StiffarmError(f"These must be axes of matplotlib, got {_checks.shown(ax)}.", "wrong-type", {"key": "ax"})
 
 
 def fix_ticks(ax: Axes) -> None:
@@ -96,19 +80,10 @@ def fix_ticks(ax: Axes) -> None:
     ax.tick_params(labelsize=SIZES["xtick.labelsize"], width=SIZES["axes.linewidth"])
 
 
-def colour(i: int) -> str:
-    """Colour of the i-th series."""
-    return COLOURS[i % len(COLOURS)]
-
-
-def marker(i: int) -> str:
-    """Marker of the i-th series; where a colour comes again, it has another marker."""
-    return MARKERS[(i + i // len(COLOURS)) % len(MARKERS)]
-
-
-def dashes(i: int) -> Any:
-    """Line style of the i-th series."""
-    return DASHES[(i + i // len(COLOURS)) % len(DASHES)]
+def dashes(lengths: str, width: float) -> Any:
+    """A line style of the page: lengths of dashes and gaps in pixels, solid without."""
+    parts = [float(part) / max(width, 0.1) for part in lengths.split()]
+    return (0, tuple(parts + parts if len(parts) % 2 else parts)) if parts else "-"
 
 
 def short(name: object, most: int = 28) -> str:
@@ -118,28 +93,53 @@ def short(name: object, most: int = 28) -> str:
     return text if len(text) <= most else f"{text[: most - 1 - tail]}…{text[-tail:]}"
 
 
-def legend(target: Any, entries: Sequence[tuple[Any, str]], width_in: float, **keys: Any) -> None:
-    """A legend of handles and names in as many columns as fit; names are text even where matplotlib would read more."""
+def wrapped(ax: Axes, text: str) -> str:
+    """A text in lines as long as axes are wide."""
+    letters = _letters(_width(ax) * ax.get_position().width)
+    return "\n".join(textwrap.wrap(" ".join(text.split()), letters)) or text
+
+
+def legend(target: Any, entries: Sequence[tuple[Any, str]], width_in: float, **keys: Any) -> int:
+    """A legend of handles and names in as many columns as fit, and in how many rows; names are text even where matplotlib
+    would read more."""
     if not entries:
-        return
+        return 0
     # Names are set afterwards: matplotlib leaves out those that begin with "_".
-    names = [short(name, 40) for _, name in entries]
+    letters = max(12, _letters(width_in) - 7)
+    names = ["\n".join(textwrap.wrap(short(name, 2 * letters), letters)) for _, name in entries]
+    columns = _columns(names, width_in)
     box = target.legend(
-        [handle for handle, _ in entries], ["x"] * len(entries), ncols=_columns(names, width_in),
+        [handle for handle, _ in entries], ["x"] * len(entries), ncols=columns,
         columnspacing=1.1, handletextpad=0.5, borderaxespad=0.2, **keys,
     )  # fmt: skip
     for text, name in zip(box.get_texts(), names, strict=True):
         text.set_parse_math(False)
         text.set_text(name)
+    return -(-(len(names) + sum(name.count("\n") for name in names)) // columns)
 
 
-def legend_above(ax: Axes, entries: Sequence[tuple[Any, str]], *, own: bool) -> None:
-    """A legend above the axes, where it hides nothing; of a figure of one's own over its whole width."""
-    if own:
-        legend(ax.figure, entries, _width(ax) - 0.1, loc="outside upper left")
-        return
-    width = _width(ax) * ax.get_position().width
-    legend(ax, entries, width, loc="lower left", bbox_to_anchor=(0.0, 1.0))
+def legend_above(ax: Axes, entries: Sequence[tuple[Any, str]]) -> None:
+    """A legend above given axes, where it hides nothing."""
+    above = 1.02 if not ax.get_title(loc="left") else 1.09
+    legend(ax, entries, _width(ax) * ax.get_position().width, loc="lower left", bbox_to_anchor=(0.0, above))
+
+
+def legend_over(figure: Figure, entries: Sequence[tuple[Any, str]]) -> None:
+    """A legend over all of a figure, which becomes as much higher."""
+    rows = legend(figure, entries, figure.get_figwidth() - 0.1, loc="outside upper left")
+    figure.set_figheight(figure.get_figheight() + 0.17 * rows)
+
+
+def tick_count(ax: Axes) -> int:
+    """How many numbers a horizontal axis has room for."""
+    return min(6, max(2, int(_width(ax) * ax.get_position().width / 0.4)))
+
+
+def _letters(width_in: float) -> int:
+    """How many letters a width has room for."""
+    from matplotlib import rcParams
+
+    return int(72 * width_in / (0.53 * rcParams["font.size"]))
 
 
 def _columns(names: Sequence[str], width_in: float) -> int:
@@ -151,7 +151,8 @@ def _columns(names: Sequence[str], width_in: float) -> int:
     size = rcParams["legend.fontsize"]
     font = FontProperties(size=size)
     size = font.get_size_in_points()
-    wide = [text_to_path.get_text_width_height_descent(name, font, ismath=False)[0] for name in names]
+    lines = [max(name.split("\n"), key=len) for name in names]
+    wide = [text_to_path.get_text_width_height_descent(line, font, ismath=False)[0] for line in lines]
     for columns in range(min(len(names), 6), 1, -1):
         # As matplotlib fills them: the first ones are the fuller ones.
         parts = np.array_split(wide, columns)
@@ -162,33 +163,32 @@ def _columns(names: Sequence[str], width_in: float) -> int:
 
 
 def names_below(ax: Axes, names: Sequence[str]) -> None:
-    """Names below the places 0, 1, ...; of joints with numbers the numbers, and what they are as the axis' label.
-
-    Names are turned where they are long, and only every k-th is written where there are many.
-    """
-    from matplotlib import rcParams
-
-    if all(name.startswith("joint ") and len(name) > 6 for name in names):
-        ax.set_xlabel("joint")
-        names = [name.removeprefix("joint ") for name in names]
+    """Names below the places 0, 1, ...: turned where they are long, and only every k-th where there are many."""
     width = _width(ax) * ax.get_position().width
     step = -(-len(names) // max(2, int(width / 0.15)))
     shown = [short(name, 16) for name in names[::step]]
-    letter = 0.53 * rcParams["font.size"] / 72
-    turned = letter * sum(len(name) + 1 for name in shown) > width
     look: dict[str, Any] = {}
-    if turned:
+    if sum(len(name) + 1 for name in shown) > _letters(width):
         many = len(shown) > 8
         look = {"rotation": 90} if many else {"rotation": 35, "ha": "right", "rotation_mode": "anchor"}
     ax.set_xticks(np.arange(0, len(names), step), labels=shown, parse_math=False, **look)
-    ax.set_xlim(-0.6, len(names) - 0.4)
+
+
+def names_beside(ax: Axes, names: Sequence[str]) -> None:
+    """Names beside the places 0, 1, ... of a vertical axis."""
+    ax.set_yticks(np.arange(len(names)), labels=[short(name, 16) for name in names], parse_math=False)
+
+
+def figure_of(ax: Axes) -> Figure:
+    """The figure that axes are in; of a figure within a figure, the outer one."""
+    figure: Any = ax.figure.figure
+    outer: Figure = figure
+    return outer
 
 
 def _width(ax: Axes) -> float:
-    """Width of the figure that axes are in [in]."""
-    # Of a figure within a figure, the outer one.
-    figure: Any = ax.figure.figure
-    return float(figure.get_figwidth())
+    """Width of that figure [in]."""
+    return float(figure_of(ax).get_figwidth())
 
 
 def light_grid(ax: Axes, axis: str = "both") -> None:
@@ -222,24 +222,6 @@ def number(value: float) -> str:
         power = f"10$^{{{int(exponent)}}}$"
         return power if mantissa == "1" else f"{mantissa}·{power}"
     return f"{value:.6g}"
-
-
-def check(value: object, kind: type | tuple[type, ...], what: str) -> None:
-    """Refuses what is no such result."""
-    if not isinstance(value, kind):
-        raise StiffarmError(f"This figure is drawn of {what}.", "wrong-type")
-
-
-def by_name(value: _T | Mapping[str, _T], kind: type | tuple[type, ...], what: str) -> dict[str, _T]:
-    """One result, or several by name, as several by name.
-
-    Raises:
-        StiffarmError: Something else, or none.
-    """
-    given: dict[str, Any] = {"": value} if isinstance(value, kind) else dict(value) if isinstance(value, Mapping) else {}
-    if not given or not all(isinstance(one, kind) for one in given.values()):
-        raise StiffarmError(f"This figure is drawn of {what}, or of several by name.", "wrong-type")
-    return {str(name): one for name, one in given.items()}
 
 
 def floats(values: Sequence[float | None]) -> np.ndarray:

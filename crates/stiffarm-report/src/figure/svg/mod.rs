@@ -24,7 +24,7 @@ mod shown;
 mod text;
 mod ticks;
 
-pub use drawing::{render_drawing, render_drawing_with};
+pub use drawing::{Ink, ShownDrawing, render_drawing, render_drawing_with, shown_drawing};
 pub use palette::series_colour;
 pub use shared::share_axes;
 pub use shown::{ShownFigure, ShownPanel, shown_figure};

@@ -28,8 +28,8 @@ pub struct ShownPanel {
     pub colour: Option<[f64; 2]>,
     /// Values that cannot be drawn on these axes.
     pub lost: usize,
-    /// Colour of each series as `#rrggbb`, and the number of its second sign: marker, dashes or hatch.
-    pub series: Vec<(&'static str, usize)>,
+    /// Colour of each series as `#rrggbb`, the lengths of its dashes, and the number of its marker or hatch.
+    pub series: Vec<(&'static str, &'static str, usize)>,
 }
 
 /// A figure with all that is decided of it.
@@ -40,7 +40,7 @@ pub fn shown_figure(figure: &Figure) -> ShownFigure<'_> {
         let (x, y, covered) = natural(panel);
         let series = panel.series.iter().map(|series| {
             let look = styles.look(&series.label, series.style);
-            (look.colour, look.variant)
+            (look.colour, look.dash, look.variant)
         });
         ShownPanel {
             x: ends(&x),
@@ -66,7 +66,7 @@ mod tests {
         let figure = Figure::one("f", "", "", panel);
         let shown = shown_figure(&figure);
         let svg = super::super::render_svg(&figure);
-        assert!(shown.shown[0].series.iter().all(|(colour, _)| svg.contains(colour)));
+        assert!(shown.shown[0].series.iter().all(|(colour, ..)| svg.contains(colour)));
         assert_eq!(shown.shown[0].x, [-0.5, 1.5]);
         // Values that a logarithmic axis cannot show.
         assert_eq!(shown.shown[0].lost, 2);

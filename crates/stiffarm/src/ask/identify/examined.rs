@@ -27,20 +27,20 @@ impl Examined {
             out.profile = unless_stopped("profile", left_out, profile(fit))?.flatten();
         }
         // Before the diagnosis, which takes long and may be stopped; again where that finds a quantity of the set-up off.
-        let found = systematic_errors_with(fit, mixed, None);
-        out.systematic_errors = unless_stopped("systematic_errors", left_out, found)?;
+        let errors = systematic_errors_with(fit, mixed, None);
+        out.systematic_errors = unless_stopped("systematic_errors", left_out, errors)?;
         let diagnosis = diagnosed(fit, mixed);
         out.diagnosis = unless_stopped("diagnosis", left_out, diagnosis)?;
         let off = out.diagnosis.as_ref().and_then(Diagnosis::off);
         let errors_of = |mixed: Option<&MixedFit>| {
-            let found = systematic_errors_with(fit, mixed, off);
+            let errors = systematic_errors_with(fit, mixed, off);
             // What a stop leaves out is named already, or stands in `interval_holds` of the axes.
-            unless_stopped("systematic_errors", &mut Vec::new(), found)
+            unless_stopped("systematic_errors", &mut Vec::new(), errors)
         };
         if off.is_some()
-            && let Some(found) = errors_of(mixed)?
+            && let Some(errors) = errors_of(mixed)?
         {
-            out.systematic_errors = Some(found);
+            out.systematic_errors = Some(errors);
         }
         if mixed.is_some() {
             out.of_axes = errors_of(None)?;
@@ -51,17 +51,17 @@ impl Examined {
 
 /// Joints whose intervals hold all errors, where these are known.
 pub(super) fn widened(mut joints: Vec<JointEstimate>, by: Option<&SystematicErrors>) -> Vec<JointEstimate> {
-    by.iter().for_each(|own| own.widen(&mut joints));
+    by.iter().for_each(|errors| errors.widen(&mut joints));
     joints
 }
 
 /// What was found; `None`, with its name in `left_out`, where the user stopped it.
-pub(super) fn unless_stopped<T>(name: &str, left_out: &mut Vec<String>, found: Result<T>) -> Result<Option<T>> {
-    match found {
+pub(super) fn unless_stopped<T>(name: &str, left_out: &mut Vec<String>, outcome: Result<T>) -> Result<Option<T>> {
+    match outcome {
         Err(error) if error.code() == Code::Interrupted => {
             left_out.push(name.to_string());
             Ok(None)
         }
-        found => found.map(Some),
+        outcome => outcome.map(Some),
     }
 }

@@ -3,7 +3,7 @@
 mod examined;
 
 use crate::ask::fit::FitOptions;
-use crate::ask::rules::{NotWith, given, refuse};
+use crate::ask::rules::{NotWith, changed_options, refuse};
 #[cfg(feature = "clap")]
 use crate::ask::values::{above_zero, count, seed};
 use crate::error::{Code, Result};
@@ -91,7 +91,7 @@ impl IdentifiedOptions {
     /// # Errors
     /// Options that exclude each other; as [`FitOptions::options`].
     pub fn options(&self, robot: &Robot) -> Result<IdentifyOptions> {
-        refuse(NOT_WITH, &given(self)?)?;
+        refuse(NOT_WITH, &changed_options(self)?)?;
         Ok(IdentifyOptions { free: self.free.clone(), ..self.fit.options(robot)? })
     }
 }
@@ -189,16 +189,16 @@ impl Identified {
     pub fn of_readings(&self) -> impl Iterator<Item = &Finding> {
         let screening = self.screening();
         let scales = screening.into_iter().flat_map(Screening::scales);
-        let screened = screening.into_iter().flat_map(|own| &own.findings);
-        let reduced = (self.readings.iter()).flat_map(|own| &own.reduction.findings);
+        let screened = screening.into_iter().flat_map(|screening| &screening.findings);
+        let reduced = (self.readings.iter()).flat_map(|reduced| &reduced.reduction.findings);
         self.implausible.iter().chain(scales).chain(screened).chain(reduced)
     }
 
     /// What the fit says, but for its joints.
     pub fn of_fit(&self) -> impl Iterator<Item = &Finding> {
-        let diagnosed = self.diagnosis.iter().flat_map(|own| &own.findings);
-        let systematic = (self.systematic_errors.iter()).flat_map(|own| &own.findings);
-        let profiled = self.profile.iter().map(|own| &own.finding);
+        let diagnosed = self.diagnosis.iter().flat_map(|diagnosis| &diagnosis.findings);
+        let systematic = (self.systematic_errors.iter()).flat_map(|errors| &errors.findings);
+        let profiled = self.profile.iter().map(|profile| &profile.finding);
         diagnosed.chain(systematic).chain(profiled)
     }
 
@@ -222,18 +222,18 @@ impl Identified {
     /// [`free`](setup::free) (key `free`).
     pub fn new(fit: &Fit, options: &IdentifiedOptions, control: Control<'_>) -> Result<Self> {
         let choice = ElasticChoice::or_default(options.fit.elastic, fit.options());
-        let mut asked = given(options)?;
-        asked.extend((!fit.options().free.is_empty()).then(|| "free".to_string()));
-        refuse(NOT_WITH, &asked)?;
-        let (own, freed) = setup::free(fit, choice)?.unzip();
-        let (fit, freed) = (own.as_ref().unwrap_or(fit), freed.unwrap_or_default());
+        let mut names = changed_options(options)?;
+        names.extend((!fit.options().free.is_empty()).then(|| "free".to_string()));
+        refuse(NOT_WITH, &names)?;
+        let (freed_fit, freed) = setup::free(fit, choice)?.unzip();
+        let (fit, freed) = (freed_fit.as_ref().unwrap_or(fit), freed.unwrap_or_default());
         let axes = fit.identification()?;
         let mut left_out = Vec::new();
         let (elastic, mixed) = match choice {
             ElasticChoice::Axes => (None, None),
             ElasticChoice::Mixed => {
-                let found = elastic(fit, !options.brief).map_err(|e| e.key("elastic"));
-                unless_stopped("elastic", &mut left_out, found)?.unzip()
+                let model = elastic(fit, !options.brief).map_err(|e| e.key("elastic"));
+                unless_stopped("elastic", &mut left_out, model)?.unzip()
             }
         };
         let mixed = mixed.flatten();
@@ -248,9 +248,9 @@ impl Identified {
         };
         let bootstrap = match options.bootstrap {
             Some(resamples) => {
-                let found = bootstrap(fit, resamples, options.seed, fit.options().confidence);
-                let found = found.map_err(|e| e.key("bootstrap"));
-                unless_stopped("bootstrap", &mut left_out, found)?
+                let resampling = bootstrap(fit, resamples, options.seed, fit.options().confidence);
+                let resampling = resampling.map_err(|e| e.key("bootstrap"));
+                unless_stopped("bootstrap", &mut left_out, resampling)?
             }
             None => None,
         };
@@ -259,8 +259,8 @@ impl Identified {
             false => Examined::new(fit, mixed.as_ref(), freed.is_empty(), &mut left_out)?,
         };
         let of_axes = mixed.is_some().then(|| {
-            let own = axes.estimates.joints.clone();
-            widened(own, examined.of_axes.as_ref())
+            let axis_joints = axes.estimates.joints.clone();
+            widened(axis_joints, examined.of_axes.as_ref())
         });
         let joints = widened(joints, examined.systematic_errors.as_ref());
         let rejected = examined.diagnosis.as_ref().and_then(Diagnosis::rejected);
@@ -271,10 +271,11 @@ impl Identified {
             screening
         };
         let mut out = Identified {
-            readings: Reduced::of(fit.measured()).map(|own| Reduced { screening: explained(own.screening), ..own }),
+            readings: Reduced::of(fit.measured())
+                .map(|reduced| Reduced { screening: explained(reduced.screening), ..reduced }),
             screening: screening(fit.measured()).map(explained),
             identification: axes.with_joints(joints),
-            elastic: elastic.map(|own| Elastic { axes: of_axes.unwrap_or_default(), ..own }),
+            elastic: elastic.map(|elastic| Elastic { axes: of_axes.unwrap_or_default(), ..elastic }),
             freed,
             implausible,
             bootstrap,
@@ -307,8 +308,8 @@ impl Identified {
             Err(error) if error.code() != Code::Interrupted => {
                 self.next_posture_missing = Some(error.message().to_string());
             }
-            found => {
-                self.next_posture = unless_stopped("next_posture", &mut self.not_computed, found)?;
+            advice => {
+                self.next_posture = unless_stopped("next_posture", &mut self.not_computed, advice)?;
             }
         }
         if let Some(advice) = self.next_posture.as_mut().filter(|_| scaled) {
@@ -320,30 +321,30 @@ impl Identified {
     /// What predicts, by the `mixed` model where there is one, with all that was found wrong.
     fn seal(&self, fit: &Fit, mixed: Option<&MixedFit>) -> Option<Sealed> {
         let cell = fit.cell();
-        let found = match mixed {
+        let predictor = match mixed {
             Some(mixed) => {
-                let mut found = mixed.compliance().clone();
-                found.doubts = open_springs(self.identification.estimates.joints.iter());
-                found
+                let mut predictor = mixed.compliance().clone();
+                predictor.doubts = open_springs(self.identification.estimates.joints.iter());
+                predictor
             }
             None => IdentifiedCompliance::from_identification(cell, &self.identification).ok()?,
         };
-        let mut found = match &self.systematic_errors {
-            Some(systematic) => found.with_systematic_errors(systematic),
-            None => found,
+        let mut predictor = match &self.systematic_errors {
+            Some(systematic) => predictor.with_systematic_errors(systematic),
+            None => predictor,
         };
         let missing = |part: &&str| self.not_computed.iter().any(|name| name == part);
         if ["elastic", "systematic_errors"].iter().any(missing) {
             let sentence = "The identification was stopped before it had the elastic model and the systematic errors: bands hold the \
                             scatter of the readings alone. Identify again and let it end.";
             let code = "stiffness-unfinished";
-            found.doubts.push(Finding::caution(code, "stiffness", sentence));
+            predictor.doubts.push(Finding::caution(code, "stiffness", sentence));
         }
         let measured = fit.measured();
         // What a wrong scale of the table explains is no finding of its own.
-        let diagnosed = self.diagnosis.iter().flat_map(|own| &own.findings);
+        let diagnosed = self.diagnosis.iter().flat_map(|diagnosis| &diagnosis.findings);
         let diagnosed = diagnosed.filter(|_| !is_misread(fit));
-        let own = self.implausible.iter().chain(diagnosed);
+        let findings = self.implausible.iter().chain(diagnosed);
         let displacements = measured.postures.iter().flat_map(|m| &m.displacements);
         let seen = fit.experiment().with_terms().map(|(m, terms)| {
             let setup = cell.setup.of_state(&m.state)?;
@@ -354,7 +355,7 @@ impl Identified {
         Some(Sealed {
             springs: cell.setup.robot.spring_names(),
             flange_m: Some(flange_of(cell).into()),
-            predictor: found.with_doubts(measured.findings().chain(own)),
+            predictor: predictor.with_doubts(measured.findings().chain(findings)),
             postures: once(self.identification.postures.iter().map(|p| &p.posture)),
             largest_displacement_m: displacements.map(|d| d.value.norm()).reduce(f64::max),
             largest_force_n: fit.experiment().largest_force(),

@@ -30,41 +30,41 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// Bounds for `postures` beside `given` ones. A bound that cannot be had is no
+    /// Bounds for `postures` beside `held` ones. A bound that cannot be had is no
     /// fault of the plan: the reason is kept instead.
     pub fn new(
         cell: &Cell,
         index: Index,
-        given: &[Posture],
+        held: &[Posture],
         postures: &[Posture],
         watch: &mut dyn FnMut(Stage),
         control: Control<'_>,
     ) -> Self {
-        let mut found = Bounds::default();
+        let mut bounds = Bounds::default();
         // What one posture adds is never a fraction of it, which is what few of them lack of the bound.
-        if index == Index::Prediction && given.len() + postures.len() < FEWEST_PREDICTING {
-            return found;
+        if index == Index::Prediction && held.len() + postures.len() < FEWEST_PREDICTING {
+            return bounds;
         }
         watch(Stage::Bounding { postures: postures.len() });
         let control = control.quiet();
         let options = CertificateOptions::default();
-        let certificate = certify_further(cell, index, given, postures, &options, control);
-        found.certificate = kept(certificate, control, &mut found.missing);
+        let certificate = certify_further(cell, index, held, postures, &options, control);
+        bounds.certificate = unless_failed(certificate, control, &mut bounds.missing);
         // The joints' bounds count neither what is measured already nor what gives way beyond the axes.
-        let by_joint = index != Index::Prediction && given.is_empty();
-        if found.certificate.is_some() && by_joint && cell.prior.is_some() {
+        let by_joint = index != Index::Prediction && held.is_empty();
+        if bounds.certificate.is_some() && by_joint && cell.prior.is_some() {
             watch(Stage::BoundingJoints);
             let mut options = options;
             options.samples = JOINT_SEARCHES;
             let joints = joint_efficiencies(cell, postures, &options, control);
-            found.joints = kept(joints, control, &mut found.missing);
+            bounds.joints = unless_failed(joints, control, &mut bounds.missing);
         }
-        found
+        bounds
     }
 }
 
 /// The result, unless it failed or was stopped on the way.
-pub(super) fn kept<T>(result: Result<T>, control: Control<'_>, missing: &mut Option<String>) -> Option<T> {
+pub(super) fn unless_failed<T>(result: Result<T>, control: Control<'_>, missing: &mut Option<String>) -> Option<T> {
     if control.stopped() {
         *missing = Some(STOPPED.to_string());
         return None;

@@ -1,6 +1,6 @@
 //! The best value for each number of postures, and what one more gains.
 
-use super::bounds::{FEWEST_PREDICTING, kept};
+use super::bounds::{FEWEST_PREDICTING, unless_failed};
 use super::kinds::{Asked, Mode, Planned, Stage};
 use super::options::{SelectInputs, SelectOptions};
 use crate::error::{Code, Result};
@@ -75,7 +75,7 @@ pub fn plan_curve(
     if let (Some(group), true) = (&group, !options.no_certificate && says_something) {
         watch(Stage::BoundingSizes);
         let bound = one_posture_bound(&cell, index, group, control);
-        bound_of_one = kept(bound, control, &mut missing);
+        bound_of_one = unless_failed(bound, control, &mut missing);
     }
     let result = Curve {
         index,

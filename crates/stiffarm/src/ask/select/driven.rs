@@ -19,8 +19,9 @@ pub(super) fn driven<Q: AsRef<[f64]>>(
         Some(step) => {
             let each = rounded(cell, postures, step)?.into_iter().zip(postures);
             // A posture at the edge of what is accepted stays as it was found.
-            let accepted = |q: &[f64]| accept.is_none_or(|own| own.accepts(q));
-            each.map(|(rounded, found)| if accepted(&rounded) { rounded } else { found.as_ref().to_vec() }).collect()
+            let accepted = |q: &[f64]| accept.is_none_or(|accept| accept.accepts(q));
+            each.map(|(rounded, posture)| if accepted(&rounded) { rounded } else { posture.as_ref().to_vec() })
+                .collect()
         }
         None => postures.iter().map(|q| q.as_ref().to_vec()).collect(),
     };

@@ -28,29 +28,29 @@ pub struct DropResult {
     pub findings: Vec<Finding>,
 }
 
-/// Compares the ways to leave out some of the `given` postures.
+/// Compares the ways to leave out some of the postures of a `group`.
 ///
 /// # Errors
 /// As [`drop_postures`].
 pub fn plan_drop(
     cell: &Cell,
-    given: &[Posture],
+    group: &[Posture],
     options: &SelectOptions,
     control: Control<'_>,
 ) -> Result<Planned<DropResult>> {
-    options.check(&SelectInputs { given: given.to_vec(), ..SelectInputs::default() })?;
+    options.check(&SelectInputs { given: group.to_vec(), ..SelectInputs::default() })?;
     let (cell, mut findings) = prepared(cell, true);
     let (index, count) = (options.index(), options.drop.unwrap_or(1));
-    let dropped = drop_postures(&cell, index, given, count, control);
-    let dropped = dropped.map_err(|error| match (error.code(), given.len()) {
-        (Code::TooFewData, 2..) => error.hint(format!("leave out {} at most", given.len() - 1)),
+    let dropped = drop_postures(&cell, index, group, count, control);
+    let dropped = dropped.map_err(|error| match (error.code(), group.len()) {
+        (Code::TooFewData, 2..) => error.hint(format!("leave out {} at most", group.len() - 1)),
         _ => error,
     })?;
-    let postures = dropped.kept.iter().map(|p| given[*p].clone()).collect();
-    findings.extend(cell.posture_findings(given));
+    let postures = dropped.kept.iter().map(|p| group[*p].clone()).collect();
+    findings.extend(cell.posture_findings(group));
     let result = DropResult {
-        posture_names: given.iter().map(|p| p.name.clone()).collect(),
-        postures: given.iter().map(|p| p.q.clone()).collect(),
+        posture_names: group.iter().map(|p| p.name.clone()).collect(),
+        postures: group.iter().map(|p| p.q.clone()).collect(),
         dropped,
         findings,
     };

@@ -62,7 +62,7 @@ pub(super) fn in_time(
     }
     let options = GlobalOptions { rounds: Some(global.rounds.unwrap_or(ROUNDS).min(ROUNDS)), ..global.clone() };
     let model = (ways.len() > 1).then(|| PredictionModel::of_cell(&cell)).transpose()?;
-    let mut found: Vec<(InTime, Way)> = Vec::new();
+    let mut candidates: Vec<(InTime, Way)> = Vec::new();
     for way in ways {
         let (Some(model), load) = (&model, &way.cell.setup.load) else {
             continue;
@@ -79,24 +79,24 @@ pub(super) fn in_time(
         };
         // The load of a cell that has one has no name, and neither has what would be beside it.
         let named = load.cases().iter().filter(|_| way.further_mass_kg.is_none());
-        let told = InTime {
+        let choice = InTime {
             loads: named.map(|case| case.name.clone()).collect(),
             further_mass_kg: way.further_mass_kg,
             postures,
             time_s: cell.time.of(postures, load),
             prediction,
         };
-        found.push((told, way));
+        candidates.push((choice, way));
     }
-    sort_by_number(&mut found, |(told, _)| told.prediction);
-    let chosen = found.iter().find(|(_, way)| way.further_mass_kg.is_none());
+    sort_by_number(&mut candidates, |(choice, _)| choice.prediction);
+    let chosen = candidates.iter().find(|(_, way)| way.further_mass_kg.is_none());
     let (chosen, postures) = match chosen {
-        Some((told, way)) => (way.cell.clone(), told.postures),
+        Some((choice, way)) => (way.cell.clone(), choice.postures),
         None if all == 0 => return Err(too_short(&cell.time, seconds, &cell.setup.load)),
         None => (cell, all),
     };
-    let told = found.into_iter().map(|(told, _)| told).collect();
-    Ok((chosen, postures, told))
+    let choices = candidates.into_iter().map(|(choice, _)| choice).collect();
+    Ok((chosen, postures, choices))
 }
 
 /// A way to load the arm.
@@ -123,8 +123,8 @@ fn ways(cell: &Cell) -> Vec<Way> {
         let alone = (0..count).map(|i| vec![i]);
         alone.chain((2..=count).map(|up_to| (0..up_to).collect())).collect()
     };
-    let chosen = |own: &Vec<usize>| -> Vec<LoadCase> { own.iter().map(|i| cases[*i].clone()).collect() };
-    let mut ways: Vec<Way> = choices.iter().map(|own| under(Load::Cases(chosen(own)), None)).collect();
+    let chosen = |choice: &Vec<usize>| -> Vec<LoadCase> { choice.iter().map(|i| cases[*i].clone()).collect() };
+    let mut ways: Vec<Way> = choices.iter().map(|choice| under(Load::Cases(chosen(choice)), None)).collect();
     if cases.is_empty() {
         ways.push(under(cell.setup.load.clone(), None));
         let pull = match &cell.setup.load {

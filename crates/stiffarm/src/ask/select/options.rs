@@ -1,6 +1,6 @@
 //! What `select` is asked.
 
-use crate::ask::rules::{NotWith, given, refuse};
+use crate::ask::rules::{NotWith, changed_options, refuse};
 #[cfg(feature = "clap")]
 use crate::ask::values::{above_zero, angle_step, count, numbers, seed, within};
 use crate::error::{Code, Error, Result};
@@ -197,13 +197,13 @@ pub struct SelectInputs {
 impl SelectOptions {
     /// Refuses what would be asked for in vain.
     pub(super) fn check(&self, inputs: &SelectInputs) -> Result<()> {
-        let mut names = given(self)?;
+        let mut names = changed_options(self)?;
         let there = [
             ("initial", inputs.initial.is_some()),
             ("given", !inputs.given.is_empty()),
             ("accept", inputs.accept.is_some()),
         ];
-        names.extend(there.iter().filter(|own| own.1).map(|own| own.0.to_string()));
+        names.extend(there.iter().filter(|input| input.1).map(|input| input.0.to_string()));
         refuse(NOT_WITH, &names)?;
         let (index, count) = (self.index(), self.postures(inputs));
         if !(1..=MOST_POSTURES).contains(&count) {
@@ -285,8 +285,8 @@ impl SelectOptions {
 #[cfg(feature = "clap")]
 fn index_help() -> String {
     let of = |origin: Origin| {
-        let all = Index::ALL.into_iter().filter(|own| own.origin() == origin);
-        let names: Vec<String> = all.map(|own| own.as_str().replace('_', "-")).collect();
+        let all = Index::ALL.into_iter().filter(|index| index.origin() == origin);
+        let names: Vec<String> = all.map(|index| index.as_str().replace('_', "-")).collect();
         names.join(", ")
     };
     format!(

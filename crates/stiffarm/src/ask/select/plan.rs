@@ -63,7 +63,7 @@ pub fn plan(
         None => (cell, options.postures(inputs), Vec::new()),
     };
     let initial = inputs.initial.as_deref();
-    let given = inputs.given.as_slice();
+    let held = inputs.given.as_slice();
     let selection = match initial {
         Some(group) => {
             let local = LocalOptions { max_iterations: options.max_iterations(), ..LocalOptions::default() };
@@ -88,51 +88,47 @@ pub fn plan(
         seed: options.seed(),
     };
     let (group, route) = driven(&cell, &selection.group, &driving, accept)?;
-    let selection = selection.with_group(&cell, given, group)?;
-    let postures = named(&selection, initial, given);
+    let selection = selection.with_group(&cell, held, group)?;
+    let postures = named(&selection, initial, held);
     let bounds = if !options.no_certificate && initial.is_none() {
-        Bounds::new(&cell, index, given, &postures, watch, control)
+        Bounds::new(&cell, index, held, &postures, watch, control)
     } else {
         Bounds::default()
     };
     let sensitivity = examined(&cell, options, &postures, control)?;
     let prices = if options.prices && !control.stopped() {
-        let found = limit_prices(&cell, index, count, &global, selection.value, control.quiet())?;
-        (!control.stopped()).then_some(found)
+        let prices = limit_prices(&cell, index, count, &global, selection.value, control.quiet())?;
+        (!control.stopped()).then_some(prices)
     } else {
         None
     };
 
-    let (known, before_name) = match initial {
+    let (before_group, before_name) = match initial {
         Some(initial) => (initial, "initial"),
-        None => (given, "given"),
+        None => (held, "given"),
     };
-    let before = if known.is_empty() {
+    let before = if before_group.is_empty() {
         None
     } else {
-        let mut before = EvaluatedGroup::new(&cell, before_name, known)?;
-        add_forecast(&cell, known, &mut before.evaluation);
+        let mut before = EvaluatedGroup::new(&cell, before_name, before_group)?;
+        add_forecast(&cell, before_group, &mut before.evaluation);
         Some(before)
     };
-    let after_name = if given.is_empty() { "selected" } else { "with new" };
+    let after_name = if held.is_empty() { "selected" } else { "with new" };
     let mut evaluation = GroupEvaluation { name: after_name.to_string(), ..selection.evaluation.clone() };
     // An initial group makes way for the plan, given postures stay.
-    let stay: Vec<Posture> = given.iter().chain(&postures).cloned().collect();
+    let stay: Vec<Posture> = held.iter().chain(&postures).cloned().collect();
     add_forecast(&cell, &stay, &mut evaluation);
     let names = |postures: &[Posture]| postures.iter().map(|p| p.name.clone()).collect();
     let same = |stops: &Vec<usize>| stops.iter().map(|p| postures[*p].name.clone()).collect();
-    findings.extend(cell.posture_findings(known));
+    findings.extend(cell.posture_findings(before_group));
     findings.extend(route_findings(&cell, &postures, &route)?);
     findings.extend(on_limits(&cell, &postures, &selection.limits));
     let result = Plan {
         posture_names: names(&postures),
         repeats: route.repeats.iter().map(same).collect(),
-        given_names: names(given),
-        given_value: if given.is_empty() {
-            None
-        } else {
-            before.as_ref().and_then(|b| b.evaluation.indices.get(index))
-        },
+        given_names: names(held),
+        given_value: if held.is_empty() { None } else { before.as_ref().and_then(|b| b.evaluation.indices.get(index)) },
         joints: cell.setup.robot.spring_names(),
         evaluation,
         before,
@@ -148,7 +144,7 @@ pub fn plan(
         findings,
         route,
     };
-    let mode = match (initial.is_some(), given.is_empty()) {
+    let mode = match (initial.is_some(), held.is_empty()) {
         (true, _) => Mode::From,
         (false, true) => Mode::Global,
         (false, false) => Mode::Add,
@@ -176,13 +172,13 @@ fn examined(
         SensitivityOptions { seed: options.seed(), repeats: options.repeats, ..SensitivityOptions::default() };
     // Who wants a quick plan wants a quick answer here too.
     search.rounds = options.rounds.map_or(search.rounds, |rounds| rounds.min(search.rounds));
-    let found = sensitivity(cell, options.index(), selected, &search, control)?;
-    Ok((!control.stopped()).then_some(found))
+    let sensitivity = sensitivity(cell, options.index(), selected, &search, control)?;
+    Ok((!control.stopped()).then_some(sensitivity))
 }
 
 /// The selected postures: under the names of the initial ones, else numbered on
 /// from the given ones without meeting any of their names.
-fn named(selection: &Selection, initial: Option<&[Posture]>, given: &[Posture]) -> Vec<Posture> {
+fn named(selection: &Selection, initial: Option<&[Posture]>, held: &[Posture]) -> Vec<Posture> {
     let mut postures = selection.to_group("selected").postures;
     if let Some(initial) = initial {
         for (posture, old) in postures.iter_mut().zip(initial) {
@@ -190,8 +186,8 @@ fn named(selection: &Selection, initial: Option<&[Posture]>, given: &[Posture]) 
         }
         return postures;
     }
-    let taken: HashSet<&str> = given.iter().map(|p| p.name.as_str()).collect();
-    let free = (given.len() + 1..).map(|number| number.to_string()).filter(|name| !taken.contains(name.as_str()));
+    let taken: HashSet<&str> = held.iter().map(|p| p.name.as_str()).collect();
+    let free = (held.len() + 1..).map(|number| number.to_string()).filter(|name| !taken.contains(name.as_str()));
     for (posture, name) in postures.iter_mut().zip(free) {
         posture.name = name;
     }

@@ -54,9 +54,9 @@ pub fn plan_space_filling(
     let options = &SelectOptions { space_filling: true, ..options.clone() };
     options.check(&nothing)?;
     let (cell, mut findings) = prepared(cell, true);
-    let found = space_filling(&cell, options.postures(&nothing), options.seed(), control)?;
+    let filling = space_filling(&cell, options.postures(&nothing), options.seed(), control)?;
     // A search that was stopped keeps its order.
-    let keep = found.termination == Termination::Interrupted;
+    let keep = filling.termination == Termination::Interrupted;
     let driving = RouteOptions {
         keep_order: keep,
         keep_angles: keep,
@@ -64,7 +64,7 @@ pub fn plan_space_filling(
         seed: options.seed(),
         ..RouteOptions::default()
     };
-    let (angles, route) = driven(&cell, &found.postures, &driving, None)?;
+    let (angles, route) = driven(&cell, &filling.postures, &driving, None)?;
     let group = PostureGroup::from_angles("space-filling", angles.iter().cloned());
     let postures = group.postures;
     findings.extend(route_findings(&cell, &postures, &route)?);
@@ -72,7 +72,7 @@ pub fn plan_space_filling(
         joints: cell.setup.robot.spring_names(),
         posture_names: postures.iter().map(|p| p.name.clone()).collect(),
         smallest_distance: smallest_distance(&cell.bounds, &postures),
-        termination: found.termination,
+        termination: filling.termination,
         smallest_margin_m: smallest_margin(&cell, &postures)?,
         evaluation: evaluate(&cell, &group.name, &postures)?,
         postures: angles,

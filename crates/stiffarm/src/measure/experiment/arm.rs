@@ -70,13 +70,13 @@ impl Arm {
                 (bent.frames().clone(), *bent.wrench(), points.collect())
             }
         };
-        let known = terms.known_displacement(&setup.tool);
+        let series_shift = terms.known_displacement(&setup.tool);
         for (a, point) in points.iter_mut().enumerate() {
             let at = terms.measuring_points()[a];
             for (j, turn) in turns.iter().enumerate() {
                 *point += terms.frames().column(j, &at) * *turn;
             }
-            *point += known.fixed_rows::<3>(3 * a);
+            *point += series_shift.fixed_rows::<3>(3 * a);
             if let Some(tilt) = &options.joint_tilt {
                 *point += tilted(&terms, tilt, &at);
             }
@@ -165,9 +165,9 @@ fn sensor_reading(sensor: &Sensor, frames: &Frames, wrench: &Wrench, at: &Vector
         Mount::Base => sensor.pose,
     };
     let sign = if sensor.reports_by_robot { -1.0 } else { 1.0 };
-    let own = wrench.moved(at, &pose.translation.vector);
+    let at_sensor = wrench.moved(at, &pose.translation.vector);
     Wrench {
-        force: sensor.right_handed(pose.rotation.inverse_transform_vector(&own.force) * sign),
-        moment: sensor.right_handed(pose.rotation.inverse_transform_vector(&own.moment) * sign),
+        force: sensor.right_handed(pose.rotation.inverse_transform_vector(&at_sensor.force) * sign),
+        moment: sensor.right_handed(pose.rotation.inverse_transform_vector(&at_sensor.moment) * sign),
     }
 }

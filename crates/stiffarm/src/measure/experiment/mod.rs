@@ -233,9 +233,9 @@ impl Experiment {
             return Ok(None);
         }
         let terms = PostureTerms::new(unloaded, &posture.q, None)?;
-        let own = cell.scene.station_at(&terms);
+        let station = cell.scene.station_at(&terms);
         let mut stations = self.stations.iter();
-        Ok(own.and_then(|own| stations.find(|(name, _)| *name == own.name)))
+        Ok(station.and_then(|station| stations.find(|(name, _)| *name == station.name)))
     }
 }
 

@@ -126,8 +126,8 @@ pub(super) fn reduce_series(
     series: &[PostureSeries<'_>],
     options: &ReduceOptions,
 ) -> Result<Reduction> {
-    let given = options.base_from_tracker.or(cell.tracker.base_from_tracker);
-    table::check(cell, table, given.as_ref())?;
+    let stated_transform = options.base_from_tracker.or(cell.tracker.base_from_tracker);
+    table::check(cell, table, stated_transform.as_ref())?;
     let mut findings = Vec::new();
 
     let repeatability = repeatability::repeatability(series);
@@ -136,13 +136,13 @@ pub(super) fn reduce_series(
     }
     let reading_std = repeatability::reading_std(cell, repeatability.as_ref());
     let (registration, base_from_tracker) =
-        unloaded::registration(cell, series, given.as_ref(), reading_std, &mut findings)?;
+        unloaded::registration(cell, series, stated_transform.as_ref(), reading_std, &mut findings)?;
     let stations = stations::describe(table, &base_from_tracker, registration.as_ref());
     findings.extend(stations::finding(&stations));
     let drift = drift::drift(series, &base_from_tracker, reading_std)?;
     findings.extend(drift::findings(series, drift.as_ref()));
     let temperatures = temperature::temperatures(series, drift.as_ref(), reading_std);
-    findings.extend(temperatures.as_ref().map(|found| temperature::finding(cell, found)));
+    findings.extend(temperatures.as_ref().map(|temperatures| temperature::finding(cell, temperatures)));
 
     let mut measured = Vec::new();
     let mut base_motion = Vec::new();
@@ -261,10 +261,10 @@ fn displacements(
 /// Mean variances of the readings of a point in a state as the tracker states them, its axes; `None` where one of them
 /// has none.
 fn stated(state: &StateReadings, point: usize) -> Option<Vector3<f64>> {
-    let own = state.readings.iter();
-    let own = own.filter(|reading| reading.target == ReadingTarget::Point(point));
+    let of_point = state.readings.iter();
+    let of_point = of_point.filter(|reading| reading.target == ReadingTarget::Point(point));
     let variance = |std: f64| (std / COVERAGE).max(LEAST).powi(2);
-    let each = own.map(|reading| reading.expanded.map(|expanded| expanded.map(variance)));
+    let each = of_point.map(|reading| reading.expanded.map(|expanded| expanded.map(variance)));
     let each: Vec<Vector3<f64>> = each.collect::<Option<_>>()?;
     (!each.is_empty()).then(|| each.iter().sum::<Vector3<f64>>() / each.len() as f64)
 }
@@ -277,14 +277,14 @@ fn covariance(
     at: &Vector3<f64>,
     stated: Option<Vector3<f64>>,
 ) -> Result<Option<Matrix3<f64>>> {
-    let own = match (stated, &cell.tracker.accuracy) {
+    let tracker_covariance = match (stated, &cell.tracker.accuracy) {
         (Some(variances), _) => Matrix3::from_diagonal(&variances),
         (None, Some(accuracy)) => accuracy.covariance(at)?,
         (None, None) => return Ok(None),
     };
     let rotation = base_from_tracker.rotation.to_rotation_matrix();
     let rotation = rotation.matrix();
-    let turned = rotation * own * rotation.transpose();
+    let turned = rotation * tracker_covariance * rotation.transpose();
     // Symmetric to the last bit.
     Ok(Some((turned + turned.transpose()) * 0.5))
 }

@@ -61,8 +61,8 @@ pub(super) fn against_unloaded<'a>(
         if both(&posture) {
             displacements(&posture.against_unloaded(), &mut out)?;
         } else {
-            let own = measured.iter().filter(|m| m.posture.name == posture.name());
-            out.extend(own.cloned());
+            let of_posture = measured.iter().filter(|m| m.posture.name == posture.name());
+            out.extend(of_posture.cloned());
         }
     }
     Ok(out)

@@ -46,8 +46,8 @@ pub(super) fn repeatability(postures: &[PostureSeries<'_>]) -> Option<Repeatabil
             // The rate is estimated: from these very readings, which takes
             // degrees of freedom, or from others, which adds its variance.
             if let Some(line) = series.line {
-                let own = if line.role == state.role { -1.0 } else { 1.0 };
-                freedom += 3.0 * own * clocks / line.spread;
+                let sign = if line.role == state.role { -1.0 } else { 1.0 };
+                freedom += 3.0 * sign * clocks / line.spread;
             }
             let pairs = state.samples.windows(2);
             identical += pairs.filter(|w| w[0].position == w[1].position).count();

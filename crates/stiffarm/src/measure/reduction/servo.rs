@@ -45,8 +45,8 @@ pub(super) fn one_give(
     gives: &[Option<Vec<f64>>],
     displacements: &mut [Displacement],
 ) -> Result<Option<Vec<f64>>> {
-    let known: Option<Vec<&Vec<f64>>> = gives.iter().map(Option::as_ref).collect();
-    let Some((first, all)) = known.as_ref().and_then(|all| Some((*all.first()?, all))) else {
+    let all_gives: Option<Vec<&Vec<f64>>> = gives.iter().map(Option::as_ref).collect();
+    let Some((first, all)) = all_gives.as_ref().and_then(|all| Some((*all.first()?, all))) else {
         return Ok(None);
     };
     if all.iter().all(|give| *give == first) {

@@ -48,33 +48,33 @@ struct Alone {
     base: BTreeMap<String, Vector3<f64>>,
 }
 
-/// Puts the readings of all stations into the axes of one: of the first that `given` fits, else of the first. Postures of
-/// a station whose unloaded readings do not say where it stands are left out, with a remark. The result names the
-/// station with most postures where one does not fit the model by itself.
+/// Puts the readings of all stations into the axes of one: of the first that `stated_transform` fits, else of the
+/// first. Postures of a station whose unloaded readings do not say where it stands are left out, with a remark. The result
+/// names the station with most postures where one does not fit the model by itself.
 ///
 /// # Errors
 /// No station says where it stands.
 pub(in crate::measure) fn in_one_frame(
     cell: &Cell,
     table: &mut ReadingTable,
-    given: Option<&Isometry3<f64>>,
+    stated_transform: Option<&Isometry3<f64>>,
 ) -> Result<Option<String>> {
-    let given = given.or(cell.tracker.base_from_tracker.as_ref());
+    let stated_transform = stated_transform.or(cell.tracker.base_from_tracker.as_ref());
     let mut names: Vec<String> = table.stations().into_iter().map(String::from).collect();
     if names.len() < 2 {
         return Ok(None);
     }
     let series = PostureSeries::all(table);
     let of_station = |name: &String| {
-        let own = series.iter();
-        let own = own.filter(|s| s.readings.station.as_ref() == Some(name));
-        own.cloned().collect::<Vec<PostureSeries<'_>>>()
+        let station_series = series.iter();
+        let station_series = station_series.filter(|s| s.readings.station.as_ref() == Some(name));
+        station_series.cloned().collect::<Vec<PostureSeries<'_>>>()
     };
     let mut all = Vec::with_capacity(names.len());
     let mut failed: Vec<(String, Error)> = Vec::new();
     for name in &names {
         match alone(cell, &of_station(name)) {
-            Ok(own) => all.push(own),
+            Ok(station) => all.push(station),
             Err(error) => failed.push((name.clone(), error)),
         }
     }
@@ -87,28 +87,28 @@ pub(in crate::measure) fn in_one_frame(
         return Err(Error::new(error.code(), message).hint(hint));
     }
     let most = names.iter().max_by_key(|name| of_station(name).len());
-    let doubtful = all.iter().any(|own| own.rms > DOUBTFUL);
+    let doubtful = all.iter().any(|station| station.rms > DOUBTFUL);
     let doubtful = most.filter(|_| doubtful).cloned();
-    let given_of = |own: &Alone| given.filter(|t| fits(cell, t, &own.pairs, own.rms));
-    let first = all.iter().position(|own| given_of(own).is_some());
+    let stated_for = |station: &Alone| stated_transform.filter(|t| fits(cell, t, &station.pairs, station.rms));
+    let first = all.iter().position(|station| stated_for(station).is_some());
     let first = first.unwrap_or(0);
     let reference = &all[first];
-    let base = *given_of(reference).unwrap_or(&reference.base_from_tracker);
-    let axes = all.iter().enumerate().map(|(at, own)| {
-        if at == first || given_of(own).is_some() {
+    let base = *stated_for(reference).unwrap_or(&reference.base_from_tracker);
+    let axes = all.iter().enumerate().map(|(at, station)| {
+        if at == first || stated_for(station).is_some() {
             return Isometry3::identity();
         }
-        tied(cell, own, reference, &base).unwrap_or(base.inverse() * own.base_from_tracker)
+        tied(cell, station, reference, &base).unwrap_or(base.inverse() * station.base_from_tracker)
     });
     let axes: BTreeMap<String, Isometry3<f64>> = names.into_iter().zip(axes).collect();
     drop(series);
     for (name, error) in failed {
         let is_own = |p: &PostureReadings| p.station.as_ref() == Some(&name);
-        let own = table.postures.iter().filter(|p| is_own(p));
-        let own: Vec<&str> = own.map(|p| p.posture.name.as_str()).collect();
+        let left_out = table.postures.iter().filter(|p| is_own(p));
+        let left_out: Vec<&str> = left_out.map(|p| p.posture.name.as_str()).collect();
         let sentence =
-            format!("Station {name}: {} Left out until more is read from there: {}.", error.message(), list(&own));
-        let remark = Finding::caution("station-left-out", own.join(", "), sentence);
+            format!("Station {name}: {} Left out until more is read from there: {}.", error.message(), list(&left_out));
+        let remark = Finding::caution("station-left-out", left_out.join(", "), sentence);
         table.postures.retain(|p| !is_own(p));
         table.remarks.push(remark);
     }
@@ -128,8 +128,8 @@ pub(in crate::measure) fn in_one_frame(
 fn alone(cell: &Cell, series: &[PostureSeries<'_>]) -> Result<Alone> {
     let (base_from_tracker, pairs) = by_themselves(cell, series)?;
     let mut seen: BTreeMap<String, Vec<Vector3<f64>>> = BTreeMap::new();
-    for (name, own) in series.iter().flat_map(|posture| &posture.base) {
-        let unloaded = own.states.iter().filter(|s| s.role != Role::Loaded);
+    for (name, reflector) in series.iter().flat_map(|posture| &posture.base) {
+        let unloaded = reflector.states.iter().filter(|s| s.role != Role::Loaded);
         let positions = unloaded.map(|s| s.position);
         seen.entry(name.clone()).or_default().extend(positions);
     }
@@ -145,8 +145,13 @@ fn alone(cell: &Cell, series: &[PostureSeries<'_>]) -> Result<Alone> {
 
 /// What turns a station's axes into those of `reference`, by the base reflectors that both read; `None` where these are
 /// too few, or were moved in between.
-fn tied(cell: &Cell, own: &Alone, reference: &Alone, base_from_reference: &Isometry3<f64>) -> Option<Isometry3<f64>> {
-    let both = own.base.iter();
+fn tied(
+    cell: &Cell,
+    station: &Alone,
+    reference: &Alone,
+    base_from_reference: &Isometry3<f64>,
+) -> Option<Isometry3<f64>> {
+    let both = station.base.iter();
     let both = both.filter_map(|(name, at)| Some((*at, *reference.base.get(name)?)));
     let both: Vec<Pair> = both.collect();
     let there: Vec<Vector3<f64>> = both.iter().map(|(_, there)| *there).collect();
@@ -155,7 +160,7 @@ fn tied(cell: &Cell, own: &Alone, reference: &Alone, base_from_reference: &Isome
     }
     let tied = rigid_transform(both.iter().copied())?;
     let to_base = base_from_reference * tied;
-    let agrees = fits(cell, &tied, &both, 0.0) && fits(cell, &to_base, &own.pairs, own.rms.max(reference.rms));
+    let agrees = fits(cell, &tied, &both, 0.0) && fits(cell, &to_base, &station.pairs, station.rms.max(reference.rms));
     agrees.then_some(tied)
 }
 
@@ -170,11 +175,11 @@ pub(super) fn describe(
         return Vec::new();
     }
     let one = |name: &str| {
-        let own = table.postures.iter();
-        let own = own.filter(|p| p.station.as_deref() == Some(name));
-        let axes = own.clone().next().map(|p| p.axes).unwrap_or_default();
-        let has_reflectors = own.clone().any(|p| base_reflectors(p) >= REFLECTORS);
-        let postures: Vec<String> = own.map(|p| p.posture.name.clone()).collect();
+        let of_station = table.postures.iter();
+        let of_station = of_station.filter(|p| p.station.as_deref() == Some(name));
+        let axes = of_station.clone().next().map(|p| p.axes).unwrap_or_default();
+        let has_reflectors = of_station.clone().any(|p| base_reflectors(p) >= REFLECTORS);
+        let postures: Vec<String> = of_station.map(|p| p.posture.name.clone()).collect();
         let residuals = registration.iter().flat_map(|r| &r.postures);
         let residuals = residuals.filter(|r| r.used && postures.contains(&r.posture));
         let points = residuals.flat_map(|r| &r.points);
@@ -206,17 +211,17 @@ fn base_reflectors(posture: &PostureReadings) -> usize {
 pub(super) fn finding(stations: &[StationRegistration]) -> Option<Finding> {
     let each: Vec<String> = stations
         .iter()
-        .map(|own| {
-            let postures = match own.postures.len() {
+        .map(|station| {
+            let postures = match station.postures.len() {
                 1 => "1 posture".to_string(),
                 count => format!("{count} postures"),
             };
-            let fit = own.rms_m.map(|rms| format!(", {} RMS", length(rms)));
-            format!("{} ({postures}{})", own.station, fit.unwrap_or_default())
+            let fit = station.rms_m.map(|rms| format!(", {} RMS", length(rms)));
+            format!("{} ({postures}{})", station.station, fit.unwrap_or_default())
         })
         .collect();
-    let unchecked = stations.iter().filter(|own| own.angles_unchecked);
-    let unchecked: Vec<String> = unchecked.flat_map(|own| own.postures.clone()).collect();
+    let unchecked = stations.iter().filter(|station| station.angles_unchecked);
+    let unchecked: Vec<String> = unchecked.flat_map(|station| station.postures.clone()).collect();
     let unchecked = match unchecked.len() {
         0 => String::new(),
         1 => format!(" Nothing checks the angles of posture {}, the only one of its station.", unchecked[0]),

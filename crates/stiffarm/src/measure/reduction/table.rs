@@ -12,12 +12,12 @@ use std::collections::BTreeSet;
 /// # Errors
 /// An empty table, a posture or state twice, a point the tool does not have, a
 /// wrong number of angles, or a number that is not finite.
-pub(super) fn check(cell: &Cell, table: &ReadingTable, given: Option<&Isometry3<f64>>) -> Result<()> {
+pub(super) fn check(cell: &Cell, table: &ReadingTable, stated_transform: Option<&Isometry3<f64>>) -> Result<()> {
     if table.postures.iter().all(|p| p.states.iter().all(|s| s.readings.is_empty())) {
         return Err(Error::new(Code::TooFewData, "There are no readings."));
     }
     let finite = |v: &Vector3<f64>| v.iter().all(|x| x.is_finite());
-    if let Some(pose) = given
+    if let Some(pose) = stated_transform
         && !(finite(&pose.translation.vector) && pose.rotation.coords.iter().all(|x| x.is_finite()))
     {
         return Err(Error::new(Code::NotFinite, "The transform from tracker to base has a number that is not finite."));

@@ -42,8 +42,9 @@ pub(super) fn temperatures(
     let (mut product, mut square, mut noise) = (Vector3::zeros(), 0.0, 0.0);
     for posture in postures {
         let readings = || posture.readings.states.iter().flat_map(|s| &s.readings);
-        let own = readings().filter_map(|reading| reading.temperature);
-        let [low, high] = own.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| [t.min(low), t.max(high)]);
+        let temperatures = readings().filter_map(|reading| reading.temperature);
+        let [low, high] =
+            temperatures.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| [t.min(low), t.max(high)]);
         if low > high {
             continue;
         }
@@ -55,8 +56,8 @@ pub(super) fn temperatures(
         };
         let mean = |state: usize| {
             let readings = &posture.readings.states[state].readings;
-            let own: Vec<f64> = readings.iter().filter_map(|r| r.temperature).collect();
-            (!own.is_empty()).then(|| own.iter().sum::<f64>() / own.len() as f64)
+            let temperatures: Vec<f64> = readings.iter().filter_map(|r| r.temperature).collect();
+            (!temperatures.is_empty()).then(|| temperatures.iter().sum::<f64>() / temperatures.len() as f64)
         };
         let mut references = posture.states(posture.reference);
         let first = references.next().and_then(mean);
@@ -78,13 +79,13 @@ pub(super) fn temperatures(
 }
 
 /// How the temperature ran.
-pub(super) fn finding(cell: &Cell, found: &Temperatures) -> Finding {
+pub(super) fn finding(cell: &Cell, temperatures: &Temperatures) -> Finding {
     let growth = cell.setup.robot.length() * STEEL;
-    let (common, error) = (found.drift_m_per_k, found.drift_standard_error_m_per_k);
+    let (common, error) = (temperatures.drift_m_per_k, temperatures.drift_standard_error_m_per_k);
     let drift = rate(common, error, "kelvin");
     let drift = drift.map(|rate| format!(" The drift between reference readings goes with it by {rate}."));
     let drift = drift.unwrap_or_default();
-    let (severity, advice) = if found.largest_change_k > LARGE {
+    let (severity, advice) = if temperatures.largest_change_k > LARGE {
         (Severity::Caution, " Read the unloaded state right before and after the load.")
     } else {
         (Severity::Note, "")
@@ -92,9 +93,9 @@ pub(super) fn finding(cell: &Cell, found: &Temperatures) -> Finding {
     let sentence = format!(
         "The temperature ran from {:.1} to {:.1} °C, within a posture by {:.1} K at most; a steel arm of this length \
          grows by {} per kelvin.{drift}{advice}",
-        found.lowest_c,
-        found.highest_c,
-        found.largest_change_k,
+        temperatures.lowest_c,
+        temperatures.highest_c,
+        temperatures.largest_change_k,
         length(growth)
     );
     Finding::new("temperature", severity, "temperature_c", sentence)

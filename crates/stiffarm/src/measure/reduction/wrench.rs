@@ -76,7 +76,8 @@ fn by_load(
     number: usize,
 ) -> Result<Option<Wrench>> {
     // Of several load cases some may have a force in the table and others none.
-    let given = if several { state.load.is_some() } else { posture.readings.states.iter().any(|s| s.load.is_some()) };
+    let has_load =
+        if several { state.load.is_some() } else { posture.readings.states.iter().any(|s| s.load.is_some()) };
     let mut unit = setup.load.clone();
     let full = match &mut unit {
         Load::Rope { magnitude, .. } | Load::Weight { magnitude, .. } => {
@@ -84,8 +85,8 @@ fn by_load(
             let sign = 1.0_f64.copysign(*magnitude);
             std::mem::replace(magnitude, sign).abs()
         }
-        Load::Constant { .. } if !given && posture.reference == Role::Unloaded => return Ok(None),
-        Load::Measured if !given => {
+        Load::Constant { .. } if !has_load && posture.reference == Role::Unloaded => return Ok(None),
+        Load::Measured if !has_load => {
             return Err(missing(
                 posture,
                 state,
@@ -93,7 +94,7 @@ fn by_load(
                 "give fx_n, fy_n, fz_n with each state",
             ));
         }
-        Load::Constant { .. } | Load::Measured | Load::Cases(_) if given => {
+        Load::Constant { .. } | Load::Measured | Load::Cases(_) if has_load => {
             return Err(Error::new(
                 Code::Conflict,
                 "The table gives the force of a rope, cylinder or weight, but the cell's load has no such force.",
@@ -110,7 +111,7 @@ fn by_load(
             ));
         }
     };
-    if !given && posture.reference == Role::Unloaded {
+    if !has_load && posture.reference == Role::Unloaded {
         return Ok(None);
     }
     let loaded = state.load.unwrap_or(full);

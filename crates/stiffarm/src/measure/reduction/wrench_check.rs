@@ -305,8 +305,8 @@ fn direction_findings(cell: &Cell, check: &WrenchCheck, out: &mut Vec<Finding>) 
 }
 
 fn magnitude_findings(directions: &[ForceDirection], out: &mut Vec<Finding>) {
-    let known: Vec<&ForceDirection> = directions.iter().filter(|d| d.magnitude_ratio.is_some()).collect();
-    let ratios: Vec<f64> = known.iter().filter_map(|d| d.magnitude_ratio).collect();
+    let compared: Vec<&ForceDirection> = directions.iter().filter(|d| d.magnitude_ratio.is_some()).collect();
+    let ratios: Vec<f64> = compared.iter().filter_map(|d| d.magnitude_ratio).collect();
     if ratios.is_empty() {
         return;
     }
@@ -332,7 +332,7 @@ fn magnitude_findings(directions: &[ForceDirection], out: &mut Vec<Finding>) {
         ));
         return;
     }
-    let mut odd: Vec<&str> = known
+    let mut odd: Vec<&str> = compared
         .iter()
         .filter(|d| d.magnitude_ratio.is_some_and(|r| off(r / typical)))
         .map(|d| d.posture.as_str())

@@ -113,14 +113,14 @@ fn check_units(pairs: &[PointPair]) -> Result<()> {
     }
     let (longer, shorter, factor) =
         if ratio > 1.0 { ("base", "tracker", ratio) } else { ("tracker", "base", 1.0 / ratio) };
-    let known = UNITS.iter().find(|(unit, ..)| (factor / unit - 1.0).abs() < UNIT_TOLERANCE);
-    let shown = match known {
+    let unit_pair = UNITS.iter().find(|(unit, ..)| (factor / unit - 1.0).abs() < UNIT_TOLERANCE);
+    let shown = match unit_pair {
         Some((unit, ..)) => unit.to_string(),
         None => format!("{factor:.3}"),
     };
     let message =
         format!("Distances between the points are {shown} times longer in {longer} axes than in {shorter} axes.");
-    let hint = match known {
+    let hint = match unit_pair {
         Some((_, small, large)) => format!(
             "the {shorter} coordinates look like {small}, the {longer} coordinates like {large}: \
              both must have the same unit"

@@ -23,7 +23,7 @@ pub(super) fn remarks(
     samples: &[Sample],
     fit: &RigidFit,
     suspicion: &Suspicion,
-    known: Option<f64>,
+    noise_std: Option<f64>,
 ) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     let degrees_of_freedom = 3 * samples.len() - 6;
@@ -32,7 +32,7 @@ pub(super) fn remarks(
         return Ok(vec![finding]);
     }
     findings.extend(scale(samples, fit, degrees_of_freedom));
-    if let Some(std) = known {
+    if let Some(std) = noise_std {
         let too_large = chi_squared_tail(fit.rss / std.powi(2), degrees_of_freedom) < SIGNIFICANCE;
         findings.extend((too_large && !fit.is_exact()).then(|| {
             Finding::caution(
@@ -47,7 +47,7 @@ pub(super) fn remarks(
             )
         }));
     }
-    findings.extend(turn(fit, known.unwrap_or(residual_std))?);
+    findings.extend(turn(fit, noise_std.unwrap_or(residual_std))?);
     if samples.len() == 3 {
         findings.push(Finding::note(
             "few-pairs",

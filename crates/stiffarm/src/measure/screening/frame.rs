@@ -48,8 +48,8 @@ pub(super) fn items(work: &Work) -> Vec<(usize, usize)> {
         let seen = |s: &usize| !posture.states[*s].seen().is_empty();
         let all: Vec<usize> = posture.references().into_iter().filter(seen).collect();
         let sure: Vec<usize> = all.iter().copied().filter(|s| posture.states[*s].doubtful.is_empty()).collect();
-        let kept = if sure.is_empty() { all } else { sure };
-        out.extend(kept.into_iter().map(|s| (p, s)));
+        let trusted = if sure.is_empty() { all } else { sure };
+        out.extend(trusted.into_iter().map(|s| (p, s)));
     }
     out
 }
@@ -73,8 +73,8 @@ pub(super) fn state_pairs(points: &[Option<super::sheet::Mean>], predicted: &[Ve
 /// Registers items: those that agree with each other. `None` where the points do
 /// not determine a transform.
 pub(super) fn register(items: &[Vec<Pair>]) -> Option<Frame> {
-    let found = robust(items, AGREEMENT)?;
-    Some(with_transform(items, found.base_from_tracker, found.bad, found.level))
+    let fit = robust(items, AGREEMENT)?;
+    Some(with_transform(items, fit.base_from_tracker, fit.bad, fit.level))
 }
 
 /// Judges a transform that is given.
@@ -105,11 +105,11 @@ pub(super) const PLAUSIBLE: f64 = 8e-3;
 
 /// Registration by the readings themselves, or the given transform where they
 /// do not determine one.
-pub(super) fn fitted(work: &Work, given: Option<&Isometry3<f64>>) -> Option<Frame> {
+pub(super) fn fitted(work: &Work, stated_transform: Option<&Isometry3<f64>>) -> Option<Frame> {
     let at = items(work);
     let pairs = item_pairs(work, work.setup(), &at);
     match register(&pairs) {
         Some(frame) => Some(frame),
-        None => given.filter(|_| !pairs.is_empty()).map(|transform| judge(&pairs, transform)),
+        None => stated_transform.filter(|_| !pairs.is_empty()).map(|transform| judge(&pairs, transform)),
     }
 }

@@ -67,7 +67,7 @@ pub(super) fn settle(work: &mut Work, frame: Option<&Frame>) {
                 name_states(work, out, &[at])
             }
         };
-        work.found.push(suspicion);
+        work.suspicions.push(suspicion);
     }
 }
 
@@ -94,7 +94,7 @@ impl Motion {
             for one in sure {
                 let count = one.shift.len();
                 psi.rows_mut(row, count).copy_from(&one.block);
-                delta.rows_mut(row, count).copy_from(&(&one.shift - &one.known));
+                delta.rows_mut(row, count).copy_from(&(&one.shift - &one.series_shift));
                 row += count;
             }
             let factor = Factor::new(&psi).ok()?;
@@ -115,7 +115,7 @@ impl Motion {
             if !work.sheet.at(one.other_than(at)).doubtful.is_empty() {
                 continue;
             }
-            let expected = &one.block * &self.compliance + &one.known;
+            let expected = &one.block * &self.compliance + &one.series_shift;
             let left = &one.shift - &expected;
             let rows = left.len() as f64;
             let model = match &self.factor {

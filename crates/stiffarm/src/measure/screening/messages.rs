@@ -84,7 +84,7 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
     let [as_typed, with_it] = [0, 1].map(|i| format!("{:.0} %", percent(i)));
     let misfits = format!("{with_it} of the displacement is left unexplained, as it stands {as_typed}");
     // The stiffness beside what is known beforehand, for what is on everything.
-    let known = match cell.prior {
+    let usual = match cell.prior {
         Some(_) => "the prior",
         None => "what robots of this class have",
     };
@@ -98,7 +98,7 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
     };
     let by_readings = s.evidence == Some(Evidence::Readings);
     let beside = format!(
-        "factor {factor}. As typed, the joint stiffness comes out {stiffness} {known}, all joints alike.{rests_on}{also}"
+        "factor {factor}. As typed, the joint stiffness comes out {stiffness} {usual}, all joints alike.{rests_on}{also}"
     );
     // What to do.
     let first_check = match s.axis_slips.join(" or ").as_str() {
@@ -107,11 +107,11 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
             format!("First check {slips}: so the tracker stands as given, or parallel to the base.")
         }
     };
-    let own = cell.setup.robot.convention();
-    let (own, other) = (own.name(), own.other().name());
+    let convention = cell.setup.robot.convention();
+    let (stated, other) = (convention.name(), convention.other().name());
     let check = match s.cause {
         Cause::JointOffset => "Check robot.dh (offset) against the pendant".to_string(),
-        Cause::DhConvention => format!("Name the rows robot.dh_{other}, not robot.dh_{own}"),
+        Cause::DhConvention => format!("Name the rows robot.dh_{other}, not robot.dh_{stated}"),
         _ => "Check robot.theta_from_q against the pendant".to_string(),
     };
     let copied = match s.alternatives.len() {

@@ -85,7 +85,7 @@ impl Screening {
 struct Work {
     cell: Cell,
     sheet: Sheet,
-    found: Vec<Suspicion>,
+    suspicions: Vec<Suspicion>,
     shape: mean_shape::LastShape,
     /// The wrenches point the other way than stated.
     reversed: bool,
@@ -94,11 +94,11 @@ struct Work {
 }
 
 impl Work {
-    fn new(cell: &Cell, sheet: Sheet, found: Vec<Suspicion>) -> Self {
+    fn new(cell: &Cell, sheet: Sheet, suspicions: Vec<Suspicion>) -> Self {
         Work {
             cell: cell.clone(),
             sheet,
-            found,
+            suspicions,
             shape: mean_shape::LastShape::default(),
             reversed: false,
             is_displacements: false,
@@ -118,13 +118,13 @@ impl Work {
 
     /// Notes a slip and goes on without it.
     fn undo(&mut self, slip: &Slip, suspicion: Suspicion) {
-        self.found.push(suspicion);
+        self.suspicions.push(suspicion);
         slip.undo(self);
     }
 
     /// All that was found, by what `cell` and readings say as they stand.
     fn screening(self, cell: &Cell, as_read: &Sheet) -> Screening {
-        let mut suspicions = self.found;
+        let mut suspicions = self.suspicions;
         let findings = suspicions.iter().map(|s| messages::finding(cell, s));
         let findings = findings.collect();
         suspicions.iter_mut().for_each(|s| as_read.add_lines(cell, s));
@@ -170,13 +170,13 @@ pub(super) fn screen_series(
     series: &[PostureSeries<'_>],
     base_from_tracker: Option<&Isometry3<f64>>,
 ) -> Result<Screening> {
-    let given = base_from_tracker.or(cell.tracker.base_from_tracker.as_ref());
-    let mut found = Vec::new();
-    let sheet = Sheet::new(cell, table.wrench_columns, series, &mut found)?;
+    let stated_transform = base_from_tracker.or(cell.tracker.base_from_tracker.as_ref());
+    let mut suspicions = Vec::new();
+    let sheet = Sheet::new(cell, table.wrench_columns, series, &mut suspicions)?;
     let as_read = sheet.clone();
-    let mut work = Work::new(cell, sheet, found);
+    let mut work = Work::new(cell, sheet, suspicions);
     shape::units(&mut work);
-    if work.found.iter().any(|s| s.cause == Cause::RobotUnits) {
+    if work.suspicions.iter().any(|s| s.cause == Cause::RobotUnits) {
         // Nothing can be held against such a robot.
         return Ok(work.screening(cell, &as_read));
     }
@@ -184,7 +184,7 @@ pub(super) fn screen_series(
     // the shape alone cannot tell is settled once the frame is known.
     let states_checked = shape::strays(&mut work, false);
     shape::drawing(&mut work, true);
-    let before = model::explain(&mut work, given);
+    let before = model::explain(&mut work, stated_transform);
     let frame = posture::explain(&mut work, before);
     shape::strays(&mut work, true);
     gross_error::settle(&mut work, frame.as_ref());

@@ -28,67 +28,71 @@ const ALL_SIGNS: usize = 6;
 
 /// Registration of the unloaded readings; where they disagree throughout, the
 /// cause that explains them, which is then undone in `work`.
-pub(super) fn explain(work: &mut Work, given: Option<&Isometry3<f64>>) -> Option<Frame> {
-    let Some(before) = fitted(work, given) else {
-        work.found.push(Suspicion::new(Cause::NotChecked));
+pub(super) fn explain(work: &mut Work, stated_transform: Option<&Isometry3<f64>>) -> Option<Frame> {
+    let Some(before) = fitted(work, stated_transform) else {
+        work.suspicions.push(Suspicion::new(Cause::NotChecked));
         return None;
     };
     let noise = 10.0 * work.sheet.typical_std();
     let throughout = before.trimmed > SUSPICIOUS.max(noise) || before.bad_count() > 1;
-    if throughout && let Some(after) = undo(work, given, &before) {
-        check_given(work, given, &after);
+    if throughout && let Some(after) = undo(work, stated_transform, &before) {
+        check_given(work, stated_transform, &after);
         return Some(after);
     }
-    if let Some(frame) = moved::explain(work, given, throughout) {
-        check_given(work, given, &frame);
+    if let Some(frame) = moved::explain(work, stated_transform, throughout) {
+        check_given(work, stated_transform, &frame);
         return Some(frame);
     }
     let majority = 2 * before.bad_count() < before.bad.len();
     if before.level > UNEXPLAINED || (throughout && !majority && before.trimmed > UNEXPLAINED) {
         let off = before.level.max(before.trimmed);
-        work.found.push(Suspicion::new(Cause::UnexplainedModel).off(off));
+        work.suspicions.push(Suspicion::new(Cause::UnexplainedModel).off(off));
         return None;
     }
-    check_given(work, given, &before);
+    check_given(work, stated_transform, &before);
     Some(before)
 }
 
 /// A given transform that is far from what the readings say.
-fn check_given(work: &mut Work, given: Option<&Isometry3<f64>>, frame: &Frame) {
-    let Some(given) = given else { return };
+fn check_given(work: &mut Work, stated_transform: Option<&Isometry3<f64>>, frame: &Frame) {
+    let Some(stated_transform) = stated_transform else { return };
     let at = items(work);
     let pairs = item_pairs(work, work.setup(), &at);
     let good: Vec<_> =
         pairs.into_iter().zip(&frame.bad).filter(|(_, bad)| !**bad).flat_map(|(pairs, _)| pairs).collect();
-    let (stated, own) = (frame::rms(given, &good), frame.level);
-    if stated > (BELIEVED * own).max(SUSPICIOUS) {
-        let turn = given.rotation.angle_to(&frame.base_from_tracker.rotation);
-        let mut suspicion = Suspicion::new(Cause::GivenTransform).misfit(stated, own);
+    let (stated, level) = (frame::rms(stated_transform, &good), frame.level);
+    if stated > (BELIEVED * level).max(SUSPICIOUS) {
+        let turn = stated_transform.rotation.angle_to(&frame.base_from_tracker.rotation);
+        let mut suspicion = Suspicion::new(Cause::GivenTransform).misfit(stated, level);
         suspicion.angles_deg = vec![rad_to_deg(turn)];
-        work.found.push(suspicion);
+        work.suspicions.push(suspicion);
     }
 }
 
 /// The slips of hand that mirror the readings as `mirror` undoes it, registered as `frame`, and leave the tracker as it is
-/// `given`, or parallel to the base.
-fn axis_slips_of(mirror: &Matrix3<f64>, frame: &Frame, given: Option<&Isometry3<f64>>) -> Vec<(String, Matrix3<f64>)> {
-    let own = frame.base_from_tracker.rotation.to_rotation_matrix();
-    let wanted = given.map_or_else(UnitQuaternion::identity, |given| given.rotation);
+/// `stated_transform` has it, or parallel to the base.
+fn axis_slips_of(
+    mirror: &Matrix3<f64>,
+    frame: &Frame,
+    stated_transform: Option<&Isometry3<f64>>,
+) -> Vec<(String, Matrix3<f64>)> {
+    let rotation = frame.base_from_tracker.rotation.to_rotation_matrix();
+    let wanted = stated_transform.map_or_else(UnitQuaternion::identity, |stated_transform| stated_transform.rotation);
     axis_slips(|undo| {
         // What the one undoes and the other does is a rotation.
-        let turned = Rotation3::from_matrix_unchecked(own.matrix() * mirror * undo);
+        let turned = Rotation3::from_matrix_unchecked(rotation.matrix() * mirror * undo);
         UnitQuaternion::from_rotation_matrix(&turned).angle_to(&wanted)
     })
 }
 
 /// Finds the simplest slip that explains all postures and undoes it.
-fn undo(work: &mut Work, given: Option<&Isometry3<f64>>, before: &Frame) -> Option<Frame> {
+fn undo(work: &mut Work, stated_transform: Option<&Isometry3<f64>>, before: &Frame) -> Option<Frame> {
     let few = thinned(work);
     let before_few = match &few {
-        Some(few) => fitted(few, given)?,
+        Some(few) => fitted(few, stated_transform)?,
         None => before.clone(),
     };
-    let tried = |work: &Work, slip: &Slip| fitted(&work.without(slip), given);
+    let tried = |work: &Work, slip: &Slip| fitted(&work.without(slip), stated_transform);
     let explained = |frame: &Frame, before: &Frame| {
         frame.trimmed * BELIEVED < before.trimmed.max(worst(before))
             && frame.trimmed < PLAUSIBLE
@@ -119,7 +123,7 @@ fn undo(work: &mut Work, given: Option<&Isometry3<f64>>, before: &Frame) -> Opti
     let mut frame = tried(work, &settled.slip)?;
     let mut slips = Vec::new();
     if let Undo::Mirror(mirror) = &settled.slip.undo {
-        slips = axis_slips_of(mirror, &frame, given);
+        slips = axis_slips_of(mirror, &frame, stated_transform);
     }
     if let Some((_, undo)) = slips.first() {
         settled.slip = Slip::new(Undo::Mirror(*undo));
@@ -142,8 +146,8 @@ fn thinned(work: &Work) -> Option<Work> {
     let step = work.sheet.postures.len() / MANY;
     (step > 1).then(|| {
         let mut sheet = work.sheet.clone();
-        let kept = sheet.postures.into_iter().step_by(step);
-        sheet.postures = kept.collect();
+        let sampled = sheet.postures.into_iter().step_by(step);
+        sheet.postures = sampled.collect();
         Work::new(&work.cell, sheet, Vec::new())
     })
 }

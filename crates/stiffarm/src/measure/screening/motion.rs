@@ -39,7 +39,7 @@ pub(super) struct Move {
     /// Ψ of these rows.
     pub block: DMatrix<f64>,
     /// Displacement by a known series compliance \[m\].
-    pub known: DVector<f64>,
+    pub series_shift: DVector<f64>,
     /// Standard deviation of a component by the cell \[m\].
     pub std: f64,
     /// The wrench, loaded minus unloaded, about the loading point in base axes.
@@ -123,7 +123,7 @@ pub(super) fn displacement(
     let wrench = wrench(work, state, before)?;
     let sign = if work.reversed { -1.0 } else { 1.0 };
     let terms = PostureTerms::new(setup, &before.q, wrench.as_ref()).ok()?;
-    let (block, known) = (terms.block(&setup.robot), terms.known_displacement(&setup.tool));
+    let (block, series_shift) = (terms.block(&setup.robot), terms.known_displacement(&setup.tool));
     let points: Vec<usize> =
         (0..state.points.len()).filter(|a| state.points[*a].is_some() && before.points[*a].is_some()).collect();
     let rows: Vec<usize> = points.iter().flat_map(|a| 3 * a..3 * a + 3).collect();
@@ -133,14 +133,14 @@ pub(super) fn displacement(
     let (mut shift, mut variance, mut arms) = (Vec::new(), 0.0_f64, Vec::new());
     for a in &points {
         let (now, then) = (state.points[*a]?, before.points[*a]?);
-        let own = now.std.powi(2) + then.std.powi(2);
+        let read_variance = now.std.powi(2) + then.std.powi(2);
         let (position, added) = match &base {
-            Some(base) => (base.removed(&now.position), 0.5 * own * base.added_variance(&now.position)),
+            Some(base) => (base.removed(&now.position), 0.5 * read_variance * base.added_variance(&now.position)),
             None => (now.position, 0.0),
         };
         let moved = base_from_tracker.rotation * (position - then.position);
         shift.extend(moved.iter().copied());
-        variance = variance.max(own + added);
+        variance = variance.max(read_variance + added);
         arms.push(terms.measuring_points()[*a] - terms.loading_point());
     }
     (!points.is_empty()).then(|| Move {
@@ -150,7 +150,7 @@ pub(super) fn displacement(
         points,
         shift: DVector::from_vec(shift),
         block: block.select_rows(&rows) * sign,
-        known: known.select_rows(&rows) * sign,
+        series_shift: series_shift.select_rows(&rows) * sign,
         std: variance.sqrt(),
         wrench: terms.wrench().map(|v| v * sign),
         arms,
@@ -188,8 +188,8 @@ fn wrench(work: &Work, now: &super::sheet::State, before: &super::sheet::State) 
 
 /// Size of the load of a state as the table or the cell has it \[N\].
 pub(super) fn load_of(work: &Work, state: &super::sheet::State) -> Option<f64> {
-    let own = || work.setup().of_state(&state.name).ok()?.load.size();
-    state.load.or_else(own)
+    let case_size = || work.setup().of_state(&state.name).ok()?.load.size();
+    state.load.or_else(case_size)
 }
 
 /// One displacement as judged.
@@ -230,7 +230,7 @@ pub(super) fn check(work: &mut Work, frame: Option<&super::frame::Frame>) {
 }
 
 fn judge(work: &Work, one: &Move, compliance: &DVector<f64>) -> Judged {
-    let expected = &one.block * compliance + &one.known;
+    let expected = &one.block * compliance + &one.series_shift;
     let has_prior = work.cell.prior.is_some();
     let clear = one.size() > CLEAR * one.std;
     let expects = !has_prior || rms(&expected) > CLEAR * one.std;
@@ -260,7 +260,7 @@ fn still(work: &mut Work, judged: &[Judged]) {
     if at.len() < judged.len() {
         suspicion = name_states(work, suspicion, &at);
     }
-    work.found.push(suspicion);
+    work.suspicions.push(suspicion);
 }
 
 /// Displacements against the load: of all states, or of single ones.
@@ -274,11 +274,11 @@ fn signs(work: &mut Work, judged: &[Judged]) {
         let mut suspicion = Suspicion::new(Cause::ReversedForce);
         // A few that go along are left to be found once the sign is right.
         suspicion.factor = Some(-1.0);
-        work.found.push(suspicion);
+        work.suspicions.push(suspicion);
         return;
     }
     let suspicion = name_states(work, Suspicion::new(Cause::ExchangedStates), &against);
-    work.found.push(suspicion);
+    work.suspicions.push(suspicion);
 }
 
 /// Displacements of another size than expected: of all states, or of single ones.
@@ -291,14 +291,14 @@ fn sizes(work: &mut Work, judged: &[Judged]) {
     let has_prior = work.cell.prior.is_some();
     let is_off = |ratio: f64, limit: f64| ratio > limit || ratio < 1.0 / limit;
     // What has a name is said already.
-    let named = work.found.iter().any(|s| {
+    let named = work.suspicions.iter().any(|s| {
         let common = matches!(s.cause, Cause::LoadUnits | Cause::PriorUnits);
         common && s.postures.is_empty()
     });
     if has_prior && !named && middle > 0.0 && is_off(middle, UNIT) && !judged.iter().all(|j| j.still) {
         let mut suspicion = Suspicion::new(Cause::DisplacementSize);
         suspicion.factor = Some(middle);
-        work.found.push(suspicion);
+        work.suspicions.push(suspicion);
     }
     let limit = OTHER[usize::from(!has_prior)];
     for one in judged.iter().filter(|j| !j.still) {
@@ -308,7 +308,7 @@ fn sizes(work: &mut Work, judged: &[Judged]) {
         if is_off(ratio / middle, limit) {
             let mut suspicion = name_states(work, Suspicion::new(Cause::OtherLoad), &[one.at]);
             suspicion.factor = Some(ratio / middle);
-            work.found.push(suspicion);
+            work.suspicions.push(suspicion);
         }
     }
 }

@@ -50,8 +50,8 @@ impl Order {
             }
         }
         let station = |p: usize| {
-            let own = &work.sheet.postures[p].station;
-            stations.iter().position(|name| *name == own)
+            let posture_station = &work.sheet.postures[p].station;
+            stations.iter().position(|name| *name == posture_station)
         };
         let mut at = items(work);
         at.sort_by_key(|(p, s)| (station(*p), *p, *s));
@@ -80,14 +80,14 @@ impl Order {
 
     /// A frame for the items from `first` to `end`, none of them left out at either end.
     fn run(&self, first: usize, end: usize) -> Option<Run> {
-        let found = robust(&self.pairs[first..end], AGREEMENT)?;
-        let strays = found.bad.iter().filter(|bad| **bad).count();
-        let is_whole = found.bad.first() == Some(&false) && found.bad.last() == Some(&false);
+        let fit = robust(&self.pairs[first..end], AGREEMENT)?;
+        let strays = fit.bad.iter().filter(|bad| **bad).count();
+        let is_whole = fit.bad.first() == Some(&false) && fit.bad.last() == Some(&false);
         (is_whole && 4 * strays <= end - first).then_some(Run {
             first,
             end,
-            base_from_tracker: found.base_from_tracker,
-            level: found.level,
+            base_from_tracker: fit.base_from_tracker,
+            level: fit.level,
             strays,
         })
     }
@@ -96,8 +96,8 @@ impl Order {
     fn level(&self) -> Option<f64> {
         let short = (0..self.at.len()).filter_map(|first| {
             let end = self.shortest(first)?.max(first + SHORT);
-            let own = self.pairs.get(first..end)?;
-            let all: Vec<Pair> = own.iter().flatten().copied().collect();
+            let run_pairs = self.pairs.get(first..end)?;
+            let all: Vec<Pair> = run_pairs.iter().flatten().copied().collect();
             let transform = rigid_transform(all.iter().copied())?;
             let freedom = (3 * all.len()).saturating_sub(UNKNOWNS).max(1) as f64;
             Some(rms(&transform, &all) * (3.0 * all.len() as f64 / freedom).sqrt())
@@ -139,11 +139,12 @@ impl Order {
                 return;
             };
             let better = |i: usize| {
-                let [own, other] = [&*before, &*after].map(|run| rms(&run.base_from_tracker, &self.pairs[i]));
-                BETTER * other < own
+                let [before_rms, after_rms] =
+                    [&*before, &*after].map(|run| rms(&run.base_from_tracker, &self.pairs[i]));
+                BETTER * after_rms < before_rms
             };
-            let kept = (before.first..before.end).rev().find(|i| !better(*i));
-            let end = kept.map_or(before.first, |i| i + 1);
+            let last_before = (before.first..before.end).rev().find(|i| !better(*i));
+            let end = last_before.map_or(before.first, |i| i + 1);
             if end < before.end && self.is_enough(before.first, end) {
                 (before.end, after.first) = (end, end);
             }
@@ -153,8 +154,8 @@ impl Order {
     /// The pairs of a run that agree with it.
     fn agreeing<'o>(&'o self, run: &'o Run) -> impl Iterator<Item = &'o Vec<Pair>> {
         let limit = AGREEMENT.limit(run.level, run.end - run.first);
-        let own = self.pairs[run.first..run.end].iter();
-        own.filter(move |pairs| rms(&run.base_from_tracker, pairs) <= limit)
+        let run_pairs = self.pairs[run.first..run.end].iter();
+        run_pairs.filter(move |pairs| rms(&run.base_from_tracker, pairs) <= limit)
     }
 
     /// What one frame leaves of all runs, and what their own do \[m\].
@@ -172,9 +173,9 @@ impl Order {
     /// True where two frames divide what one leaves at once: no need to look further where they do not.
     fn is_suspected(&self) -> bool {
         let square = |first: usize, end: usize| -> Option<f64> {
-            let own: Vec<Pair> = self.pairs[first..end].iter().flatten().copied().collect();
-            let transform = rigid_transform(own.iter().copied())?;
-            Some(rms(&transform, &own).powi(2) * own.len() as f64)
+            let run_pairs: Vec<Pair> = self.pairs[first..end].iter().flatten().copied().collect();
+            let transform = rigid_transform(run_pairs.iter().copied())?;
+            Some(rms(&transform, &run_pairs).powi(2) * run_pairs.len() as f64)
         };
         let count = self.at.len();
         let Some(one) = square(0, count) else {
@@ -193,7 +194,7 @@ impl Order {
 
 /// Names moves of the tracker, undoes them and registers again; `None` where there are none. They are looked for where
 /// the postures disagree throughout, and where two frames are at once much better than one.
-pub(super) fn explain(work: &mut Work, given: Option<&Isometry3<f64>>, throughout: bool) -> Option<Frame> {
+pub(super) fn explain(work: &mut Work, stated_transform: Option<&Isometry3<f64>>, throughout: bool) -> Option<Frame> {
     let order = Order::new(work);
     if !(throughout || order.is_suspected()) {
         return None;
@@ -217,10 +218,10 @@ pub(super) fn explain(work: &mut Work, given: Option<&Isometry3<f64>>, throughou
         let away = points.iter().map(|(p, _)| (moved(a, p) - moved(b, p)).norm());
         suspicion.off_m = Some(away.sum::<f64>() / points.len().max(1) as f64);
         suspicion.angles_deg = vec![rad_to_deg(a.rotation.angle_to(&b.rotation))];
-        for (own, posture) in of_states.iter().zip(&work.sheet.postures) {
-            if own.contains(&next) && own.contains(&(next - 1)) {
+        for (state_runs, posture) in of_states.iter().zip(&work.sheet.postures) {
+            if state_runs.contains(&next) && state_runs.contains(&(next - 1)) {
                 suspicion.divided.push(posture.name.clone());
-            } else if own.contains(&next) && !own.contains(&(next + 1)) {
+            } else if state_runs.contains(&next) && !state_runs.contains(&(next + 1)) {
                 suspicion.postures.push(posture.name.clone());
             }
         }
@@ -229,16 +230,16 @@ pub(super) fn explain(work: &mut Work, given: Option<&Isometry3<f64>>, throughou
             Some(station) => unused(work, station),
             None => (next + 1).to_string(),
         });
-        work.found.push(suspicion);
+        work.suspicions.push(suspicion);
     }
-    for (p, own) in of_states.iter().enumerate() {
-        for (s, run) in own.iter().enumerate().filter(|(_, run)| **run > 0) {
+    for (p, state_runs) in of_states.iter().enumerate() {
+        for (s, run) in state_runs.iter().enumerate().filter(|(_, run)| **run > 0) {
             let change = runs[0].base_from_tracker.inverse() * runs[*run].base_from_tracker;
             let state = work.sheet.at_mut((p, s));
             state.each_position(|position| *position = moved(&change, position));
         }
     }
-    fitted(work, given)
+    fitted(work, stated_transform)
 }
 
 /// A name like `station` that the table has not.
@@ -257,15 +258,16 @@ fn unused(work: &Work, station: &str) -> String {
 fn runs_of_states(work: &Work, order: &Order, runs: &[Run]) -> Vec<Vec<usize>> {
     let run_of = |i: usize| runs.iter().rposition(|run| run.first <= i).unwrap_or(0);
     let of_posture = |(p, posture): (usize, &super::sheet::Posture)| {
-        let own: Vec<usize> = (0..order.at.len()).filter(|i| order.at[*i].0 == p).collect();
+        let posture_items: Vec<usize> = (0..order.at.len()).filter(|i| order.at[*i].0 == p).collect();
         let of_state = |s: usize| {
-            let before = own.iter().rev().find(|i| order.at[**i].1 <= s);
-            let Some(i) = before.or(own.first()).copied() else {
+            let before = posture_items.iter().rev().find(|i| order.at[**i].1 <= s);
+            let Some(i) = before.or(posture_items.first()).copied() else {
                 return 0;
             };
             let run = run_of(i);
             let next = run_of((i + 1).min(order.at.len() - 1));
-            let is_other = next != run && is_of(work, (p, s), [run, next].map(|r| &runs[r]), own.contains(&(i + 1)));
+            let is_other =
+                next != run && is_of(work, (p, s), [run, next].map(|r| &runs[r]), posture_items.contains(&(i + 1)));
             if is_other { next } else { run }
         };
         (0..posture.states.len()).map(of_state).collect()

@@ -56,8 +56,8 @@ fn suspects(work: &Work, frame: &Frame) -> Vec<usize> {
     let at = items(work);
     let mut out: Vec<(usize, f64)> = Vec::new();
     for p in 0..work.sheet.postures.len() {
-        let own = at.iter().zip(&frame.bad).zip(&frame.rms);
-        let worst = own.filter(|((item, bad), _)| item.0 == p && **bad).map(|(_, rms)| *rms).reduce(f64::max);
+        let judged_items = at.iter().zip(&frame.bad).zip(&frame.rms);
+        let worst = judged_items.filter(|((item, bad), _)| item.0 == p && **bad).map(|(_, rms)| *rms).reduce(f64::max);
         match worst {
             Some(rms) => out.push((p, rms)),
             None if !is_coherent(work, p) => out.push((p, 0.0)),
@@ -98,7 +98,7 @@ fn report_unexplained(work: &mut Work, frame: &Frame, p: usize) {
         |other: &&super::sheet::Posture| other.name != posture.name && other.states.iter().any(|state| state.q == q);
     let same = work.sheet.postures.iter().filter(is_same);
     suspicion.alternatives = same.map(|other| other.name.clone()).collect();
-    work.found.push(suspicion);
+    work.suspicions.push(suspicion);
 }
 
 /// True when all states of a posture lie where its first reference state does.
@@ -125,7 +125,7 @@ fn whole_posture(work: &mut Work, frame: &Frame, p: usize, suspects: &[usize]) -
         return None;
     }
     let states = 0..work.sheet.postures[p].states.len();
-    let own: Vec<Place> = states.map(|s| (p, s)).collect();
+    let places: Vec<Place> = states.map(|s| (p, s)).collect();
     let most = frame.limit();
     let with = |slip: Slip| {
         let after = slip.left(work, transform, reference);
@@ -141,10 +141,10 @@ fn whole_posture(work: &mut Work, frame: &Frame, p: usize, suspects: &[usize]) -
         let angle = q[j] + change;
         let is_sign = turn(angle + q[j]).abs() < SAME_ANGLE && turn(2.0 * q[j]).abs() > SAME_ANGLE;
         let likely = if is_sign { -q[j] } else { customary(work, j, angle) };
-        let [sign, fitted] = [-q[j], likely].map(|likely| Slip::new(Undo::Angle(j, [q[j], likely])).at(&own));
+        let [sign, fitted] = [-q[j], likely].map(|likely| Slip::new(Undo::Angle(j, [q[j], likely])).at(&places));
         [with(sign), (fitted, Some(after))]
     });
-    let mixed = mix_ups(work, transform, &own, reference, most, suspects);
+    let mixed = mix_ups(work, transform, &places, reference, most, suspects);
     let all = angles.chain(mixed.into_iter().map(with));
     let settled = settle(all, &Rule::of_places(work, before, most))?;
     let suspicion = settled.suspicion(work).misfit(before, settled.after);

@@ -97,7 +97,7 @@ fn reach(work: &mut Work, states: &[(usize, usize)]) {
     } else {
         let mut suspicion = Suspicion::new(Cause::RobotUnits);
         suspicion.factor = Some(unit.factor);
-        work.found.push(suspicion);
+        work.suspicions.push(suspicion);
     }
 }
 
@@ -186,7 +186,7 @@ pub(super) fn strays(work: &mut Work, last: bool) -> usize {
     }
     let scale = median(&relative).sqrt().max(1.0);
     // The mean shape has errors of its own.
-    let own = 1.0 + 2.0 / states.len() as f64;
+    let allowance = 1.0 + 2.0 / states.len() as f64;
     let alarm = FALSE_ALARM / states.len() as f64;
     let mut odd = Vec::new();
     for &at in &states {
@@ -197,7 +197,7 @@ pub(super) fn strays(work: &mut Work, last: bool) -> usize {
         let seen = state.seen();
         let (squares, off) = misfit(state, None, scale);
         let std = state.std();
-        let limit = exceeded_by(alarm, rigid_degrees(seen.len())) * own;
+        let limit = exceeded_by(alarm, rigid_degrees(seen.len())) * allowance;
         if squares <= limit || off < WORTH * std * scale / 2.0 {
             continue;
         }
@@ -210,7 +210,7 @@ pub(super) fn strays(work: &mut Work, last: bool) -> usize {
         if !last && exchanges_first(state.points.len()).iter().any(relabelled) {
             continue;
         }
-        let rest = exceeded_by(alarm, rigid_degrees(seen.len() - 1)) * own;
+        let rest = exceeded_by(alarm, rigid_degrees(seen.len() - 1)) * allowance;
         let fits = |a: &usize| misfit(state, Some(*a), scale).0 <= rest;
         odd.push(Odd { at, candidates: seen.into_iter().filter(fits).collect(), off });
     }
@@ -228,7 +228,7 @@ fn report(work: &mut Work, shape: &[Option<Vector3<f64>>], odd: &[Odd], last: bo
             let at: Vec<_> = unexplained.iter().map(|o| o.at).collect();
             suspicion = name_states(work, suspicion, &at);
         }
-        work.found.push(suspicion);
+        work.suspicions.push(suspicion);
     }
     for a in 0..work.setup().tool.point_count() {
         let named = odd.iter().filter(|o| o.candidates == [a]);
@@ -308,5 +308,5 @@ pub(super) fn drawing(work: &mut Work, gross: bool) {
         work.cell.setup.tool.measuring_points[a].position = seen;
     }
     suspicion.certain = off < DRAWING[1];
-    work.found.push(suspicion);
+    work.suspicions.push(suspicion);
 }

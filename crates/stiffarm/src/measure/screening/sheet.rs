@@ -62,9 +62,9 @@ impl Posture {
         let unloaded = |role| move |s: &usize| self.states[*s].role == role;
         let all = 0..self.states.len();
         for role in [Role::Unloaded, Role::Preload] {
-            let found: Vec<usize> = all.clone().filter(unloaded(role)).collect();
-            if !found.is_empty() {
-                return found;
+            let references: Vec<usize> = all.clone().filter(unloaded(role)).collect();
+            if !references.is_empty() {
+                return references;
             }
         }
         all.take(1).collect()
@@ -85,7 +85,7 @@ impl Sheet {
         cell: &Cell,
         wrench_columns: WrenchColumns,
         series: &[PostureSeries<'_>],
-        found: &mut Vec<Suspicion>,
+        suspicions: &mut Vec<Suspicion>,
     ) -> Result<Self> {
         let points = cell.setup.tool.point_count();
         let spread = repeat_spread(series);
@@ -104,11 +104,11 @@ impl Sheet {
                     ..State::new(&state.state, q, points)
                 };
                 for a in 0..points {
-                    let Some(own) = posture.point(a).and_then(|series| series.state(s)) else {
+                    let Some(samples) = posture.point(a).and_then(|series| series.state(s)) else {
                         continue;
                     };
                     let name = &cell.setup.tool.measuring_points[a].name;
-                    if own.readings.iter().any(|r| !is_finite(&r.position)) {
+                    if samples.readings.iter().any(|r| !is_finite(&r.position)) {
                         return Err(Error::new(
                             Code::NotFinite,
                             format!(
@@ -117,10 +117,10 @@ impl Sheet {
                             ),
                         ));
                     }
-                    let read = Point3::from(own.readings[0].position);
+                    let read = Point3::from(samples.readings[0].position);
                     let read = posture.readings.axes.inverse() * read;
                     let std = reading_std(cell, &read.coords)?;
-                    let (kept, strays) = sift(&own.readings, std.max(spread));
+                    let (agreeing, strays) = sift(&samples.readings, std.max(spread));
                     if let Some(distance) = strays.distance {
                         let mut suspicion = Suspicion::new(Cause::StrayRepeat)
                             .posture(posture.name())
@@ -129,17 +129,17 @@ impl Sheet {
                             .off(distance);
                         suspicion.lines = strays.lines;
                         suspicion.repeat = strays.repeat;
-                        found.push(suspicion);
+                        suspicions.push(suspicion);
                     }
-                    let position = if kept.len() == own.count() {
-                        own.position
+                    let position = if agreeing.len() == samples.count() {
+                        samples.position
                     } else {
-                        let sum: Vector3<f64> = kept.iter().map(|r| r.position).sum();
-                        sum / kept.len() as f64
+                        let sum: Vector3<f64> = agreeing.iter().map(|r| r.position).sum();
+                        sum / agreeing.len() as f64
                     };
                     out.points[a] =
-                        (!kept.is_empty()).then(|| Mean { position, std: std / (kept.len() as f64).sqrt() });
-                    out.lines[a] = kept.iter().map(|r| r.line).filter(|l| *l > 0).collect();
+                        (!agreeing.is_empty()).then(|| Mean { position, std: std / (agreeing.len() as f64).sqrt() });
+                    out.lines[a] = agreeing.iter().map(|r| r.line).filter(|l| *l > 0).collect();
                 }
                 states.push(out);
             }
@@ -162,8 +162,8 @@ impl Sheet {
         let names = &cell.setup.tool.measuring_points;
         let mut lines: Vec<usize> = Vec::new();
         for posture in self.postures.iter().filter(|p| postures.contains(&p.name)) {
-            let own = posture.states.iter();
-            for state in own.filter(|s| states.is_empty() || states.contains(&s.name)) {
+            let posture_states = posture.states.iter();
+            for state in posture_states.filter(|s| states.is_empty() || states.contains(&s.name)) {
                 let of_points = names.iter().zip(&state.lines);
                 let of_points = of_points.filter(|(point, _)| points.contains(&point.name));
                 lines.extend(of_points.flat_map(|(_, lines)| lines));
@@ -188,8 +188,8 @@ impl Sheet {
             let mut state = State::new(&one.state, q, count);
             state.wrench = one.wrench;
             for a in 0..count {
-                let own = one.displacements.iter().filter(|d| d.point == a);
-                let values: Vec<Vector3<f64>> = own.map(|d| d.value).collect();
+                let of_point = one.displacements.iter().filter(|d| d.point == a);
+                let values: Vec<Vector3<f64>> = of_point.map(|d| d.value).collect();
                 if values.iter().any(|v| !is_finite(v)) {
                     let message = format!("A displacement of posture {} is not a finite number.", one.posture.name);
                     return Err(Error::new(Code::NotFinite, message));
@@ -198,8 +198,8 @@ impl Sheet {
                 state.points[a] = (!values.is_empty()).then(|| at(mean, values.len()));
             }
             // Angles of a posture may differ from state to state.
-            let known = postures.iter_mut().find(|p| p.name == one.posture.name);
-            match known.filter(|p| p.states[0].q == *q) {
+            let namesake = postures.iter_mut().find(|p| p.name == one.posture.name);
+            match namesake.filter(|p| p.states[0].q == *q) {
                 Some(posture) => posture.states.push(state),
                 None => {
                     let mut unloaded = State::new("unloaded", q, count);
@@ -302,8 +302,8 @@ impl State {
 
     /// The largest standard deviation of its means \[m\].
     pub fn std(&self) -> f64 {
-        let own = self.points.iter().flatten();
-        own.map(|m| m.std).fold(0.0, f64::max)
+        let means = self.points.iter().flatten();
+        means.map(|m| m.std).fold(0.0, f64::max)
     }
 
     /// Indices of the points that were read.
@@ -340,9 +340,9 @@ fn reading_std(cell: &Cell, position: &Vector3<f64>) -> Result<f64> {
 fn repeat_spread(series: &[PostureSeries<'_>]) -> f64 {
     let mut deviations = Vec::new();
     let points = series.iter().flat_map(|posture| &posture.points);
-    for own in points.flat_map(|(_, series)| &series.states) {
+    for samples in points.flat_map(|(_, series)| &series.states) {
         // Differences of neighbours: slow drift does not count.
-        for pair in own.readings.windows(2) {
+        for pair in samples.readings.windows(2) {
             let difference = pair[1].position - pair[0].position;
             deviations.extend(difference.iter().map(|v| v.abs()));
         }
@@ -381,8 +381,8 @@ fn sift<'a>(readings: &[&'a Reading], std: f64) -> (Vec<&'a Reading>, Strays) {
     let off = |r: &Reading| (r.position - middle).norm();
     let strays: Vec<&Reading> = readings.iter().copied().filter(|r| off(r) > limit).collect();
     let worst = strays.iter().map(|r| off(r)).reduce(f64::max);
-    let kept = readings.iter().copied().filter(|r| off(r) <= limit).collect();
+    let agreeing = readings.iter().copied().filter(|r| off(r) <= limit).collect();
     let repeat = readings.iter().position(|r| off(r) > limit).map(|i| i + 1);
     let strays = Strays { lines: lines(&strays), repeat: repeat.filter(|_| strays.len() == 1), distance: worst };
-    (kept, strays)
+    (agreeing, strays)
 }

@@ -135,8 +135,8 @@ impl Slip {
             }
             _ => {
                 let Work { cell, sheet, .. } = work;
-                if let (Undo::Exchange(of, _), Some([own, ..])) = (&self.undo, self.at.as_deref()) {
-                    let q = sheet.at(*own).q.clone();
+                if let (Undo::Exchange(of, _), Some([place, ..])) = (&self.undo, self.at.as_deref()) {
+                    let q = sheet.at(*place).q.clone();
                     for state in &mut sheet.postures[of.0].states {
                         state.q.clone_from(&q);
                     }
@@ -351,10 +351,10 @@ impl Settled {
     pub fn suspicion(&self, work: &Work) -> Suspicion {
         let phrase = |slip: &Slip| words::cause(&work.cell, &slip.suspicion(work));
         let mut out = self.slip.suspicion(work);
-        let own = phrase(&self.slip);
+        let likeliest = phrase(&self.slip);
         let others = self.others.iter().map(phrase);
         // The sign of an angle is tried both as it stands and as fitted.
-        out.alternatives = others.filter(|other| *other != own).collect();
+        out.alternatives = others.filter(|other| *other != likeliest).collect();
         out.alternatives.dedup();
         out.certain = out.alternatives.is_empty();
         out

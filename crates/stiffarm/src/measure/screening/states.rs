@@ -9,19 +9,19 @@ use super::{Cause, Suspicion, Work};
 use crate::numerics::arrangements::exchanges_first;
 use nalgebra::Isometry3;
 
-/// What may be mixed up in the rows `at` of a posture, by the row `own` of them: the names of points, and with another
+/// What may be mixed up in the rows `at` of a posture, by the row `row` of them: the names of points, and with another
 /// posture. Exchanged are the rows where those of a suspect belong here as well.
 pub(super) fn mix_ups(
     work: &Work,
     transform: &Isometry3<f64>,
     at: &[Place],
-    own: Place,
+    row: Place,
     most: f64,
     suspects: &[usize],
 ) -> Vec<Slip> {
-    let state = work.sheet.at(own);
+    let state = work.sheet.at(row);
     let orders = exchanges_first(state.points.len()).into_iter();
-    let others = (0..work.sheet.postures.len()).filter(|k| *k != own.0);
+    let others = (0..work.sheet.postures.len()).filter(|k| *k != row.0);
     let others = others.filter_map(|k| {
         let q = first_angles(work, k)?;
         let first = *work.sheet.postures[k].references().first()?;
@@ -66,7 +66,7 @@ pub(super) fn explain(work: &mut Work, frame: &Frame, p: usize, suspects: &[usiz
             work.undo(&stray, stray.suspicion(work).off(off));
         } else {
             let out = Suspicion::new(Cause::UnexplainedPosture).misfit(before, frame.level);
-            work.found.push(name_states(work, out, &[at]));
+            work.suspicions.push(name_states(work, out, &[at]));
             work.sheet.at_mut(at).points.fill(None);
         }
     }
@@ -126,7 +126,7 @@ pub(super) fn between(work: &mut Work) {
             };
             suspicion.certain = suspicion.cause == Cause::UnexplainedPosture;
             suspicion.states.insert(0, work.sheet.at((p, reference)).name.clone());
-            work.found.push(suspicion);
+            work.suspicions.push(suspicion);
         }
     }
 }

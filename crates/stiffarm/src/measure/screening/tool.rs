@@ -22,8 +22,8 @@ pub(super) fn place(work: &Work) -> Option<Isometry3<f64>> {
     let mut setup = work.setup().clone();
     let points = setup.tool.measuring_points.clone();
     let mut pairs = |motion: &Isometry3<f64>| -> Vec<Pair> {
-        for (point, own) in setup.tool.measuring_points.iter_mut().zip(&points) {
-            point.position = moved(motion, &own.position);
+        for (point, drawn) in setup.tool.measuring_points.iter_mut().zip(&points) {
+            point.position = moved(motion, &drawn.position);
         }
         item_pairs(work, &setup, &at).concat()
     };

@@ -218,8 +218,8 @@ pub(super) fn typed(s: &Suspicion) -> String {
     };
     let factor = s.factor.unwrap_or(1.0);
     let mut units = units.iter();
-    let found = units.find(|u| (u.factor / factor - 1.0).abs() < 1e-6);
-    found.map_or("another unit", |u| u.typed).to_string()
+    let unit = units.find(|u| (u.factor / factor - 1.0).abs() < 1e-6);
+    unit.map_or("another unit", |u| u.typed).to_string()
 }
 
 /// A scale beside others that explain alike.

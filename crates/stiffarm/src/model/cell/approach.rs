@@ -26,8 +26,8 @@ impl Cell {
             let most = torque.clone().fold(0.0, |most: f64, t| most.max(t.abs()));
             for (side, torque) in sides.iter_mut().zip(torque) {
                 if torque.abs() > TURNED * most {
-                    let own = torque.signum();
-                    *side = side.filter(|known| known * own >= 0.0).map(|_| own);
+                    let sign = torque.signum();
+                    *side = side.filter(|earlier| earlier * sign >= 0.0).map(|_| sign);
                 }
             }
         }

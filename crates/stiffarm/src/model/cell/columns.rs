@@ -127,7 +127,7 @@ impl NamePattern {
                 "" => NamePart::Any,
                 other => return Err(format!("There is no part {{{other}}}.")),
             };
-            if part != NamePart::Any && parts.iter().any(|(own, _)| *own == part) {
+            if part != NamePart::Any && parts.iter().any(|(earlier, _)| *earlier == part) {
                 return Err(format!("{{{name}}} appears twice."));
             }
             if parts.last().is_some_and(|(_, behind)| behind.is_empty()) {
@@ -160,11 +160,11 @@ impl NamePattern {
     /// Every way to [`split`](Self::split) `name`, that one first: there are several where what
     /// stands between the parts is in them, too (`P1-up-250-left`).
     pub fn splits<'n>(&self, name: &'n str) -> Vec<Vec<&'n str>> {
-        let mut ways = Ways { left: MOST_STEPS, found: Vec::new() };
+        let mut ways = Ways { left: MOST_STEPS, splits: Vec::new() };
         if let Some(rest) = name.strip_prefix(self.before.as_str()) {
             ways.follow(rest, &self.parts, &mut Vec::new());
         }
-        ways.found
+        ways.splits
     }
 }
 
@@ -175,14 +175,14 @@ const MOST_STEPS: usize = 2000;
 struct Ways<'n> {
     /// Places that may still be tried.
     left: usize,
-    found: Vec<Vec<&'n str>>,
+    splits: Vec<Vec<&'n str>>,
 }
 
 impl<'n> Ways<'n> {
     /// Finds those in which `rest` is the text of `parts`, behind the texts `before`.
     fn follow(&mut self, rest: &'n str, parts: &[(NamePart, String)], before: &mut Vec<&'n str>) {
         let Some(((part, behind), later)) = parts.split_first() else {
-            return self.found.push(before.clone());
+            return self.splits.push(before.clone());
         };
         let places: Vec<usize> = if later.is_empty() {
             rest.strip_suffix(behind.as_str()).map(str::len).into_iter().collect()
@@ -190,13 +190,13 @@ impl<'n> Ways<'n> {
             rest.match_indices(behind.as_str()).map(|(at, _)| at).collect()
         };
         for at in places {
-            let own = rest[..at].trim();
+            let text = rest[..at].trim();
             let counts = part.column().is_some();
-            if self.left == 0 || (counts && own.is_empty()) {
+            if self.left == 0 || (counts && text.is_empty()) {
                 continue;
             }
             self.left -= 1;
-            before.extend(counts.then_some(own));
+            before.extend(counts.then_some(text));
             self.follow(&rest[at + behind.len()..], later, before);
             before.truncate(before.len() - usize::from(counts));
         }

@@ -95,7 +95,7 @@ impl<'a> Margins<'a> {
     /// What margins are compared by.
     pub(super) fn compared(&self, margin: &LimitMargin) -> f64 {
         match margin.kind.unit() {
-            MarginUnit::Displacement => margin.margin / self.scene.displacement().map_or(1.0, |asked| asked.unit()),
+            MarginUnit::Displacement => margin.margin / self.scene.displacement().map_or(1.0, |limits| limits.unit()),
             _ => margin.margin,
         }
     }

@@ -25,8 +25,8 @@ impl Cell {
     /// postures were not looked at any more.
     pub fn posture_remarks(&self, postures: &[Posture]) -> Vec<String> {
         let mut remarks = Vec::new();
-        let known = self.setup.load != Load::Measured;
-        let mut margins = self.posture_margins().ok().filter(|_| known);
+        let has_load = self.setup.load != Load::Measured;
+        let mut margins = self.posture_margins().ok().filter(|_| has_load);
         for (number, posture) in postures.iter().enumerate() {
             if remarks.len() >= MOST_REMARKS {
                 remarks.push(format!(
@@ -46,7 +46,7 @@ impl Cell {
                 ));
             }
             let smallest = margins.as_mut().map(|margins| margins.smallest(&posture.q));
-            let smallest = smallest.and_then(|found| found.unwrap_or(None));
+            let smallest = smallest.and_then(|margin| margin.unwrap_or(None));
             if let Some(margin) = smallest.filter(LimitMargin::is_violated) {
                 remarks.push(format!("posture {} {}", posture.name, margin.violation()));
             }

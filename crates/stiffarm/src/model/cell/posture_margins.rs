@@ -47,7 +47,7 @@ impl Cell {
         let unloaded = (self.setup.load == Load::Measured).then_some(Wrench::force(Vector3::zeros()));
         let each = if self.setup.load.has_cases() {
             let cells = self.limit_cases().into_iter();
-            cells.map(|own| (Cow::Owned(own.setup), Cow::Owned(own.scene))).collect()
+            cells.map(|case| (Cow::Owned(case.setup), Cow::Owned(case.scene))).collect()
         } else {
             vec![(Cow::Borrowed(&self.setup), Cow::Borrowed(&self.scene))]
         };
@@ -171,9 +171,9 @@ impl PostureMargins<'_> {
         let mut first = 0;
         for case in &mut self.cases {
             let end = first + case.margins.count();
-            let own;
-            (own, slopes) = slopes.split_at(case.margins.count(), n);
-            case.margins.evaluate(&case.terms, enough, &mut values[first..end], own);
+            let case_slopes;
+            (case_slopes, slopes) = slopes.split_at(case.margins.count(), n);
+            case.margins.evaluate(&case.terms, enough, &mut values[first..end], case_slopes);
             first = end;
         }
         Ok(())

@@ -47,7 +47,7 @@ impl MeasuringTime {
     fn of_anchors(&self, load: &Load) -> f64 {
         let anchors: Vec<_> = load.anchors().collect();
         let first = |(i, anchor)| !anchors[..i].contains(anchor);
-        let different = anchors.iter().enumerate().filter(|own| first(*own)).count();
+        let different = anchors.iter().enumerate().filter(|anchor| first(*anchor)).count();
         self.further_anchor * different.saturating_sub(1) as f64
     }
 }

@@ -130,7 +130,7 @@ impl ClosedForm {
     /// pose out of reach by less than `slack` \[m\] counts as on the border.
     pub(super) fn solve(&self, flange: &Isometry3<f64>, near: &Theta, slack: f64) -> Vec<Theta> {
         let motion = flange * self.from_flange;
-        let mut found = Vec::with_capacity(8);
+        let mut solutions = Vec::with_capacity(8);
         for theta1 in self.shoulder(&motion, near[0], slack).into_iter().flatten() {
             let (rotation, centre) = self.behind_axis_one(&motion, theta1);
             match self.family {
@@ -140,7 +140,7 @@ impl ClosedForm {
                         let rest = self.turn(2, -theta3) * self.turn(1, -theta2) * rotation;
                         let ends = self.wrist(3, &rest, [near[3], near[4], near[5]]);
                         for [theta4, theta5, theta6] in ends.into_iter().flatten() {
-                            found.push([theta1, theta2, theta3, theta4, theta5, theta6]);
+                            solutions.push([theta1, theta2, theta3, theta4, theta5, theta6]);
                         }
                     }
                 }
@@ -153,13 +153,13 @@ impl ClosedForm {
                         let pairs = self.elbow(&tip, near, slack);
                         for [theta2, theta3] in pairs.into_iter().flatten() {
                             let theta4 = fourth * (whole - theta2 - third * theta3);
-                            found.push([theta1, theta2, theta3, theta4, theta5, theta6]);
+                            solutions.push([theta1, theta2, theta3, theta4, theta5, theta6]);
                         }
                     }
                 }
             }
         }
-        found
+        solutions
     }
 
     /// Distance \[m\] of the flange's position from the nearest one that the arm

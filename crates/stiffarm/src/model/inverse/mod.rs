@@ -241,8 +241,8 @@ impl InverseKinematics {
     /// machine's limits and as near to `near` as they allow (largest change);
     /// `None` when no turns are within the limits.
     pub fn turns_near(&self, q: &[f64], near: &[f64]) -> Option<Vec<f64>> {
-        let known = self.fits(q) && self.fits(near);
-        known.then(|| self.turns.near(q, near)).flatten()
+        let both_fit = self.fits(q) && self.fits(near);
+        both_fit.then(|| self.turns.near(q, near)).flatten()
     }
 
     /// Every posture within the machine's limits that differs from `q` \[rad\]
@@ -267,8 +267,8 @@ impl InverseKinematics {
                 continue;
             };
             let branch = self.branch(&self.turns.controller_angles(&theta), condition);
-            let known = |b: &Branch| self.turns.alike(&b.q, &branch.q, SAME);
-            if !branches.iter().any(known) {
+            let is_same = |b: &Branch| self.turns.alike(&b.q, &branch.q, SAME);
+            if !branches.iter().any(is_same) {
                 branches.push(branch);
             }
         }

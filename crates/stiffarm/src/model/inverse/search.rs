@@ -42,23 +42,23 @@ impl InverseKinematics {
     /// spread over the limits.
     pub(super) fn search(&self, flange: &Isometry3<f64>, near: &[f64]) -> Vec<Branch> {
         let mut descent = Descent::new(&self.robot, self.size);
-        let mut found = Vec::new();
+        let mut branches = Vec::new();
         if self.is_far(flange) {
-            return found;
+            return branches;
         }
         let similar = self.similar_postures(flange, near);
         // Complete when each posture of the similar arm leads to another of this one.
         let mut complete = !similar.is_empty();
         for q in similar {
-            complete &= self.keep(flange, q, &mut descent, None, &mut found);
+            complete &= self.keep(flange, q, &mut descent, None, &mut branches);
         }
         if !complete {
-            self.search_everywhere(flange, &mut descent, &mut found);
+            self.search_everywhere(flange, &mut descent, &mut branches);
         }
         if self.robot.joint_count() == 6 {
-            self.search_beside(flange, &mut descent, &mut found);
+            self.search_beside(flange, &mut descent, &mut branches);
         }
-        found
+        branches
     }
 
     /// Whether the flange is farther away than the whole chain is long, which
@@ -72,16 +72,16 @@ impl InverseKinematics {
     }
 
     /// Iterates from starts spread over the limits.
-    fn search_everywhere(&self, flange: &Isometry3<f64>, descent: &mut Descent<'_>, found: &mut Vec<Branch>) {
+    fn search_everywhere(&self, flange: &Isometry3<f64>, descent: &mut Descent<'_>, branches: &mut Vec<Branch>) {
         // Free joints can keep to the limits; other postures are marked afterwards.
         if self.robot.joint_count() > 6 {
             let limits = self.turns.finite_limits(1.0);
-            self.search_within(flange, Some(&limits), descent, found);
-            if !found.is_empty() {
+            self.search_within(flange, Some(&limits), descent, branches);
+            if !branches.is_empty() {
                 return;
             }
         }
-        self.search_within(flange, None, descent, found);
+        self.search_within(flange, None, descent, branches);
     }
 
     fn search_within(
@@ -89,16 +89,16 @@ impl InverseKinematics {
         flange: &Isometry3<f64>,
         limits: Option<&[[f64; 2]]>,
         descent: &mut Descent<'_>,
-        found: &mut Vec<Branch>,
+        branches: &mut Vec<Branch>,
     ) {
         let mut last_new = 0;
         for start in 0..MOST_STARTS {
-            let in_vain = start >= FUTILE_STARTS && found.is_empty();
+            let in_vain = start >= FUTILE_STARTS && branches.is_empty();
             let done = start >= STARTS.max(PATIENCE * last_new);
-            if in_vain || done || found.len() == MOST_BRANCHES {
+            if in_vain || done || branches.len() == MOST_BRANCHES {
                 break;
             }
-            if self.keep(flange, self.start(start), descent, limits, found) {
+            if self.keep(flange, self.start(start), descent, limits, branches) {
                 last_new = start + 1;
             }
         }
@@ -106,11 +106,11 @@ impl InverseKinematics {
 
     /// Looks for further postures beside nearly singular ones, where several
     /// lie close together along the direction in which the flange hardly moves.
-    fn search_beside(&self, flange: &Isometry3<f64>, descent: &mut Descent<'_>, found: &mut Vec<Branch>) {
+    fn search_beside(&self, flange: &Isometry3<f64>, descent: &mut Descent<'_>, branches: &mut Vec<Branch>) {
         const STEPS: i32 = 6;
         let mut next = 0;
-        while next < found.len() && found.len() < MOST_BRANCHES {
-            let Branch { q, condition, .. } = found[next].clone();
+        while next < branches.len() && branches.len() < MOST_BRANCHES {
+            let Branch { q, condition, .. } = branches[next].clone();
             next += 1;
             if !(NEARLY_SINGULAR..SINGULAR).contains(&condition) {
                 continue;
@@ -122,7 +122,7 @@ impl InverseKinematics {
                 let way = f64::from(step) * PI / f64::from(STEPS);
                 let pairs = q.iter().zip(&direction);
                 let start = pairs.map(|(q, d)| q + way * d).collect();
-                self.keep(flange, start, descent, None, found);
+                self.keep(flange, start, descent, None, branches);
             }
         }
     }
@@ -201,16 +201,16 @@ impl InverseKinematics {
         mut q: Vec<f64>,
         descent: &mut Descent<'_>,
         limits: Option<&[[f64; 2]]>,
-        found: &mut Vec<Branch>,
+        branches: &mut Vec<Branch>,
     ) -> bool {
         let residual = descent.solve(flange, &mut q, limits, STEPS_OF_A_BRANCH);
         // Written so that NaN is no solution.
         let solved = residual <= SOLVED;
         let same = if self.robot.joint_count() > 6 { SAME_OF_A_SAMPLE } else { SAME };
-        if !solved || found.iter().any(|b| self.turns.alike(&b.q, &q, same)) {
+        if !solved || branches.iter().any(|b| self.turns.alike(&b.q, &q, same)) {
             return false;
         }
-        found.push(self.branch(&q, self.condition(&q)));
+        branches.push(self.branch(&q, self.condition(&q)));
         true
     }
 }

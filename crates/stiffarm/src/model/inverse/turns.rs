@@ -190,7 +190,7 @@ impl Turns {
         for range in &ranges {
             combinations = combinations
                 .iter()
-                .flat_map(|known| range.iter().map(move |m| [known.as_slice(), &[*m]].concat()))
+                .flat_map(|combination| range.iter().map(move |m| [combination.as_slice(), &[*m]].concat()))
                 .collect();
         }
         let turned = combinations.into_iter().map(|turns| {

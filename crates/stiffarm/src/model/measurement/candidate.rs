@@ -62,16 +62,16 @@ impl Candidate {
             return Candidate::under_cases(&setup.load, measured);
         }
         let mut out: Vec<Candidate> = Vec::new();
-        for own in measured.iter().filter(|own| !own.displacements.is_empty()) {
-            let known = out.iter_mut().find(|c| c.name == own.posture.name);
-            match known {
-                Some(known) if force(&own.wrench) > force(&known.wrench) => {
-                    known.wrench = own.wrench;
+        for posture in measured.iter().filter(|posture| !posture.displacements.is_empty()) {
+            let candidate = out.iter_mut().find(|c| c.name == posture.posture.name);
+            match candidate {
+                Some(candidate) if force(&posture.wrench) > force(&candidate.wrench) => {
+                    candidate.wrench = posture.wrench;
                 }
                 Some(_) => {}
                 None => out.push(Candidate {
-                    wrench: own.wrench,
-                    ..Candidate::new(own.posture.name.clone(), own.posture.q.clone())
+                    wrench: posture.wrench,
+                    ..Candidate::new(posture.posture.name.clone(), posture.posture.q.clone())
                 }),
             }
         }
@@ -83,24 +83,24 @@ impl Candidate {
         // A state without a wrench is under the whole load of the cell.
         let force = |wrench: &Option<Wrench>| wrench.map_or(f64::INFINITY, |w| w.force.norm());
         let mut out: Vec<Candidate> = Vec::new();
-        for own in measured.iter().filter(|own| !own.displacements.is_empty()) {
-            let at = match out.iter().position(|c| c.name == own.posture.name) {
+        for posture in measured.iter().filter(|posture| !posture.displacements.is_empty()) {
+            let at = match out.iter().position(|c| c.name == posture.posture.name) {
                 Some(at) => at,
                 None => {
-                    let (name, q) = (own.posture.name.clone(), own.posture.q.clone());
+                    let (name, q) = (posture.posture.name.clone(), posture.posture.q.clone());
                     out.push(Candidate::new(name, q));
                     out.len() - 1
                 }
             };
             let case = |state: &str| load.case_of(state).ok();
             let states = &mut out[at].states;
-            let known = states.iter_mut().find(|(s, _)| case(s) == case(&own.state));
-            match known {
-                Some(known) if force(&own.wrench) > force(&known.1) => {
-                    *known = (own.state.clone(), own.wrench);
+            let state = states.iter_mut().find(|(s, _)| case(s) == case(&posture.state));
+            match state {
+                Some(state) if force(&posture.wrench) > force(&state.1) => {
+                    *state = (posture.state.clone(), posture.wrench);
                 }
                 Some(_) => {}
-                None => states.push((own.state.clone(), own.wrench)),
+                None => states.push((posture.state.clone(), posture.wrench)),
             }
         }
         out

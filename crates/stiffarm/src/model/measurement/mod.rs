@@ -74,10 +74,10 @@ impl ReferencePart {
     /// Covariance of two references of one point, in variances of one reading ([`Displacement::shared_reference`]).
     pub(crate) fn shared(one: &[ReferencePart], other: &[ReferencePart]) -> f64 {
         let mut shared = 0.0;
-        for own in one {
-            for part in other.iter().filter(|part| part.state == own.state) {
-                let readings = f64::from(own.readings.max(1));
-                shared += own.weight * part.weight / readings + own.slope * part.slope;
+        for first in one {
+            for part in other.iter().filter(|part| part.state == first.state) {
+                let readings = f64::from(first.readings.max(1));
+                shared += first.weight * part.weight / readings + first.slope * part.slope;
             }
         }
         shared

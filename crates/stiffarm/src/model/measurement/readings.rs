@@ -216,7 +216,7 @@ impl ReadingTable {
 
     /// True where a posture of this name has a reading in this state.
     pub fn has_readings_in(&self, posture: &str, state: &str) -> bool {
-        self.states().any(|(name, own)| name == posture && own.state == state)
+        self.states().any(|(name, readings)| name == posture && readings.state == state)
     }
 
     /// The states that have readings, with the names of their postures.

@@ -169,9 +169,9 @@ impl ExtraTerm {
     pub fn parse(word: &str, robot: &Robot) -> Result<Vec<ExtraTerm>> {
         let n = robot.joint_count();
         let unknown = || {
-            let known = ["tilt", "tilt1", "base", "lost", "lost1"];
+            let terms = ["tilt", "tilt1", "base", "lost", "lost1"];
             Error::new(Code::UnknownName, format!("There is no extra term \"{word}\".")).hint(
-                did_you_mean(word, known).unwrap_or_else(|| {
+                did_you_mean(word, terms).unwrap_or_else(|| {
                     "terms: tilt (all joints), tilt1 … of one joint, base, lost (all joints), lost1 …".to_string()
                 }),
             )

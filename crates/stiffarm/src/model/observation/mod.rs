@@ -148,7 +148,7 @@ impl PostureTerms {
             ));
         }
         self.wrench = match wrench {
-            Some(given) => *given,
+            Some(wrench) => *wrench,
             None => setup.load.wrench(&self.frames, &self.loading_point).ok_or_else(|| match &setup.load {
                 Load::Cases(_) => {
                     Error::new(Code::Unsupported, "The cell has several load cases, and one load is asked for.")
@@ -289,12 +289,12 @@ impl PostureTerms {
     /// between flange and reflectors, 3m \[m\]; zero without one.
     pub fn known_displacement(&self, tool: &Tool) -> DVector<f64> {
         let m = self.measuring_points.len();
-        let mut known = DVector::zeros(3 * m);
+        let mut displacement = DVector::zeros(3 * m);
         for (a, point) in self.measuring_points.iter().enumerate() {
             let twist = self.known_twist(tool, point);
-            known.fixed_rows_mut::<3>(3 * a).copy_from(&twist.fixed_rows::<3>(0));
+            displacement.fixed_rows_mut::<3>(3 * a).copy_from(&twist.fixed_rows::<3>(0));
         }
-        known
+        displacement
     }
 
     /// The same at the base-frame point `at` beyond the compliance: \[shift (m);

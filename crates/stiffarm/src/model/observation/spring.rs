@@ -61,8 +61,8 @@ impl LoadedSpring {
     /// Motion with this compliance, symmetric.
     pub(super) fn with(&self, compliance: &Matrix6<f64>) -> Motion {
         let turns = compliance.fixed_view::<3, 3>(3, 3);
-        let own = if self.has_axis { turns[(2, 2)] } else { 0.0 };
-        self.motion(&(compliance * self.load), |along| along.dot(&(turns * along)) - own * along.z * along.z)
+        let axial = if self.has_axis { turns[(2, 2)] } else { 0.0 };
+        self.motion(&(compliance * self.load), |along| along.dot(&(turns * along)) - axial * along.z * along.z)
     }
 
     /// Motion by `give` along its axes, of which the axis that follows counts `about_next` as

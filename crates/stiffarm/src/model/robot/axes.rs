@@ -61,7 +61,7 @@ struct Step {
 /// last frame has its origin beside the flange's and an axis along one of the
 /// flange's, so that a flange square to the last axis leaves round numbers.
 pub fn rows_of_axes(axes: &[JointAxis], flange: &Isometry3<f64>) -> AxisRows {
-    let mut found = AxisRows {
+    let mut chain = AxisRows {
         base: Isometry3::identity(),
         rows: Vec::with_capacity(axes.len()),
         tilts: Vec::with_capacity(axes.len()),
@@ -74,9 +74,9 @@ pub fn rows_of_axes(axes: &[JointAxis], flange: &Isometry3<f64>) -> AxisRows {
         let point = entry.inverse_transform_point(&axis.point.into()).coords;
         let direction = entry.inverse_transform_vector(&axis.direction);
         let step = step(&point, &direction);
-        let frame = found.leave(&entry, step.turn, step.shift);
-        found.rows.push(DhRow { alpha: step.alpha, a: step.a, d: 0.0, offset: 0.0 });
-        found.tilts.push(step.tilt);
+        let frame = chain.leave(&entry, step.turn, step.shift);
+        chain.rows.push(DhRow { alpha: step.alpha, a: step.a, d: 0.0, offset: 0.0 });
+        chain.tilts.push(step.tilt);
         let about = UnitQuaternion::from_axis_angle;
         entry = frame
             * about(&Vector3::x_axis(), step.alpha)
@@ -86,9 +86,9 @@ pub fn rows_of_axes(axes: &[JointAxis], flange: &Isometry3<f64>) -> AxisRows {
     let end = entry.inv_mul(flange);
     let sideways = [Vector3::x(), Vector3::y()].map(|v| end.rotation * v).into_iter().find(|v| v.x.hypot(v.y) > 0.5);
     let turn = sideways.map_or(0.0, |v| v.y.atan2(v.x));
-    let frame = found.leave(&entry, turn, end.translation.z);
-    found.flange = frame.inv_mul(flange);
-    found
+    let frame = chain.leave(&entry, turn, end.translation.z);
+    chain.flange = frame.inv_mul(flange);
+    chain
 }
 
 impl AxisRows {

@@ -47,8 +47,8 @@ pub fn catalogue() -> &'static [CatalogueEntry] {
 /// # Errors
 /// Unknown name; the hint has the nearest key.
 pub fn find(key: &str) -> Result<&'static CatalogueEntry> {
-    let found = catalogue().iter().find(|e| e.key.eq_ignore_ascii_case(key));
-    found.ok_or_else(|| {
+    let entry = catalogue().iter().find(|e| e.key.eq_ignore_ascii_case(key));
+    entry.ok_or_else(|| {
         let keys = catalogue().iter().map(|e| e.key);
         let hint = did_you_mean(key, keys).unwrap_or_else(|| "`stiffarm robots` lists the robots".to_string());
         Error::new(Code::UnknownName, format!("The catalogue has no robot \"{key}\".")).hint(hint)

@@ -100,8 +100,8 @@ impl Controller {
     /// Unknown name; the hint has the nearest, or all.
     pub fn from_name(name: &str) -> Result<Self> {
         let names = Controller::ALL.map(Controller::as_str);
-        let found = Controller::ALL.into_iter().find(|c| c.as_str() == name);
-        found.ok_or_else(|| {
+        let controller = Controller::ALL.into_iter().find(|c| c.as_str() == name);
+        controller.ok_or_else(|| {
             let hint = did_you_mean(name, names).unwrap_or_else(|| format!("known controllers: {}", names.join(", ")));
             let message = format!("There is no controller \"{name}\".");
             Error::new(Code::UnknownName, message).hint(hint)

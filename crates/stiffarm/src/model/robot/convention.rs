@@ -66,26 +66,26 @@ impl Form {
     }
 
     /// Differences of all lengths as shares of the arm's, and of the twists.
-    fn distance(&self, known: &Form) -> f64 {
-        let total: f64 = known.lengths.iter().sum();
+    fn distance(&self, other: &Form) -> f64 {
+        let total: f64 = other.lengths.iter().sum();
         let squares = |a: &[f64], b: &[f64], unit: f64| -> f64 {
             let both = a.iter().zip(b);
             both.map(|(a, b)| ((a - b) / unit).powi(2)).sum()
         };
-        let lengths = squares(&self.lengths, &known.lengths, total);
-        (lengths + squares(&self.twists, &known.twists, 1.0)).sqrt()
+        let lengths = squares(&self.lengths, &other.lengths, total);
+        (lengths + squares(&self.twists, &other.twists, 1.0)).sqrt()
     }
 }
 
 /// The robot of the catalogue that is most like these rows, and how far it is from them.
 fn nearest(convention: DhConvention, rows: &[DhRow]) -> Option<(f64, &'static CatalogueEntry)> {
-    let own = Form::new(convention, rows);
-    let known = catalogue().iter().filter_map(|entry| {
+    let form = Form::new(convention, rows);
+    let candidates = catalogue().iter().filter_map(|entry| {
         let others = entry.dh_rows();
         let is_alike = others.len() == rows.len();
-        is_alike.then(|| (own.distance(&Form::new(entry.convention, &others)), entry))
+        is_alike.then(|| (form.distance(&Form::new(entry.convention, &others)), entry))
     });
-    known.min_by(|a, b| a.0.total_cmp(&b.0))
+    candidates.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 impl Robot {
@@ -97,27 +97,27 @@ impl Robot {
     /// The robot of the catalogue that is like this arm if its rows are read in the other convention, where read as they
     /// are it is like none.
     pub fn like_in_other_convention(&self) -> Option<&'static CatalogueEntry> {
-        let (own, _) = nearest(self.convention, &self.rows)?;
+        let (current, _) = nearest(self.convention, &self.rows)?;
         let (other, entry) = nearest(self.convention.other(), &self.rows)?;
-        (own > UNLIKE && other < LIKE).then_some(entry)
+        (current > UNLIKE && other < LIKE).then_some(entry)
     }
 
     /// The robot of the same rows read in the other convention; base, flange and tilts stay.
     pub(crate) fn in_other_convention(&self) -> Option<Robot> {
         let base = Isometry3::identity();
         let chain = |convention| dh::chain(convention, &self.rows, base).ok();
-        let (own, own_end) = chain(self.convention)?;
+        let (current, current_end) = chain(self.convention)?;
         let (other, other_end) = chain(self.convention.other())?;
         let mut robot = self.clone();
         robot.convention = self.convention.other();
         for (i, joint) in robot.joints.iter_mut().enumerate() {
             // The base stands before the first row, a tilt behind each.
             joint.placement = match i {
-                0 => joint.placement * own[i].inverse() * other[i],
-                _ => other[i] * (own[i].inverse() * joint.placement),
+                0 => joint.placement * current[i].inverse() * other[i],
+                _ => other[i] * (current[i].inverse() * joint.placement),
             };
         }
-        robot.flange = other_end * (own_end.inverse() * robot.flange);
+        robot.flange = other_end * (current_end.inverse() * robot.flange);
         Some(robot)
     }
 }

@@ -141,17 +141,17 @@ impl Robot {
     /// # Panics
     /// A spring that the robot does not have.
     #[must_use]
-    pub(crate) fn with_springs(mut self, kept: &[usize]) -> Self {
+    pub(crate) fn with_springs(mut self, selected: &[usize]) -> Self {
         let n = self.joint_count();
         let mixing = self.spring_mixing.take();
         let mixing = mixing.unwrap_or_else(|| DMatrix::identity(n, n));
         let springs: Vec<usize> = self.springs().collect();
         for (s, spring) in springs.into_iter().enumerate() {
-            if !kept.contains(&s) {
+            if !selected.contains(&s) {
                 self.left_out.push((spring, mixing.column(s).into_owned()));
             }
         }
-        self.spring_mixing = Some(mixing.select_columns(kept));
+        self.spring_mixing = Some(mixing.select_columns(selected));
         self
     }
 
@@ -297,7 +297,7 @@ impl Robot {
 
     /// The joints, or elastic coordinates, that have a spring.
     fn springs(&self) -> impl Iterator<Item = usize> {
-        let is_left_out = |joint: usize| self.left_out.iter().any(|(own, _)| *own == joint);
+        let is_left_out = |joint: usize| self.left_out.iter().any(|(spring, _)| *spring == joint);
         (0..self.joints.len()).filter(move |joint| !is_left_out(*joint))
     }
 

@@ -27,8 +27,8 @@ pub(super) struct Shapes {
 impl Shapes {
     /// Moves what stands still with the robot.
     pub(super) fn place(&mut self, pose: &Isometry3<f64>) {
-        for own in self.capsules.iter_mut().filter(|own| own.link == 0) {
-            own.capsule = own.capsule.placed(pose);
+        for shape in self.capsules.iter_mut().filter(|shape| shape.link == 0) {
+            shape.capsule = shape.capsule.placed(pose);
         }
     }
 }
@@ -57,8 +57,8 @@ impl Robot {
         if let Some((link, _)) = ignored.iter().find(|(i, j)| i == j) {
             return Err(Error::invalid(format!("Link {link} and itself are no pair.")));
         }
-        for own in &capsules {
-            let Capsule { a, b, radius } = own.capsule;
+        for shape in &capsules {
+            let Capsule { a, b, radius } = shape.capsule;
             Capsule::new(a, b, radius)?;
         }
         let mut ignored: Vec<(usize, usize)> = ignored.into_iter().map(|(i, j)| (i.min(j), i.max(j))).collect();

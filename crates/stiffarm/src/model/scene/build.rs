@@ -119,10 +119,10 @@ impl Scene {
                 *always = *always && pair.distance(&placed, f64::INFINITY).0 < clearance;
             }
         }
-        let mut kept = Vec::with_capacity(self.pairs.len());
+        let mut remaining = Vec::with_capacity(self.pairs.len());
         for (pair, always) in std::mem::take(&mut self.pairs).into_iter().zip(always) {
-            if always { self.dropped.push((pair.mover, pair.solid)) } else { kept.push(pair) }
+            if always { self.dropped.push((pair.mover, pair.solid)) } else { remaining.push(pair) }
         }
-        self.pairs = kept;
+        self.pairs = remaining;
     }
 }

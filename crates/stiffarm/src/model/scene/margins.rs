@@ -59,7 +59,7 @@ impl Scene {
                 kind,
                 subject,
                 margin: match (kind.unit(), &self.displacement) {
-                    (MarginUnit::Displacement, Some(asked)) => margin * asked.unit(),
+                    (MarginUnit::Displacement, Some(limits)) => margin * limits.unit(),
                     _ => margin,
                 },
             })
@@ -113,16 +113,16 @@ impl Scene {
         for pair in &self.pairs {
             let wanted = enough(at) + self.clearance;
             let travel = memory.between(placed.moved_by(pair.mover), placed.moved_by(pair.solid));
-            let found = match memory.still(at, travel, wanted) {
+            let separation = match memory.still(at, travel, wanted) {
                 Some(least) => (least, None),
                 None => {
-                    let found = pair.distance(&placed, memory.ahead(wanted));
-                    memory.note(at, travel, found.0);
-                    found
+                    let separation = pair.distance(&placed, memory.ahead(wanted));
+                    memory.note(at, travel, separation.0);
+                    separation
                 }
             };
-            let derivative = found.1.as_ref().map_or(Derivative::Zero, Derivative::Touch);
-            each(at, found.0 - self.clearance, derivative);
+            let derivative = separation.1.as_ref().map_or(Derivative::Zero, Derivative::Touch);
+            each(at, separation.0 - self.clearance, derivative);
             at += 1;
         }
         if let (Some(rope), Load::Rope { anchor, .. }) = (&self.rope, &setup.load) {
@@ -131,7 +131,7 @@ impl Scene {
                 for part in 0..placed.part_count() {
                     let wanted = enough(at) + clearance;
                     let travel = memory.between(0, n) + memory.between(0, placed.moved_by(part));
-                    let found = match memory.still(at, travel, wanted) {
+                    let separation = match memory.still(at, travel, wanted) {
                         Some(least) => (least, None),
                         None => {
                             let enough = memory.ahead(wanted);
@@ -139,17 +139,17 @@ impl Scene {
                             let mut best = (f64::INFINITY, None);
                             for solid in placed.solids(part) {
                                 let enough = best.0.min(enough);
-                                let found = rope_to_solid(p, anchor, rope.free, solid, moved_by, enough);
-                                if found.0 < best.0 {
-                                    best = found;
+                                let separation = rope_to_solid(p, anchor, rope.free, solid, moved_by, enough);
+                                if separation.0 < best.0 {
+                                    best = separation;
                                 }
                             }
                             memory.note(at, travel, best.0);
                             best
                         }
                     };
-                    let derivative = found.1.as_ref().map_or(Derivative::Zero, Derivative::Slope);
-                    each(at, found.0 - clearance, derivative);
+                    let derivative = separation.1.as_ref().map_or(Derivative::Zero, Derivative::Slope);
+                    each(at, separation.0 - clearance, derivative);
                     at += 1;
                 }
             }
@@ -188,9 +188,9 @@ impl Scene {
                 at += 1;
             }
         }
-        if let Some(asked) = &self.displacement {
-            let most = (at..at + asked.count()).map(&enough).fold(0.0, f64::max);
-            asked.visit(setup, terms, room, most, |margin, slope| {
+        if let Some(limits) = &self.displacement {
+            let most = (at..at + limits.count()).map(&enough).fold(0.0, f64::max);
+            limits.visit(setup, terms, room, most, |margin, slope| {
                 each(at, margin, Derivative::Slope(slope));
                 at += 1;
             });

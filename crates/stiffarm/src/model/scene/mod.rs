@@ -139,8 +139,8 @@ impl Scene {
             LimitKind::Sight => self.sight.is_some(),
             LimitKind::Torque => self.torque.is_some(),
             _ => {
-                let asked = self.displacement.as_ref();
-                asked.is_some_and(|asked| asked.kinds().any(|own| own == kind))
+                let limits = self.displacement.as_ref();
+                limits.is_some_and(|limits| limits.kinds().any(|other| other == kind))
             }
         }
     }
@@ -170,8 +170,8 @@ impl Scene {
             }
             LimitKind::Torque => scene.torque = None,
             LimitKind::SmallestDisplacement | LimitKind::LargestDisplacement => {
-                let asked = scene.displacement.take();
-                scene.displacement = asked.and_then(|asked| asked.without(kind));
+                let limits = scene.displacement.take();
+                scene.displacement = limits.and_then(|limits| limits.without(kind));
             }
             _ => {}
         }

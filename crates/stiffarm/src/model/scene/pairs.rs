@@ -44,15 +44,15 @@ impl Pair {
         for mover in placed.solids(self.mover) {
             for solid in placed.solids(self.solid) {
                 let enough = best.0.min(enough);
-                let found = match mover.solid {
+                let separation = match mover.solid {
                     Solid::Capsule(capsule) => {
                         let line = Line { capsule, moved_by };
                         line_to_solid(&line, solid, solid_moved, enough)
                     }
                     _ => solid_to_solid(mover, moved_by, solid, solid_moved, enough),
                 };
-                if found.0 < best.0 {
-                    best = found;
+                if separation.0 < best.0 {
+                    best = separation;
                 }
             }
         }

@@ -56,8 +56,8 @@ impl Part {
     /// The links of a robot that have capsules: `base`, `link 1`, `link 2`, ….
     pub fn of_links(robot: &Robot) -> Vec<Self> {
         let link = |link: usize| {
-            let own = robot.link_capsules().iter().filter(move |c| c.link == link);
-            own.map(|c| Solid::Capsule(c.capsule)).collect::<Vec<_>>()
+            let capsules = robot.link_capsules().iter().filter(move |c| c.link == link);
+            capsules.map(|c| Solid::Capsule(c.capsule)).collect::<Vec<_>>()
         };
         let all = (0..=robot.joint_count()).map(|i| (i, link(i)));
         all.filter(|(_, solids)| !solids.is_empty())
@@ -70,9 +70,12 @@ impl Part {
 
     /// Names of links whose capsules may overlap though the links do not collide.
     pub fn ignored_links(robot: &Robot) -> Vec<(String, String)> {
-        let known = |i: usize| robot.link_capsules().iter().any(|c| c.link == i);
+        let has_capsules = |i: usize| robot.link_capsules().iter().any(|c| c.link == i);
         let pairs = robot.ignored_pairs().iter();
-        pairs.filter(|(i, j)| known(*i) && known(*j)).map(|(i, j)| (link_name(*i), link_name(*j))).collect()
+        pairs
+            .filter(|(i, j)| has_capsules(*i) && has_capsules(*j))
+            .map(|(i, j)| (link_name(*i), link_name(*j)))
+            .collect()
     }
 
     pub(super) fn is_tool(&self) -> bool {

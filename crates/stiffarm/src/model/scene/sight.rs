@@ -171,10 +171,10 @@ impl Sight {
             let travel = 2.0 * memory.between(0, placed.frames.joint_count());
             if memory.beam_still(at, travel, clear).is_none() {
                 let ahead = memory.ahead(clear);
-                let (found, other) = self.beam_clearance(point, &from, placed, false, ahead);
-                memory.note_beam(at, travel, found);
-                if found < clearance {
-                    (clearance, touch) = (found, other);
+                let (distance, other) = self.beam_clearance(point, &from, placed, false, ahead);
+                memory.note_beam(at, travel, distance);
+                if distance < clearance {
+                    (clearance, touch) = (distance, other);
                 }
             }
             beams.push(Beam {
@@ -210,9 +210,9 @@ impl Sight {
         let mut best = (clear, None);
         for part in (0..placed.part_count()).filter(|part| placed.is_tool(*part) == of_tool) {
             for solid in placed.solids(part) {
-                let found = line_to_solid(&line, solid, placed.moved_by(part), best.0);
-                if found.0 < best.0 {
-                    best = found;
+                let separation = line_to_solid(&line, solid, placed.moved_by(part), best.0);
+                if separation.0 < best.0 {
+                    best = separation;
                 }
             }
         }

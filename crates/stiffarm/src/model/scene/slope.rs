@@ -49,8 +49,8 @@ impl<'a> Slope<'a> {
 
     /// Adds `factor` times the derivative with respect to θ.
     fn add_to(&self, frames: &Frames, factor: f64, gradient: &mut [f64]) {
-        if let Some(own) = self.by_joint {
-            for (g, d) in gradient.iter_mut().zip(own) {
+        if let Some(by_joint) = self.by_joint {
+            for (g, d) in gradient.iter_mut().zip(by_joint) {
                 *g += factor * d;
             }
             return;

@@ -32,7 +32,7 @@ impl Work {
 
     /// Forgets all distances: the load has moved.
     pub(crate) fn forget(&mut self) {
-        self.memory.known.clear();
+        self.memory.distances.clear();
         self.memory.beams.clear();
     }
 }
@@ -47,7 +47,7 @@ pub(super) struct Memory {
     turned: Vec<f64>,
     /// Their sums: over the joints before each, and over all.
     travel: Vec<f64>,
-    known: Vec<Known>,
+    distances: Vec<Known>,
     beams: Vec<Known>,
 }
 
@@ -83,7 +83,7 @@ impl Memory {
             sum += self.turned[k];
             self.travel[k + 1] = sum;
         }
-        self.known.resize(margins, UNKNOWN);
+        self.distances.resize(margins, UNKNOWN);
         self.beams.resize(beams, UNKNOWN);
     }
 
@@ -98,7 +98,7 @@ impl Memory {
 
     /// A lower bound of distance `at`, where it is still known to be `enough` or more after this travel.
     pub fn still(&self, at: usize, travel: f64, enough: f64) -> Option<f64> {
-        still(self.known.get(at)?, travel, enough)
+        still(self.distances.get(at)?, travel, enough)
     }
 
     /// The same of a beam's clearance.
@@ -114,20 +114,20 @@ impl Memory {
     /// Keeps a distance. An infinite one is not kept: a rope shorter than its free ends touches nothing,
     /// and one that grows longer does at once.
     pub fn note(&mut self, at: usize, travel: f64, distance: f64) {
-        if let Some(known) = self.known.get_mut(at) {
-            *known = if distance.is_finite() { Known { distance, travel } } else { UNKNOWN };
+        if let Some(noted) = self.distances.get_mut(at) {
+            *noted = if distance.is_finite() { Known { distance, travel } } else { UNKNOWN };
         }
     }
 
     pub fn note_beam(&mut self, at: usize, travel: f64, distance: f64) {
-        if let Some(known) = self.beams.get_mut(at) {
-            *known = Known { distance, travel };
+        if let Some(noted) = self.beams.get_mut(at) {
+            *noted = Known { distance, travel };
         }
     }
 }
 
-fn still(known: &Known, travel: f64, enough: f64) -> Option<f64> {
-    let least = known.distance - (travel - known.travel);
+fn still(noted: &Known, travel: f64, enough: f64) -> Option<f64> {
+    let least = noted.distance - (travel - noted.travel);
     (least >= enough).then_some(least)
 }
 

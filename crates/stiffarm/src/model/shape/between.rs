@@ -35,11 +35,11 @@ pub struct Between {
 /// rounding. A half-space is the second of the two.
 pub fn between(first: &Solid, second: &Solid, enough: f64) -> Option<Between> {
     match (first, second) {
-        (Solid::Capsule(own), _) => {
-            let at = nearest_within(second, &own.a, &own.b, enough + own.radius)?;
+        (Solid::Capsule(capsule), _) => {
+            let at = nearest_within(second, &capsule.a, &capsule.b, enough + capsule.radius)?;
             Some(Between {
-                distance: at.distance - own.radius,
-                point: own.a + (own.b - own.a) * at.t - at.direction * own.radius,
+                distance: at.distance - capsule.radius,
+                point: capsule.a + (capsule.b - capsule.a) * at.t - at.direction * capsule.radius,
                 direction: at.direction,
             })
         }
@@ -52,16 +52,16 @@ pub fn between(first: &Solid, second: &Solid, enough: f64) -> Option<Between> {
             })
         }
         (_, Solid::HalfSpace { point, normal }) => {
-            let own = first.support(&-normal.into_inner(), 0.0);
-            Some(Between { distance: normal.dot(&(own - point)), point: own, direction: normal.into_inner() })
+            let support = first.support(&-normal.into_inner(), 0.0);
+            Some(Between { distance: normal.dot(&(support - point)), point: support, direction: normal.into_inner() })
         }
         _ => match minkowski(first, 0.0, second, enough) {
             Found::Enough => None,
             Found::Apart(at) => Some(at),
             Found::Overlap => {
-                let (own, other) = (peeled(first, second), peeled(second, first));
-                Some(if own.distance <= other.distance {
-                    own
+                let (direct, other) = (peeled(first, second), peeled(second, first));
+                Some(if direct.distance <= other.distance {
+                    direct
                 } else {
                     Between { direction: -other.direction, ..other }
                 })
@@ -109,7 +109,7 @@ enum Found {
 /// A corner of the simplex: a point of the first solid, and less the second's.
 #[derive(Clone, Copy)]
 struct Corner {
-    own: Vector3<f64>,
+    point: Vector3<f64>,
     apart: Vector3<f64>,
 }
 
@@ -127,17 +127,17 @@ fn minkowski(first: &Solid, layer: f64, second: &Solid, enough: f64) -> Found {
     let (mut least, mut most) = (f64::NEG_INFINITY, f64::INFINITY);
     for _ in 0..STEPS {
         let towards = simplex.nearest;
-        let own = first.support(&-towards, layer);
-        let apart = own - second.support(&towards, 0.0);
+        let point = first.support(&-towards, layer);
+        let apart = point - second.support(&towards, 0.0);
         least = least.max(towards.dot(&apart) / towards.norm());
         if least >= enough {
             return Found::Enough;
         }
-        let known = simplex.corners.iter().any(|(c, _)| c.apart == apart);
-        if known || most - least <= SAME * (1.0 + least.abs()) {
+        let repeated = simplex.corners.iter().any(|(c, _)| c.apart == apart);
+        if repeated || most - least <= SAME * (1.0 + least.abs()) {
             break;
         }
-        let Some(next) = simplex.with(Corner { own, apart }) else {
+        let Some(next) = simplex.with(Corner { point, apart }) else {
             return Found::Overlap;
         };
         let norm = next.nearest.norm();
@@ -152,8 +152,8 @@ fn minkowski(first: &Solid, layer: f64, second: &Solid, enough: f64) -> Found {
     if least <= 0.0 {
         return Found::Overlap;
     }
-    let own = simplex.corners.iter().map(|(c, weight)| c.own * *weight);
-    let mut at = Between { distance: least, point: own.sum(), direction: simplex.nearest / most };
+    let points = simplex.corners.iter().map(|(c, weight)| c.point * *weight);
+    let mut at = Between { distance: least, point: points.sum(), direction: simplex.nearest / most };
     if layer == 0.0 && least > TOUCH {
         // Corners that crowd around a rounded place leave the direction a few digits less than the distance.
         for _ in 0..2 {
@@ -215,16 +215,16 @@ impl Solid {
     fn support(&self, along: &Vector3<f64>, layer: f64) -> Vector3<f64> {
         match self {
             Solid::Block { pose, half } => {
-                let own = pose.rotation.inverse() * along;
-                let corner = half.zip_map(&own, |half, way| (half - layer).copysign(way));
+                let local = pose.rotation.inverse() * along;
+                let corner = half.zip_map(&local, |half, way| (half - layer).copysign(way));
                 pose.rotation * corner + pose.translation.vector
             }
             Solid::Cylinder { pose, half_length, radius } => {
-                let own = pose.rotation.inverse() * along;
-                let across = own.x.hypot(own.y);
+                let local = pose.rotation.inverse() * along;
+                let across = local.x.hypot(local.y);
                 let out = if across > 0.0 { (radius - layer) / across } else { 0.0 };
-                let up = (half_length - layer).copysign(own.z);
-                let corner = Vector3::new(own.x * out, own.y * out, up);
+                let up = (half_length - layer).copysign(local.z);
+                let corner = Vector3::new(local.x * out, local.y * out, up);
                 pose.rotation * corner + pose.translation.vector
             }
             Solid::Capsule(Capsule { a, b, radius }) => {
@@ -240,8 +240,8 @@ impl Solid {
         match self {
             Solid::Block { pose, .. } => (pose.rotation.inverse() * along).abs().sum(),
             Solid::Cylinder { pose, .. } => {
-                let own = pose.rotation.inverse() * along;
-                own.x.hypot(own.y) + own.z.abs()
+                let local = pose.rotation.inverse() * along;
+                local.x.hypot(local.y) + local.z.abs()
             }
             _ => 1.0,
         }
@@ -278,8 +278,8 @@ impl Solid {
             Solid::Capsule(c) => c.a.norm().max(c.b.norm()) + c.radius,
             Solid::Block { pose, half } => (pose.inverse().translation.vector.abs() + half).norm(),
             Solid::Cylinder { pose, half_length, radius } => {
-                let own = pose.inverse().translation.vector;
-                (own.x.hypot(own.y) + radius).hypot(own.z.abs() + half_length)
+                let local = pose.inverse().translation.vector;
+                (local.x.hypot(local.y) + radius).hypot(local.z.abs() + half_length)
             }
             Solid::HalfSpace { .. } => f64::INFINITY,
         }

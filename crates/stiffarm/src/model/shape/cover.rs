@@ -131,12 +131,12 @@ fn best_split(bounds: &Bounds, polygons: &[Vec<Vector3<f64>>], least: f64) -> Op
             let halves: Vec<Half> = [-1.0, 1.0]
                 .into_iter()
                 .filter_map(|side| {
-                    let kept: Vec<Vec<Vector3<f64>>> = polygons
+                    let pieces: Vec<Vec<Vector3<f64>>> = polygons
                         .iter()
                         .map(|polygon| clipped(polygon, axis, at, side))
                         .filter(|polygon| !polygon.is_empty())
                         .collect();
-                    Bounds::of(&kept, least).map(|bounds| (bounds, kept))
+                    Bounds::of(&pieces, least).map(|bounds| (bounds, pieces))
                 })
                 .collect();
             let saved = bounds.volume() - halves.iter().map(|(b, _)| b.volume()).sum::<f64>();

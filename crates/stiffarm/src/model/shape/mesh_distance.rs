@@ -72,7 +72,7 @@ impl MeshBody {
     /// # Errors
     /// The distance cannot be computed; no shape of this crate is known to do that.
     pub fn distance_to(&self, pose: &Isometry3<f64>, solid: &Solid) -> Result<f64> {
-        let (shape, own, inner): (Box<dyn Shape>, Isometry3<f64>, Vector3<f64>) = match solid {
+        let (shape, solid_pose, inner): (Box<dyn Shape>, Isometry3<f64>, Vector3<f64>) = match solid {
             Solid::HalfSpace { point, normal } => {
                 let heights = self.mesh.corners().flatten().map(|v| {
                     let placed = pose.rotation * v + pose.translation.vector;
@@ -98,7 +98,7 @@ impl MeshBody {
             Solid::Capsule(c) if c.a != c.b => c.radius,
             _ => 0.0,
         };
-        let apart = (apart(pose, &self.tree, &own, shape.as_ref())? - radius).max(0.0);
+        let apart = (apart(pose, &self.tree, &solid_pose, shape.as_ref())? - radius).max(0.0);
         let inside = apart > 0.0 && self.contains(&pose.inverse_transform_point(&inner.into()).coords);
         Ok(if inside { 0.0 } else { apart })
     }
@@ -167,9 +167,10 @@ fn parts(mesh: &TriangleMesh) -> Vec<Vector3<f64>> {
 }
 
 fn apart(a: &Isometry3<f64>, first: &dyn Shape, b: &Isometry3<f64>, second: &dyn Shape) -> Result<f64> {
-    let found = query::distance(&parry_pose(a), first, &parry_pose(b), second);
-    let found = found.map_err(|_| Error::new(Code::Internal, "The distance of two shapes is not implemented."))?;
-    Ok(found.distance)
+    let separation = query::distance(&parry_pose(a), first, &parry_pose(b), second);
+    let separation =
+        separation.map_err(|_| Error::new(Code::Internal, "The distance of two shapes is not implemented."))?;
+    Ok(separation.distance)
 }
 
 /// Volume of the convex hull of a mesh \[m³\]; `None` where it has none, for example because the mesh

@@ -94,9 +94,9 @@ impl Solid {
     pub fn placed(&self, pose: &Isometry3<f64>) -> Self {
         match *self {
             Solid::Capsule(capsule) => Solid::Capsule(capsule.placed(pose)),
-            Solid::Block { pose: own, half } => Solid::Block { pose: pose * own, half },
-            Solid::Cylinder { pose: own, half_length, radius } => {
-                Solid::Cylinder { pose: pose * own, half_length, radius }
+            Solid::Block { pose: local, half } => Solid::Block { pose: pose * local, half },
+            Solid::Cylinder { pose: local, half_length, radius } => {
+                Solid::Cylinder { pose: pose * local, half_length, radius }
             }
             Solid::HalfSpace { point, normal } => Solid::HalfSpace {
                 point: pose.rotation * point + pose.translation.vector,

@@ -64,8 +64,8 @@ fn tangents((low, falls): &(Nearest, f64), (high, rises): &(Nearest, f64)) -> (f
 }
 
 fn own_axes(pose: &Isometry3<f64>, a: &Vector3<f64>, b: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    let own = |p: &Vector3<f64>| pose.inverse_transform_point(&(*p).into()).coords;
-    (own(a), own(b))
+    let local = |p: &Vector3<f64>| pose.inverse_transform_point(&(*p).into()).coords;
+    (local(a), local(b))
 }
 
 fn nearest_by_slope(
@@ -122,10 +122,10 @@ fn nearest_by_slope(
 }
 
 fn nearest_to_capsule(capsule: &Capsule, a: &Vector3<f64>, b: &Vector3<f64>) -> Nearest {
-    let (own, other) = (b - a, capsule.b - capsule.a);
+    let (segment, other) = (b - a, capsule.b - capsule.a);
     let between = a - capsule.a;
-    let (aa, bb) = (own.norm_squared(), other.norm_squared());
-    let (ab, ar, br) = (own.dot(&other), own.dot(&between), other.dot(&between));
+    let (aa, bb) = (segment.norm_squared(), other.norm_squared());
+    let (ab, ar, br) = (segment.dot(&other), segment.dot(&between), other.dot(&between));
     // Squares below this are points.
     let point = 1e-24;
     let on_other = |t: f64| {
@@ -143,7 +143,7 @@ fn nearest_to_capsule(capsule: &Capsule, a: &Vector3<f64>, b: &Vector3<f64>) -> 
         let s = on_other(start);
         let t = on_own(s);
         let s = on_other(t);
-        let across = (a + own * t) - (capsule.a + other * s);
+        let across = (a + segment * t) - (capsule.a + other * s);
         let distance = across.norm();
         if distance < best.distance {
             best = Nearest { distance, t, direction: Vector3::z() };
@@ -157,7 +157,7 @@ fn nearest_to_capsule(capsule: &Capsule, a: &Vector3<f64>, b: &Vector3<f64>) -> 
         best_across / best.distance
     } else {
         // Segments that cross part fastest across both.
-        own.cross(&other).try_normalize(1e-12).unwrap_or_else(|| any_across(&own))
+        segment.cross(&other).try_normalize(1e-12).unwrap_or_else(|| any_across(&segment))
     };
     best.distance -= capsule.radius;
     best

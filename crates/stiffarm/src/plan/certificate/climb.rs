@@ -43,8 +43,8 @@ impl<'a> Climb<'a> {
         let options =
             Options { max_iterations: MAX_ITERATIONS, tolerance: 1e-9, feasibility: FEASIBILITY, ..Options::default() };
         let control = Control::default();
-        let found = minimise_within_limits(&mut self, &start, None, WATCH_ROUNDS, |_| options, control)?;
-        Ok((found.x, -found.merit * self.scale))
+        let minimum = minimise_within_limits(&mut self, &start, None, WATCH_ROUNDS, |_| options, control)?;
+        Ok((minimum.x, -minimum.merit * self.scale))
     }
 }
 

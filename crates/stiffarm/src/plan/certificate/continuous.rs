@@ -13,7 +13,7 @@ use nalgebra::DMatrix;
 /// doi:10.4153/CJM-1960-030-4; column generation is the exchange of Fedorov,
 /// *Theory of Optimal Experiments*, 1972).
 ///
-/// `given` is B, information from elsewhere per point of the design, n × n,
+/// `prior_information` is B, information from elsewhere per point of the design, n × n,
 /// symmetric positive semidefinite.
 /// `starts` are points of the space that determine all unknowns together.
 /// Where the criterion's matrix is singular the optimal M₀ may be singular as
@@ -30,12 +30,12 @@ use nalgebra::DMatrix;
 pub fn optimal_design<S: DesignSpace>(
     space: &S,
     criterion: &Criterion,
-    given: Option<&DMatrix<f64>>,
+    prior_information: Option<&DMatrix<f64>>,
     starts: &[Vec<f64>],
     options: DesignOptions,
     control: Control<'_>,
 ) -> Result<ContinuousDesign> {
-    let mut generation = Generation::new(space, criterion, given, starts, options)?;
+    let mut generation = Generation::new(space, criterion, prior_information, starts, options)?;
     let mut active = generation.start();
     let mut latest: Option<ContinuousDesign> = None;
     let mut rounds = 0;

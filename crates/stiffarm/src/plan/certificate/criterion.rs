@@ -78,9 +78,10 @@ impl Criterion {
                 "The criterion's matrix must be positive semidefinite and not zero.".to_string(),
             ));
         }
-        let kept: Vec<usize> = (0..unknowns).filter(|&i| values[i] > zero).collect();
-        let root = DMatrix::from_fn(kept.len(), unknowns, |i, j| values[kept[i]].sqrt() * vectors[(j, kept[i])]);
-        Ok(Prepared { singular: kept.len() < unknowns, root: Some(root), unknowns })
+        let positive: Vec<usize> = (0..unknowns).filter(|&i| values[i] > zero).collect();
+        let root =
+            DMatrix::from_fn(positive.len(), unknowns, |i, j| values[positive[i]].sqrt() * vectors[(j, positive[i])]);
+        Ok(Prepared { singular: positive.len() < unknowns, root: Some(root), unknowns })
     }
 }
 

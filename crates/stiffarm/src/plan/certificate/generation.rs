@@ -55,7 +55,7 @@ pub(super) struct Generation<'a, S> {
     space: &'a S,
     criterion: Prepared,
     /// B, n × n.
-    given: DMatrix<f64>,
+    prior_information: DMatrix<f64>,
     /// B + ε R: what M₀ holds besides the weighted points.
     constant: DMatrix<f64>,
     /// 1 − ε.
@@ -70,7 +70,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
     pub(super) fn new(
         space: &'a S,
         criterion: &Criterion,
-        given: Option<&DMatrix<f64>>,
+        prior_information: Option<&DMatrix<f64>>,
         starts: &[Vec<f64>],
         options: DesignOptions,
     ) -> Result<Self> {
@@ -81,19 +81,19 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
         if n == 0 || starts.is_empty() {
             return Err(Error::new(Code::TooFewData, "A bound needs unknowns, and points to start from."));
         }
-        let given = given.cloned().unwrap_or_else(|| DMatrix::zeros(n, n));
-        if given.shape() != (n, n) {
+        let prior_information = prior_information.cloned().unwrap_or_else(|| DMatrix::zeros(n, n));
+        if prior_information.shape() != (n, n) {
             return Err(Error::new(Code::Dimension, "The information given beforehand has the wrong size."));
         }
         let finite = |m: &DMatrix<f64>| m.iter().all(|v| v.is_finite());
-        if !finite(&given) {
+        if !finite(&prior_information) {
             return Err(Error::new(Code::NotFinite, "The information given beforehand is not finite."));
         }
         let mut generation = Generation {
             space,
             criterion: criterion.prepare(n)?,
-            constant: given.clone(),
-            given,
+            constant: prior_information.clone(),
+            prior_information,
             share: 1.0,
             tolerance: options.tolerance,
             pool: Vec::new(),
@@ -116,7 +116,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
             mean += &point.information;
         }
         mean /= generation.pool.len() as f64;
-        let unknown = undetermined(&(&generation.given + &mean));
+        let unknown = undetermined(&(&generation.prior_information + &mean));
         if !unknown.is_empty() {
             let names: Vec<String> = unknown.iter().map(|&i| space.unknown_name(i)).collect();
             return Err(Error::new(Code::NotIdentifiable, format!("No design can determine {}.", list(&names)))
@@ -199,11 +199,11 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
         };
         let all = all.ok_or_else(singular)?;
         let zero = ZERO_WEIGHT * self.tolerance.min(1e-3);
-        let (kept, mut weights): (Vec<usize>, Vec<f64>) =
+        let (support, mut weights): (Vec<usize>, Vec<f64>) =
             active.iter().copied().zip(all).filter(|(_, w)| *w > zero).unzip();
         let sum: f64 = weights.iter().sum();
         weights.iter_mut().for_each(|w| *w /= sum);
-        *active = kept;
+        *active = support;
         Ok(weights)
     }
 
@@ -229,10 +229,10 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
         let support: Vec<Vec<f64>> = active.iter().map(|&i| self.pool[i].x.clone()).collect();
         let order = order_by_number(active.len(), |i| -weights[i]);
         let mut from = support.clone();
-        if self.given.ncols() > FEW_UNKNOWNS {
+        if self.prior_information.ncols() > FEW_UNKNOWNS {
             from = (order.iter().take(HEAVIEST).map(|i| support[*i].clone())).collect();
         }
-        let found = self.space.maximise(&tangent.adjoint, &from, Effort::Improve);
+        let maxima = self.space.maximise(&tangent.adjoint, &from, Effort::Improve);
         let mut design = ContinuousDesign {
             points: order.iter().map(|&i| support[i].clone()).collect(),
             weights: order.iter().map(|&i| weights[i]).collect(),
@@ -254,16 +254,16 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
             let slope = trace_of_product(&design.adjoint, &point.information);
             design.largest = design.largest.max(slope);
         }
-        let improving = self.take(&mut design, found);
+        let improving = self.take(&mut design, maxima);
         Ok((design, improving))
     }
 
     /// Searches as widely as the space can; the points found that improve the design.
     pub(super) fn verify(&mut self, design: &mut ContinuousDesign) -> Vec<usize> {
-        let found = self.space.maximise(&design.adjoint, &[], Effort::Verify);
-        let searches = found.len();
-        let reached = found.clone();
-        let improving = self.take(design, found);
+        let maxima = self.space.maximise(&design.adjoint, &[], Effort::Verify);
+        let searches = maxima.len();
+        let reached = maxima.clone();
+        let improving = self.take(design, maxima);
         let near = design.largest * (1.0 - self.tolerance);
         let mut agreeing = 0;
         let support: Vec<DMatrix<f64>> = design
@@ -276,9 +276,9 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
         let mut hits = vec![0; support.len()];
         for (x, _) in reached.iter().filter(|(_, value)| *value >= near) {
             agreeing += 1;
-            let own = self.space.information(x);
+            let information = self.space.information(x);
             for (hits, at) in hits.iter_mut().zip(&support) {
-                *hits += usize::from(distance(at, &own) <= AROUND);
+                *hits += usize::from(distance(at, &information) <= AROUND);
             }
         }
         design.verification = Verification { searches, agreeing, rarest: hits.into_iter().min().unwrap_or(0) };
@@ -287,16 +287,16 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
 
     /// Counts found points in the design's bound, and adds those that improve
     /// the design to the pool; their numbers.
-    fn take(&mut self, design: &mut ContinuousDesign, found: Vec<(Vec<f64>, f64)>) -> Vec<usize> {
-        self.searches += found.len();
-        let given = trace_of_product(&design.adjoint, &self.given);
+    fn take(&mut self, design: &mut ContinuousDesign, maxima: Vec<(Vec<f64>, f64)>) -> Vec<usize> {
+        self.searches += maxima.len();
+        let prior_slope = trace_of_product(&design.adjoint, &self.prior_information);
         let mut improving: Vec<usize> = Vec::new();
-        for (x, value) in found {
+        for (x, value) in maxima {
             if !value.is_finite() {
                 continue;
             }
             design.largest = design.largest.max(value);
-            if value <= design.level - given || improving.len() == MOST_ADDED {
+            if value <= design.level - prior_slope || improving.len() == MOST_ADDED {
                 continue;
             }
             let information = self.space.information(&x);
@@ -307,7 +307,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
             let at = self.add(x, information);
             improving.push(at);
         }
-        design.residual = (given + design.largest) / design.level - 1.0;
+        design.residual = (prior_slope + design.largest) / design.level - 1.0;
         design.bound = design.value / (1.0 + design.residual);
         improving
     }
@@ -330,14 +330,14 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
             if merged.len() == active.len() {
                 return Ok(None);
             }
-            let mut kept = self.apart(improving.iter().copied().chain(heavy));
+            let mut distinct = self.apart(improving.iter().copied().chain(heavy));
             // Fewer points may leave an unknown undetermined.
-            let Ok(weights) = self.weigh(&mut kept) else {
+            let Ok(weights) = self.weigh(&mut distinct) else {
                 continue;
             };
-            let (design, _) = self.search(&kept, &weights)?;
+            let (design, _) = self.search(&distinct, &weights)?;
             if design.residual <= self.tolerance {
-                return Ok(Some((design, kept)));
+                return Ok(Some((design, distinct)));
             }
         }
         Ok(None)
@@ -345,17 +345,17 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
 
     /// Points of the pool without those that are near an earlier one.
     fn apart(&self, points: impl Iterator<Item = usize>) -> Vec<usize> {
-        let mut kept: Vec<usize> = Vec::new();
+        let mut distinct: Vec<usize> = Vec::new();
         for i in points {
             let near = |&k: &usize| {
                 let [a, b] = [k, i].map(|i| &self.pool[i].information);
                 distance(a, b) <= NEAR
             };
-            if !kept.iter().any(near) {
-                kept.push(i);
+            if !distinct.iter().any(near) {
+                distinct.push(i);
             }
         }
-        kept
+        distinct
     }
 }
 

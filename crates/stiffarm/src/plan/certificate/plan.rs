@@ -24,7 +24,7 @@ pub(super) struct Plan<'a> {
     /// Points that every design starts from: the plan's own and some samples.
     starts: Vec<Vec<f64>>,
     /// Information of the measured postures per posture of the plan, n × n.
-    given: DMatrix<f64>,
+    prior_information: DMatrix<f64>,
 }
 
 impl<'a> Plan<'a> {
@@ -65,13 +65,13 @@ impl<'a> Plan<'a> {
         let n = space.unknowns();
         // What is known without a reading of what gives way beyond the axes.
         let fixed = space.cell().setup.robot.spring_count();
-        let known = |i: usize, j: usize| f64::from(u8::from(i == j && i >= fixed));
-        let mut given = DMatrix::from_fn(n, n, known);
+        let prior = |i: usize, j: usize| f64::from(u8::from(i == j && i >= fixed));
+        let mut prior_information = DMatrix::from_fn(n, n, prior);
         for q in measured {
-            given += space.information(q.as_ref());
+            prior_information += space.information(q.as_ref());
         }
         Ok(Plan {
-            given: given / postures.len() as f64,
+            prior_information: prior_information / postures.len() as f64,
             postures: postures.len(),
             options: DesignOptions { tolerance: options.tolerance, max_rounds: options.max_rounds },
             space,
@@ -87,7 +87,7 @@ impl<'a> Plan<'a> {
         control: Control<'_>,
     ) -> Result<ContinuousDesign> {
         let starts = [self.starts.as_slice(), more].concat();
-        optimal_design(&self.space, criterion, Some(&self.given), &starts, self.options, control)
+        optimal_design(&self.space, criterion, Some(&self.prior_information), &starts, self.options, control)
     }
 
     pub(super) fn certificate<Q: AsRef<[f64]>>(
@@ -100,8 +100,8 @@ impl<'a> Plan<'a> {
     ) -> Result<Certificate> {
         let design = self.design(criterion, &[], control)?;
         let all: Vec<&[f64]> = measured.iter().chain(postures).map(AsRef::as_ref).collect();
-        let found = evaluate_for(self.space.cell(), index.as_str(), &all, Some(index))?;
-        let value = found.indices.get(index);
+        let evaluation = evaluate_for(self.space.cell(), index.as_str(), &all, Some(index))?;
+        let value = evaluation.indices.get(index);
         let bound = self.bound(&design);
         Ok(Certificate {
             index,

@@ -54,7 +54,7 @@ impl Readings {
                     posture_information(&block, *common_weight)
                 });
                 let nothing = || DMatrix::zeros(compliance.len(), compliance.len());
-                each.reduce(|sum, own| sum + own).unwrap_or_else(nothing)
+                each.reduce(|sum, information| sum + information).unwrap_or_else(nothing)
             }
             Readings::Prediction(function) => {
                 let rows = function.model().readings(loads);

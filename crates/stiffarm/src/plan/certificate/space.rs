@@ -224,15 +224,15 @@ impl DesignSpace for PostureSpace<'_> {
         };
         from.extend(starts.iter().cloned());
         let scale = self.samples.iter().map(|s| trace_of_product(adjoint, &s.information)).fold(0.0, f64::max);
-        let found = in_order(&from, |(_, start): (usize, &Vec<f64>)| {
+        let maxima = in_order(&from, |(_, start): (usize, &Vec<f64>)| {
             let scale = if scale > 0.0 { scale } else { 1.0 };
             Climb::new(self.cell, &self.readings, adjoint, scale)?.run(start)
         });
         // The load was checked when the space was made.
-        let mut found = found.unwrap_or_default();
-        found.retain(|(_, value)| value.is_finite());
-        sort_by_number(&mut found, |a| -a.1);
-        found
+        let mut maxima = maxima.unwrap_or_default();
+        maxima.retain(|(_, value)| value.is_finite());
+        sort_by_number(&mut maxima, |a| -a.1);
+        maxima
     }
 
     fn unknown_name(&self, unknown: usize) -> String {

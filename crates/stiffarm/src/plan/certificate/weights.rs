@@ -93,7 +93,7 @@ pub fn near_optimal_weights(problem: &WeightProblem<'_>, tolerance: f64) -> Opti
     for _ in 0..MULTIPLICATIVE_STEPS {
         let state = problem.state(&weights)?;
         let gap = (state.slopes.max() - state.slopes.dot(&weights)) / state.tangent.level;
-        if best.as_ref().is_none_or(|(known, _)| gap < *known) {
+        if best.as_ref().is_none_or(|(least_gap, _)| gap < *least_gap) {
             best = Some((gap, weights.clone()));
         }
         if gap <= tolerance {

@@ -83,15 +83,15 @@ fn lengths(cell: &Cell) -> Vec<Length> {
     }
     let rope = cell.scene.rope().and_then(|rope| rope.clearance);
     let sight = cell.scene.sight().map(|sight| sight.clearance);
-    for (key, own) in [("shapes_mm", Some(cell.scene.clearance())), ("rope_mm", rope), ("sight_mm", sight)] {
-        let own = own.unwrap_or(0.0);
+    for (key, clearance) in [("shapes_mm", Some(cell.scene.clearance())), ("rope_mm", rope), ("sight_mm", sight)] {
+        let clearance = clearance.unwrap_or(0.0);
         let what = "The clearance".to_string();
-        add(caution, format!("clearance.{key}"), what, own, [CLEARANCE, FAR]);
+        add(caution, format!("clearance.{key}"), what, clearance, [CLEARANCE, FAR]);
     }
     for (key, height) in [("floor_mm", cell.limits.floor), ("wrist_height_mm", cell.limits.wrist_height)] {
         let what = "The height".to_string();
-        let own = height.map_or(0.0, f64::abs);
-        add(caution, format!("limits.{key}"), what, own, [HEIGHT, FAR]);
+        let height = height.map_or(0.0, f64::abs);
+        add(caution, format!("limits.{key}"), what, height, [HEIGHT, FAR]);
     }
     out
 }
@@ -162,10 +162,10 @@ fn is_link(part: &Part) -> bool {
 /// The smallest and the largest of its sides \[m\]; `None` for what fills half of space.
 fn dimensions(solid: &Solid) -> Option<[f64; 2]> {
     let [a, b] = match solid {
-        Solid::Capsule(own) => {
-            let width = 2.0 * own.radius;
+        Solid::Capsule(capsule) => {
+            let width = 2.0 * capsule.radius;
             // A sphere has no other size.
-            return Some([own.radius, width + (own.b - own.a).norm()]);
+            return Some([capsule.radius, width + (capsule.b - capsule.a).norm()]);
         }
         Solid::Block { half, .. } => [2.0 * half.min(), 2.0 * half.max()],
         Solid::Cylinder { half_length, radius, .. } => {
@@ -180,7 +180,7 @@ fn dimensions(solid: &Solid) -> Option<[f64; 2]> {
 /// Distance of its middle, or of its plane, from the origin \[m\].
 fn distance(solid: &Solid) -> f64 {
     match solid {
-        Solid::Capsule(own) => (0.5 * (own.a + own.b)).norm(),
+        Solid::Capsule(capsule) => (0.5 * (capsule.a + capsule.b)).norm(),
         Solid::Block { pose, .. } | Solid::Cylinder { pose, .. } => pose.translation.vector.norm(),
         Solid::HalfSpace { point, normal } => point.dot(normal).abs(),
     }
@@ -190,9 +190,9 @@ fn distance(solid: &Solid) -> f64 {
 fn postures(cell: &Cell) -> Vec<(String, String, &[f64])> {
     let start = cell.route.start.iter();
     let start = start.map(|q| ("route.start_deg".into(), "the start".into(), q.as_slice()));
-    let validation = cell.validation.iter().map(|own| {
-        let what = format!("validation posture {}", own.name);
-        ("validation.posture".into(), what, own.q.as_slice())
+    let validation = cell.validation.iter().map(|posture| {
+        let what = format!("validation posture {}", posture.name);
+        ("validation.posture".into(), what, posture.q.as_slice())
     });
     let tasks = cell.tasks.iter().enumerate().map(|(t, task)| {
         let what = format!("task {}", task.name);

@@ -69,14 +69,14 @@ impl FurtherLoad {
             of(&both) - of(&cell.setup.load)
         };
         let hung = cell.setup.under_weight(pull);
-        let found = FurtherLoad {
+        let further_load = FurtherLoad {
             mass_kg: pull / STANDARD_GRAVITY,
             without,
             with: with(&hung)?,
             time_s: takes(&hung.load),
             anchor: None,
         };
-        if found.with >= WORTH_A_WORD * found.without {
+        if further_load.with >= WORTH_A_WORD * further_load.without {
             return None;
         }
         let anchors = other_anchors(&cell.setup).into_iter().filter_map(|setup| {
@@ -86,7 +86,7 @@ impl FurtherLoad {
             Some(FurtherAnchor { position_m, with, time_s })
         });
         let anchor = anchors.min_by(|a, b| a.with.total_cmp(&b.with));
-        Some(FurtherLoad { anchor, ..found })
+        Some(FurtherLoad { anchor, ..further_load })
     }
 
     /// The same as a finding about random postures.
@@ -95,13 +95,13 @@ impl FurtherLoad {
             Load::Rope { .. } => "Every pull goes through the anchor",
             _ => "The load always pulls one way",
         };
-        let anchor = self.anchor.map_or_else(String::new, |found| {
-            let [x, y, z] = found.position_m.map(|v| m_to_mm(v).round() + 0.0);
+        let anchor = self.anchor.map_or_else(String::new, |anchor| {
+            let [x, y, z] = anchor.position_m.map(|v| m_to_mm(v).round() + 0.0);
             format!(
                 " Where none can be hung, hooking the rope to a second anchor as well, say at [{x}, {y}, {z}] mm, would lead to \
                  {} and take {} more.",
-                length(found.with),
-                minutes(found.time_s)
+                length(anchor.with),
+                minutes(anchor.time_s)
             )
         });
         Finding::note(
@@ -140,7 +140,7 @@ fn other_anchors(setup: &Setup) -> Vec<Setup> {
     let origin = on_first_axis(&frames);
     let turned =
         [FRAC_PI_3, -FRAC_PI_3].map(|angle| origin + Rotation3::from_axis_angle(&axis, angle) * (anchor - origin));
-    let is_other = |own: &Vector3<f64>| (own - anchor).norm() > NEAR_ANCHOR;
+    let is_other = |point: &Vector3<f64>| (point - anchor).norm() > NEAR_ANCHOR;
     let others = turned.into_iter().filter(is_other);
     let under = |anchor| Setup { load: Load::Rope { anchor, magnitude }, ..setup.clone() };
     others.map(under).collect()

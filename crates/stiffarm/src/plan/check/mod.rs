@@ -117,14 +117,14 @@ pub fn robot_doubts(robot: &Robot) -> Vec<Finding> {
         );
         Finding::caution("robot-doubt", "robot.theta_from_q", sentence)
     });
-    let convention = robot.like_in_other_convention().map(|known| {
-        let [own, other] = [robot.convention(), robot.convention().other()].map(|c| c.name());
+    let convention = robot.like_in_other_convention().map(|lookalike| {
+        let [stated, other] = [robot.convention(), robot.convention().other()].map(|c| c.name());
         let sentence = format!(
-            "Read as {own} rows the arm is like no robot of the catalogue, read as {other} ones it is like {}: name the \
+            "Read as {stated} rows the arm is like no robot of the catalogue, read as {other} ones it is like {}: name the \
              rows robot.dh_{other}, or compare a posture with the pendant (stiffarm pose).",
-            known.name
+            lookalike.name
         );
-        Finding::caution("dh-convention", format!("robot.dh_{own}"), sentence)
+        Finding::caution("dh-convention", format!("robot.dh_{stated}"), sentence)
     });
     doubts
         .filter(|doubt| doubt.about != DoubtAbout::Source)
@@ -167,18 +167,18 @@ fn two_noises(cell: &Cell) -> Option<Finding> {
         Some((covariance.trace() / 3.0).sqrt())
     };
     let [near, far] = FROM_TRACKER.map(at);
-    let (near, far, own) = (near?, far?, cell.noise.reading_variance.sqrt());
-    let agrees = own * ALIKE >= near && own <= far * ALIKE;
+    let (near, far, scatter) = (near?, far?, cell.noise.reading_variance.sqrt());
+    let agrees = scatter * ALIKE >= near && scatter <= far * ALIKE;
     let sentence = format!(
         "[noise] has a reading scatter by {} along an axis, [tracker] by {} at {} m and {} at {} m: plans, forecasts and \
          simulated readings count with [noise], `--weights tracker` with [tracker].",
-        length(own),
+        length(scatter),
         length(near),
         FROM_TRACKER[0],
         length(far),
         FROM_TRACKER[1]
     );
-    (!agrees && own > 0.0).then(|| Finding::caution("two-noises", "noise", sentence))
+    (!agrees && scatter > 0.0).then(|| Finding::caution("two-noises", "noise", sentence))
 }
 
 /// One sampled posture.
@@ -231,15 +231,15 @@ fn reach(cell: &Cell, within: usize, findings: &mut Vec<Finding>) -> Result<()> 
         return Ok(());
     }
     // What a selection says that finds nothing.
-    let found = obstruction_among(cell, SAMPLES)?.words();
+    let sentence = obstruction_among(cell, SAMPLES)?.words();
     if within == 0 {
         findings.push(Finding::serious(
             "unreachable-limits",
             "limits",
-            format!("{found} Check the limits' frame (robot base) and unit (mm)."),
+            format!("{sentence} Check the limits' frame (robot base) and unit (mm)."),
         ));
     } else {
-        findings.push(Finding::caution("cramped-limits", "limits", found));
+        findings.push(Finding::caution("cramped-limits", "limits", sentence));
     }
     Ok(())
 }
@@ -248,8 +248,8 @@ fn reach(cell: &Cell, within: usize, findings: &mut Vec<Finding>) -> Result<()> 
 fn one_load(cell: &Cell, samples: &[&Sample], findings: &mut Vec<Finding>) {
     let allowed = samples.iter().filter(|s| s.is_allowed);
     let some: Vec<&[f64]> = allowed.take(ONE_LOAD_POSTURES).map(|s| s.q.as_slice()).collect();
-    let found = FurtherLoad::new(cell, &some);
-    findings.extend(found.map(|found| found.finding(cell, some.len())));
+    let further_load = FurtherLoad::new(cell, &some);
+    findings.extend(further_load.map(|further_load| further_load.finding(cell, some.len())));
 }
 
 /// Validation postures: the machine's limits bind them, the cell's limits warn.
@@ -308,8 +308,8 @@ fn shapes(cell: &Cell, findings: &mut Vec<Finding>) {
             ),
         ));
     }
-    let known = !cell.setup.robot.link_capsules().is_empty();
-    if !cell.scene.parts().is_empty() && !known {
+    let has_link_shapes = !cell.setup.robot.link_capsules().is_empty();
+    if !cell.scene.parts().is_empty() && !has_link_shapes {
         findings.push(Finding::caution(
             "no-link-shapes",
             "robot.shape",

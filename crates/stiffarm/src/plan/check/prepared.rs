@@ -13,10 +13,10 @@ use crate::plan::characteristic_length::with_length;
 /// Postures that are looked at for a spring that moves a measuring point.
 const POSTURES: u32 = 64;
 
-/// The cell of a plan, with its characteristic length, and [`determinable`] where its load is `given`; and what to
+/// The cell of a plan, with its characteristic length, and [`determinable`] where it has a `fixed_load`; and what to
 /// distrust about it.
-pub fn prepared(cell: &Cell, given: bool) -> (Cell, Vec<Finding>) {
-    let (cell, left_out) = if given { determinable(cell.clone()) } else { (cell.clone(), Vec::new()) };
+pub fn prepared(cell: &Cell, fixed_load: bool) -> (Cell, Vec<Finding>) {
+    let (cell, left_out) = if fixed_load { determinable(cell.clone()) } else { (cell.clone(), Vec::new()) };
     let mut findings = robot_doubts(&cell.setup.robot);
     findings.extend(left_out);
     (with_length(cell).0, findings)
@@ -45,11 +45,11 @@ pub fn determinable(mut cell: Cell) -> (Cell, Vec<Finding>) {
         Finding::caution(codes::JOINT_LEFT_OUT, name, sentence)
     };
     let findings = left_out.iter().map(finding).collect();
-    let kept: Vec<usize> = (0..count).filter(|j| !left_out.contains(j)).collect();
+    let determined: Vec<usize> = (0..count).filter(|j| !left_out.contains(j)).collect();
     if let Some(prior) = &mut cell.prior {
-        *prior = kept.iter().map(|j| prior[*j]).collect();
+        *prior = determined.iter().map(|j| prior[*j]).collect();
     }
-    cell.setup.robot = cell.setup.robot.with_springs(&kept);
+    cell.setup.robot = cell.setup.robot.with_springs(&determined);
     (cell, findings)
 }
 

@@ -52,8 +52,8 @@ impl Slips<'_> {
 pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
     let mut slips = Slips(findings);
     tool(cell, &mut slips);
-    for own in cell.setup.load.each() {
-        load(cell, own, &mut slips);
+    for single_load in cell.setup.load.each() {
+        load(cell, single_load, &mut slips);
     }
     limits(cell, &mut slips);
     let degrees = cell.bounds.iter().flatten().map(|b| rad_to_deg(b.abs()));
@@ -113,7 +113,7 @@ pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
 
 /// Sizes of what gives way beyond the axes against those of an arm of this kind.
 fn elastic(cell: &Cell, slips: &mut Slips<'_>) {
-    let (Some(own), Some(prior)) = (&cell.elastic, &cell.prior) else {
+    let (Some(sizes), Some(prior)) = (&cell.elastic, &cell.prior) else {
         return;
     };
     let Ok(typical) = ElasticSizes::typical(&cell.setup, prior) else {
@@ -121,7 +121,7 @@ fn elastic(cell: &Cell, slips: &mut Slips<'_>) {
     };
     let keys = ["shift_std_m_per_n", "turn_std_rad_per_nm", "coupling_std_rad_per_n"];
     for (class, key) in ElasticClass::ENTRIES.into_iter().zip(keys) {
-        let (size, usual) = (own.of(class), typical.of(class));
+        let (size, usual) = (sizes.of(class), typical.of(class));
         if size > ELASTIC * usual {
             slips.add(
                 &format!("elastic.{key}"),

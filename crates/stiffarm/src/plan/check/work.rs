@@ -15,8 +15,8 @@ const FAR: f64 = 100.0;
 pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
     for (t, task) in cell.tasks.iter().enumerate() {
         let key = format!("task[{}].force_n", t + 1);
-        let found = implausible::load(&cell.setup.robot, [(key.as_str(), &task.wrench)]);
-        findings.extend(found);
+        let implausible_load = implausible::load(&cell.setup.robot, [(key.as_str(), &task.wrench)]);
+        findings.extend(implausible_load);
     }
     findings.extend(implausible::process(cell));
     findings.extend(cell.work.shown_tool_axis());

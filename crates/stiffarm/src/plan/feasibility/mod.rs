@@ -74,8 +74,8 @@ impl From<&LimitMargin> for NearestLimit {
 
 /// The largest displacement under a load, where it is limited.
 fn displacement(cell: &Cell, states: &[PostureTerms]) -> Option<f64> {
-    let asked = cell.scene.displacement()?;
-    let each = states.iter().map(|terms| asked.displacement(terms));
+    let limits = cell.scene.displacement()?;
+    let each = states.iter().map(|terms| limits.displacement(terms));
     each.reduce(f64::max)
 }
 
@@ -124,20 +124,20 @@ pub struct Violation {
 /// Angles or bounds that do not fit the robot; a rope without a direction.
 pub fn violations(cell: &Cell, postures: &[Posture]) -> Result<Vec<Violation>> {
     let mut margins = cell.posture_margins()?;
-    let mut found = Vec::new();
+    let mut violations = Vec::new();
     for posture in postures {
         check_angles(&cell.setup.robot, &posture.q)?;
         let violation = |sentence, limit| Violation { posture: posture.name.clone(), sentence, limit };
         let outside = cell.outside_bounds(&posture.q);
-        found.extend(outside.map(|joint| violation(beyond_bounds(cell, joint), None)));
+        violations.extend(outside.map(|joint| violation(beyond_bounds(cell, joint), None)));
         let named = margins.named(&posture.q)?;
         for kind in LimitKind::ALL {
-            let own = named.iter().filter(|m| m.kind == kind && m.is_violated());
-            let worst = own.min_by(|a, b| a.margin.total_cmp(&b.margin));
-            found.extend(worst.map(|m| violation(m.violation(), Some(NearestLimit::from(m)))));
+            let violated = named.iter().filter(|m| m.kind == kind && m.is_violated());
+            let worst = violated.min_by(|a, b| a.margin.total_cmp(&b.margin));
+            violations.extend(worst.map(|m| violation(m.violation(), Some(NearestLimit::from(m)))));
         }
     }
-    Ok(found)
+    Ok(violations)
 }
 
 /// That a joint is outside the cell's bounds, as the end of a sentence about a posture.
@@ -159,8 +159,8 @@ impl PostureLimits {
         let under = |setup| PostureTerms::new(setup, q, None);
         let states: Vec<PostureTerms> = setups.iter().map(under).collect::<Result<_>>()?;
         let of_kind = |kind: LimitKind| {
-            let own = named.iter().filter(|m| m.kind == kind && m.margin.is_finite());
-            own.min_by(|a, b| a.margin.total_cmp(&b.margin))
+            let finite = named.iter().filter(|m| m.kind == kind && m.margin.is_finite());
+            finite.min_by(|a, b| a.margin.total_cmp(&b.margin))
         };
         let seen = cell.scene.seen(&states[0]);
         let station = seen.as_ref().zip(cell.scene.sight());

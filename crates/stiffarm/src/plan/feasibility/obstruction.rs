@@ -67,8 +67,8 @@ pub(crate) fn obstruction_among(cell: &Cell, samples: u32) -> Result<Obstruction
     let mut violated: Vec<ViolatedKind> = kinds
         .iter()
         .map(|kind| {
-            let own = seen.iter().filter(|((of, _), _)| of == kind);
-            let most = own.max_by_key(|(_, count)| **count);
+            let subjects = seen.iter().filter(|((of, _), _)| of == kind);
+            let most = subjects.max_by_key(|(_, count)| **count);
             ViolatedKind {
                 kind: *kind,
                 postures: masks.iter().filter(|mask| **mask & bit(*kind) != 0).count(),
@@ -151,7 +151,7 @@ impl Obstruction {
 pub(crate) fn nothing_meets(cell: &Cell, tried: usize) -> Error {
     let tried = format!("None of {tried} random postures within the bounds meets the cell's limits.");
     let message = match obstruction(cell) {
-        Ok(found) => format!("{tried} {}", found.words()),
+        Ok(obstruction) => format!("{tried} {}", obstruction.words()),
         Err(_) => tried,
     };
     let hint = if cell.scene.is_empty() {

@@ -17,8 +17,8 @@ const MOST_NAMES: usize = 12;
 pub fn on_machine_limits(cell: &Cell, postures: &[Posture]) -> Vec<Finding> {
     let mut findings = Vec::new();
     let robot = &cell.setup.robot;
-    let known = robot.joints().iter().enumerate().filter(|_| !robot.limits_are_unknown());
-    for (j, joint) in known {
+    let limited_joints = robot.joints().iter().enumerate().filter(|_| !robot.limits_are_unknown());
+    for (j, joint) in limited_joints {
         for limit in joint.limits {
             let is_near = |p: &&Posture| (p.q[j] - limit).abs() <= deg_to_rad(NEAR_DEG);
             let near: Vec<&Posture> = postures.iter().filter(is_near).collect();
@@ -44,12 +44,12 @@ pub fn on_machine_limits(cell: &Cell, postures: &[Posture]) -> Vec<Finding> {
 pub fn on_limits(cell: &Cell, postures: &[Posture], limits: &[PostureLimits]) -> Vec<Finding> {
     let mut findings = on_machine_limits(cell, postures);
     // A distance that is too small is told where limits are, as a violation.
-    let has_none = |own: &PostureLimits| {
+    let has_none = |posture_limits: &PostureLimits| {
         let kinds = [LimitKind::Shapes, LimitKind::RopeClearance];
-        let mut rooms = kinds.into_iter().filter_map(|kind| own.of(kind)?.margin_m);
+        let mut rooms = kinds.into_iter().filter_map(|kind| posture_limits.of(kind)?.margin_m);
         rooms.any(|room| room.abs() <= TO_SPARE)
     };
-    let tight = postures.iter().zip(limits).filter(|(_, own)| has_none(own));
+    let tight = postures.iter().zip(limits).filter(|(_, posture_limits)| has_none(posture_limits));
     let tight: Vec<&Posture> = tight.map(|(posture, _)| posture).collect();
     if !tight.is_empty() {
         let sentence = format!(

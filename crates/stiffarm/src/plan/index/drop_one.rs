@@ -52,8 +52,8 @@ impl Each {
             Each::Nothing => return Ok(None),
             Each::Information(_, all) => {
                 let each = all.chunks_exact(n * n);
-                let each = each.map(|own| DMatrix::from_column_slice(n, n, own));
-                let total = each.clone().fold(DMatrix::zeros(n, n), |sum, own| sum + own);
+                let each = each.map(|information| DMatrix::from_column_slice(n, n, information));
+                let total = each.clone().fold(DMatrix::zeros(n, n), |sum, information| sum + information);
                 return Ok(drop_one_by_information(&total, each, std));
             }
             Each::Rows(postures) => postures,
@@ -85,8 +85,8 @@ impl Each {
 /// changes the information, from the information matrices.
 fn drop_one_by_information(total: &DMatrix<f64>, each: impl Iterator<Item = DMatrix<f64>>, std: f64) -> Option<f64> {
     let mut worst = 0.0_f64;
-    for own in each {
-        let (values, _) = symmetric_eigen(total - own)?;
+    for information in each {
+        let (values, _) = symmetric_eigen(total - information)?;
         let n = values.len();
         if values[0] <= n as f64 * GRAM_ROUNDING * values[n - 1] {
             return None;

@@ -271,23 +271,23 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
     let mut predicting = prediction.map(|model| (model, model.stack()));
     let mut each = Each::new(cell, count * setup.cases().len() * 3 * m > MOST_ROWS);
     let mut k_jn = Vec::with_capacity(count);
-    for own in postures {
-        let own = own?;
+    for states in postures {
+        let states = states?;
         // Rows of a posture: load by load.
         let mut rows = Stack::new(n, usize::MAX);
-        for terms in own.as_ref() {
+        for terms in states.as_ref() {
             let mut block = terms.block(robot);
             psi.push(block.clone());
             whiten_posture(&mut block, rho);
             rows.push(block);
         }
         if let Some((model, stack)) = &mut predicting {
-            stack.push(model.readings(own.as_ref()));
+            stack.push(model.readings(states.as_ref()));
         }
         let rows = rows.into_matrix();
         each.add(&rows);
         whitened.push(rows);
-        let terms = &own.as_ref()[0];
+        let terms = &states.as_ref()[0];
         k_jn.push(
             cell.characteristic_length
                 .and_then(|length| dexterity::condition_number(terms.frames(), &terms.measuring_points()[0], length)),

@@ -29,7 +29,7 @@ pub struct IndexFunction {
     index: Index,
     kernel: Kernel,
     criterion: Criterion,
-    given: Given,
+    fixed_postures: Given,
     /// Instead of the information, where the index is that of the mixed model.
     prediction: Option<Box<PredictionFunction>>,
     /// ln of what the value is multiplied by: σ, √m.
@@ -55,13 +55,18 @@ impl IndexFunction {
         IndexFunction::with_given::<Vec<f64>>(cell, index, posture_count, &[])
     }
 
-    /// Prepares `index` for groups of the postures `given` (controller angles,
+    /// Prepares `index` for groups of the postures `fixed_postures` (controller angles,
     /// rad), which stay as they are, and `posture_count` further ones.
     ///
     /// # Errors
     /// As [`new`](Self::new); given angles of the wrong number or not finite.
-    pub fn with_given<Q: AsRef<[f64]>>(cell: &Cell, index: Index, posture_count: usize, given: &[Q]) -> Result<Self> {
-        IndexFunction::build(cell, index, posture_count, given, false)
+    pub fn with_given<Q: AsRef<[f64]>>(
+        cell: &Cell,
+        index: Index,
+        posture_count: usize,
+        fixed_postures: &[Q],
+    ) -> Result<Self> {
+        IndexFunction::build(cell, index, posture_count, fixed_postures, false)
     }
 
     /// As [`with_given`](Self::with_given), with the cell's limits as a penalty
@@ -70,23 +75,23 @@ impl IndexFunction {
         cell: &Cell,
         index: Index,
         count: usize,
-        given: &[Q],
+        fixed_postures: &[Q],
         limits: bool,
     ) -> Result<Self> {
         let setup = &cell.setup;
         let n = setup.robot.spring_count();
         let inputs = Inputs::new(cell, index)?;
         let wanted = inputs.wanted(limits);
-        for q in given {
+        for q in fixed_postures {
             check_angles(&setup.robot, q.as_ref())?;
         }
         let prediction = match index {
-            Index::Prediction => Some(Box::new(PredictionFunction::new(cell, count, given)?)),
+            Index::Prediction => Some(Box::new(PredictionFunction::new(cell, count, fixed_postures)?)),
             _ => None,
         };
-        let given = Given::new(cell, wanted, given)?;
+        let fixed_postures = Given::new(cell, wanted, fixed_postures)?;
         let kernel = Kernel::new(cell, wanted, count)?;
-        let postures = count + given.count;
+        let postures = count + fixed_postures.count;
         let std = cell.noise.displacement_std();
         let log_factor = log_factor(index, std, postures as f64);
         let drop_one = index == Index::DropOne;
@@ -94,7 +99,7 @@ impl IndexFunction {
             index,
             kernel,
             criterion: criterion(cell, index)?,
-            given,
+            fixed_postures,
             prediction,
             log_factor,
             total: vec![0.0; packed(n, 0)],
@@ -139,8 +144,8 @@ impl IndexFunction {
     pub fn component_count(&self) -> usize {
         let free = self.kernel.posture_count();
         match self.index {
-            Index::Classical | Index::Novel | Index::Scaled => free + usize::from(self.given.count > 0),
-            Index::DropOne => free + self.given.count,
+            Index::Classical | Index::Novel | Index::Scaled => free + usize::from(self.fixed_postures.count > 0),
+            Index::DropOne => free + self.fixed_postures.count,
             Index::WorstJoint => self.criterion.unknowns(),
             _ => 0,
         }
@@ -209,7 +214,7 @@ impl IndexFunction {
                 self.adjoint.fill(0.0);
                 for (c, row) in out.component_gradients.chunks_exact_mut(size).enumerate() {
                     self.kernel.set_adjoint(None, &self.adjoints[c * square..(c + 1) * square]);
-                    if let Some(p) = c.checked_sub(self.given.count) {
+                    if let Some(p) = c.checked_sub(self.fixed_postures.count) {
                         self.kernel.set_adjoint(Some(p), &self.adjoint);
                     }
                     self.kernel.reverse(row);
@@ -313,12 +318,12 @@ impl IndexFunction {
                     }
                 }
                 for p in 0..self.kernel.posture_count() {
-                    let c = p + self.given.count;
-                    let own = &mut self.adjoints[c * square..(c + 1) * square];
-                    for (own, sum) in own.iter_mut().zip(&self.adjoint) {
-                        *own = sum - self.weights[c] * *own;
+                    let c = p + self.fixed_postures.count;
+                    let posture_adjoint = &mut self.adjoints[c * square..(c + 1) * square];
+                    for (slope, sum) in posture_adjoint.iter_mut().zip(&self.adjoint) {
+                        *slope = sum - self.weights[c] * *slope;
                     }
-                    self.kernel.set_adjoint(Some(p), own);
+                    self.kernel.set_adjoint(Some(p), posture_adjoint);
                 }
             }
             _ => self.kernel.set_adjoint(None, &self.criterion.adjoint),
@@ -339,8 +344,8 @@ impl IndexFunction {
             for p in 0..count {
                 self.components[p] = self.kernel.log_dexterity(p);
             }
-            if self.given.count > 0 {
-                self.components[count] = self.given.log_dexterity;
+            if self.fixed_postures.count > 0 {
+                self.components[count] = self.fixed_postures.log_dexterity;
             }
         }
         if !self.index.uses_observation() {
@@ -348,7 +353,7 @@ impl IndexFunction {
         }
         let size = self.total.len();
         self.total.fill(0.0);
-        self.given.add_information(&mut self.total);
+        self.fixed_postures.add_information(&mut self.total);
         self.kernel.add_information(&mut self.total);
         let constant = Value::plain(self.log_factor);
         match self.index {
@@ -365,10 +370,10 @@ impl IndexFunction {
                 let square = self.adjoint.len();
                 for c in 0..self.components.len() {
                     self.rest.copy_from_slice(&self.total);
-                    match c.checked_sub(self.given.count) {
+                    match c.checked_sub(self.fixed_postures.count) {
                         None => {
-                            let own = &self.given.each[c * size..(c + 1) * size];
-                            for (rest, v) in self.rest.iter_mut().zip(own) {
+                            let information = &self.fixed_postures.each[c * size..(c + 1) * size];
+                            for (rest, v) in self.rest.iter_mut().zip(information) {
                                 *rest -= v;
                             }
                         }
@@ -410,8 +415,8 @@ impl IndexFunction {
     }
 
     /// The given postures.
-    pub(crate) fn given(&self) -> &Given {
-        &self.given
+    pub(crate) fn fixed_postures(&self) -> &Given {
+        &self.fixed_postures
     }
 
     /// The kernel, for its limits and load.

@@ -51,7 +51,7 @@ pub fn evaluate_groups<G: AsRef<[Q]> + Sync, Q: AsRef<[f64]> + Sync>(
         group.len() == first.len() && angles.all(|checked| checked.is_ok())
     };
     let portions: Vec<&[G]> = groups.chunks(PORTION).collect();
-    let found = in_order(&portions, |(portion, groups)| {
+    let by_portion = in_order(&portions, |(portion, groups)| {
         let mut functions = functions.clone();
         let one = |(number, group): (usize, &G)| {
             let group = group.as_ref();
@@ -63,8 +63,8 @@ pub fn evaluate_groups<G: AsRef<[Q]> + Sync, Q: AsRef<[f64]> + Sync>(
         };
         groups.iter().enumerate().map(one).collect()
     });
-    let found: Vec<Vec<Indices>> = found?;
-    Ok(found.into_iter().flatten().collect())
+    let by_portion: Vec<Vec<Indices>> = by_portion?;
+    Ok(by_portion.into_iter().flatten().collect())
 }
 
 /// What the functions say of a group; `None` where they are not sure of nine digits.

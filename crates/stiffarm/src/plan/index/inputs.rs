@@ -85,15 +85,15 @@ impl Given {
     ///
     /// # Errors
     /// As [`Kernel::new`].
-    pub fn new<Q: AsRef<[f64]>>(cell: &Cell, wanted: Wanted<'_>, given: &[Q]) -> Result<Self> {
-        let mut fixed = Given { count: given.len(), each: Vec::new(), log_dexterity: f64::NEG_INFINITY };
-        if given.is_empty() {
+    pub fn new<Q: AsRef<[f64]>>(cell: &Cell, wanted: Wanted<'_>, fixed_postures: &[Q]) -> Result<Self> {
+        let mut fixed = Given { count: fixed_postures.len(), each: Vec::new(), log_dexterity: f64::NEG_INFINITY };
+        if fixed_postures.is_empty() {
             return Ok(fixed);
         }
-        let mut kernel = Kernel::new(cell, Wanted { limits: false, ..wanted }, given.len())?;
-        let q: Vec<f64> = given.iter().flat_map(|q| q.as_ref().to_vec()).collect();
+        let mut kernel = Kernel::new(cell, Wanted { limits: false, ..wanted }, fixed_postures.len())?;
+        let q: Vec<f64> = fixed_postures.iter().flat_map(|q| q.as_ref().to_vec()).collect();
         kernel.forward(&q);
-        for p in 0..given.len() {
+        for p in 0..fixed_postures.len() {
             if wanted.information.is_some() {
                 fixed.each.extend(kernel.information(p));
             }

@@ -36,8 +36,8 @@ impl Minimax {
         let largest = components.reduce(|a, b| if b.1 > a.1 { b } else { a });
         if let (Some((at, _)), true) = (largest, value.is_finite()) {
             let size = gradient.len();
-            let own = &self.component_gradients[at * size..(at + 1) * size];
-            gradient.iter_mut().zip(own).for_each(|(g, own)| *g += own);
+            let largest_gradient = &self.component_gradients[at * size..(at + 1) * size];
+            gradient.iter_mut().zip(largest_gradient).for_each(|(g, slope)| *g += slope);
         }
         (value, gradient)
     }

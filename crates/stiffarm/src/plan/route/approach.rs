@@ -26,7 +26,7 @@ pub(super) fn approach(cell: &Cell, ways: &mut Moves<'_>, from: &[f64], to: &[f6
     let standing = robot.serial_angles(to);
     let sides = cell.sides_of_load(to)?;
     let mut beyond = standing.clone();
-    let mut found = Approach { via: Vec::new(), joints: Vec::new() };
+    let mut approach = Approach { via: Vec::new(), joints: Vec::new() };
     ways.begin(to, to)?;
     for (joint, side) in sides.into_iter().enumerate() {
         let Some(side) = side.filter(|side| *side != 0.0) else {
@@ -43,15 +43,15 @@ pub(super) fn approach(cell: &Cell, ways: &mut Moves<'_>, from: &[f64], to: &[f6
         let is_within = limits.all(|(joint, q)| (joint.limits[0]..=joint.limits[1]).contains(q));
         if is_within && ways.is_clear(&q)? && ways.is_free(&q, to)? {
             beyond = tried;
-            found.via = vec![q];
-            found.joints.push(joint);
+            approach.via = vec![q];
+            approach.joints.push(joint);
         }
     }
-    if let Some(beyond) = found.via.first().cloned() {
+    if let Some(beyond) = approach.via.first().cloned() {
         ways.begin(from, to)?;
         if !ways.is_free(from, &beyond)? {
-            found.via.insert(0, to.to_vec());
+            approach.via.insert(0, to.to_vec());
         }
     }
-    Ok(found)
+    Ok(approach)
 }

@@ -48,7 +48,7 @@ impl<'a> Equivalents<'a> {
         {
             branches.extend(all.into_iter().filter(|b| !b.singular).map(|b| b.q));
         }
-        let mut found = vec![q.to_vec()];
+        let mut equivalents = vec![q.to_vec()];
         for branch in &branches {
             if !self.has_the_same_axes(&frames, branch) {
                 continue;
@@ -59,20 +59,20 @@ impl<'a> Equivalents<'a> {
                     None => turned,
                 };
                 let apart = |a: &f64, b: &f64| (a - b).abs() > SAME_ANGLE;
-                let is_new = |known: &Vec<f64>| known.iter().zip(&turned).any(|(a, b)| apart(a, b));
-                if found.iter().all(is_new)
+                let is_new = |other: &Vec<f64>| other.iter().zip(&turned).any(|(a, b)| apart(a, b));
+                if equivalents.iter().all(is_new)
                     && self.cell.outside_bounds(&turned).next().is_none()
                     && self.has_the_same_axes(&frames, &turned)
                     && self.margins.are_met(&turned)?
                 {
-                    found.push(turned);
+                    equivalents.push(turned);
                 }
             }
         }
         let size = |q: &Vec<f64>| q.iter().map(|angle| angle * angle).sum::<f64>();
-        sort_by_number(&mut found, size);
-        found.truncate(self.most);
-        Ok(found)
+        sort_by_number(&mut equivalents, size);
+        equivalents.truncate(self.most);
+        Ok(equivalents)
     }
 
     /// Whether flange and joint axes are where they are in `frames`. An axis that points the other way

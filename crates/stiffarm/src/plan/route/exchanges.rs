@@ -22,7 +22,7 @@ pub(super) struct Exchanges<'p> {
     waiting: VecDeque<usize>,
     waits: Vec<bool>,
     /// Places of each posture.
-    own: Vec<Vec<usize>>,
+    equivalents: Vec<Vec<usize>>,
     /// Room for [`Exchanges::take_equivalents`]: least cost up to a place, and the place before it.
     least: Vec<f64>,
     before: Vec<usize>,
@@ -45,7 +45,7 @@ impl<'p> Exchanges<'p> {
             at: vec![0; places.count],
             waiting: VecDeque::new(),
             waits: vec![false; places.count],
-            own: places.of_postures(),
+            equivalents: places.of_postures(),
             least: vec![0.0; places.posture.len()],
             before: vec![0; places.posture.len()],
         }
@@ -127,14 +127,14 @@ impl<'p> Exchanges<'p> {
         if self.places.posture.len() == self.places.count {
             return false;
         }
-        let own = |place: usize| &self.own[self.places.posture[place]];
-        for place in own(self.order[0]) {
+        let equivalents = |place: usize| &self.equivalents[self.places.posture[place]];
+        for place in equivalents(self.order[0]) {
             self.least[*place] = self.places.end(*place);
         }
         for pair in self.order.windows(2) {
-            for place in own(pair[1]) {
+            for place in equivalents(pair[1]) {
                 let mut least = (f64::INFINITY, 0);
-                for before in own(pair[0]) {
+                for before in equivalents(pair[0]) {
                     let cost = self.least[*before] + self.places.cost[*before][*place];
                     if cost < least.0 {
                         least = (cost, *before);
@@ -144,7 +144,7 @@ impl<'p> Exchanges<'p> {
             }
         }
         let total = |place: &usize| self.least[*place] + self.places.end(*place);
-        let last = own(self.order[self.order.len() - 1]).iter();
+        let last = equivalents(self.order[self.order.len() - 1]).iter();
         let Some(last) = last.copied().min_by(|a, b| total(a).total_cmp(&total(b))) else {
             return false;
         };
@@ -167,10 +167,10 @@ impl<'p> Exchanges<'p> {
         let count = self.order.len();
         let mut most = LEAST;
         let mut best = None;
-        for own in [stop - 1, stop] {
-            let joined = self.step(own, own + 1);
+        for link in [stop - 1, stop] {
+            let joined = self.step(link, link + 1);
             for other in 0..=count {
-                let (low, high) = (own.min(other), own.max(other));
+                let (low, high) = (link.min(other), link.max(other));
                 let now = joined + self.step(other, other + 1);
                 let then = self.step(low, high) + self.step(low + 1, high + 1);
                 if low < high && now - then > most {

@@ -48,8 +48,8 @@ pub fn rounded<Q: AsRef<[f64]>>(cell: &Cell, postures: &[Q], step_deg: f64) -> R
     let each = postures.iter().map(|q| {
         let q = q.as_ref();
         check_angles(&cell.setup.robot, q)?;
-        let found = rounding.inside(q)?;
-        Ok(found.unwrap_or_else(|| rounding::nearest(q, step_deg)))
+        let rounded = rounding.inside(q)?;
+        Ok(rounded.unwrap_or_else(|| rounding::nearest(q, step_deg)))
     });
     each.collect()
 }
@@ -113,9 +113,9 @@ fn standing_places(
     let (mut stands, mut of) = (Vec::new(), Vec::new());
     for (posture, q) in plan.iter().enumerate() {
         control.check()?;
-        let own = if options.keep_angles { vec![q.clone()] } else { equivalents.of(q)? };
-        of.extend(std::iter::repeat_n(posture, own.len()));
-        stands.extend(own);
+        let alternatives = if options.keep_angles { vec![q.clone()] } else { equivalents.of(q)? };
+        of.extend(std::iter::repeat_n(posture, alternatives.len()));
+        stands.extend(alternatives);
     }
     Ok((stands, of))
 }
@@ -126,11 +126,11 @@ fn alike(stands: &[Vec<f64>], of: &[usize]) -> Vec<usize> {
     let count = of.last().map_or(0, |last| last + 1);
     let mut first: Vec<usize> = (0..count).collect();
     for group in repeats(stands) {
-        let mut own: Vec<usize> = group.iter().map(|stand| first[of[*stand]]).collect();
-        own.sort_unstable();
-        own.dedup();
-        for other in first.iter_mut().filter(|other| own.contains(other)) {
-            *other = own[0];
+        let mut firsts: Vec<usize> = group.iter().map(|stand| first[of[*stand]]).collect();
+        firsts.sort_unstable();
+        firsts.dedup();
+        for other in first.iter_mut().filter(|other| firsts.contains(other)) {
+            *other = firsts[0];
         }
     }
     first
@@ -160,7 +160,7 @@ fn places(ways: &Moves<'_>, cell: &Cell, count: usize, stands: &[Vec<f64>], of: 
     // No move is worth carrying the tracker to another station and back.
     let station = |q: &Vec<f64>| {
         let terms = PostureTerms::new(&cell.setup, q, None).ok()?;
-        cell.scene.station_at(&terms).map(|own| own.name.as_str())
+        cell.scene.station_at(&terms).map(|station| station.name.as_str())
     };
     let stations: Vec<Option<&str>> = stands.iter().map(station).collect();
     let carried = dearest * count as f64;

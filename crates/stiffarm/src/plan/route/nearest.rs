@@ -47,7 +47,7 @@ pub(super) fn nearest(
 
 /// What a margin of the way's cell leaves out of the distance itself.
 fn allowance(cell: &Cell, way_cell: &Cell, kind: LimitKind) -> f64 {
-    let less = |own: Option<f64>, way: Option<f64>| way.zip(own).map_or(0.0, |(w, o)| w - o);
+    let less = |limit: Option<f64>, way: Option<f64>| way.zip(limit).map_or(0.0, |(w, o)| w - o);
     match kind {
         LimitKind::Shapes => way_cell.scene.clearance(),
         LimitKind::RopeClearance => {

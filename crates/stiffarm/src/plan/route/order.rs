@@ -30,13 +30,13 @@ impl Places {
         if self.is_small() { self.by_recursion() } else { self.by_exchanges(None, MOST_KICKS, seed, control) }
     }
 
-    /// The same where `known` was found before some moves became dearer: soon, or with all effort where that is
+    /// The same where `previous` was found before some moves became dearer: soon, or with all effort where that is
     /// `thorough`.
-    pub fn again(&self, known: &[usize], thorough: bool, seed: u64, control: Control<'_>) -> Vec<usize> {
+    pub fn again(&self, previous: &[usize], thorough: bool, seed: u64, control: Control<'_>) -> Vec<usize> {
         match (self.is_small(), thorough) {
             (true, _) => self.by_recursion(),
-            (false, true) => self.by_exchanges(Some(known), MOST_KICKS, seed, control),
-            (false, false) => self.by_exchanges(Some(known), KICKS_AGAIN, seed, control),
+            (false, true) => self.by_exchanges(Some(previous), MOST_KICKS, seed, control),
+            (false, false) => self.by_exchanges(Some(previous), KICKS_AGAIN, seed, control),
         }
     }
 
@@ -88,11 +88,17 @@ impl Places {
         order
     }
 
-    /// A short order, by exchanges: from many starts, or on from a `known` order.
-    pub fn by_exchanges(&self, known: Option<&[usize]>, kicks: usize, seed: u64, control: Control<'_>) -> Vec<usize> {
+    /// A short order, by exchanges: from many starts, or on from a `previous` order.
+    pub fn by_exchanges(
+        &self,
+        previous: Option<&[usize]>,
+        kicks: usize,
+        seed: u64,
+        control: Control<'_>,
+    ) -> Vec<usize> {
         let mut rng = route_rng(seed, 1);
-        let starts: Vec<Vec<usize>> = match known {
-            Some(known) => vec![known.to_vec()],
+        let starts: Vec<Vec<usize>> = match previous {
+            Some(previous) => vec![previous.to_vec()],
             None => {
                 let some = self.count.min(8);
                 let firsts = (0..some).map(|i| i * self.count / some);
@@ -138,8 +144,8 @@ impl Places {
 
     /// An order of postures with the best equivalents.
     pub fn best_equivalents(&self, postures: Vec<usize>) -> Vec<usize> {
-        let own = self.of_postures();
-        let order = postures.into_iter().filter_map(|posture| own[posture].first().copied());
+        let equivalents = self.of_postures();
+        let order = postures.into_iter().filter_map(|posture| equivalents[posture].first().copied());
         Exchanges::new(self).with_equivalents(order.collect())
     }
 }

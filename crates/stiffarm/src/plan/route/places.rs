@@ -31,10 +31,10 @@ impl Places {
 
     /// The places of each posture.
     pub fn of_postures(&self) -> Vec<Vec<usize>> {
-        let mut own = vec![Vec::new(); self.count];
+        let mut equivalents = vec![Vec::new(); self.count];
         for (place, posture) in self.posture.iter().enumerate() {
-            own[*posture].push(place);
+            equivalents[*posture].push(place);
         }
-        own
+        equivalents
     }
 }

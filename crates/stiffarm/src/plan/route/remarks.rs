@@ -50,7 +50,7 @@ pub fn route_findings(cell: &Cell, stops: &[Posture], route: &Route) -> Result<V
     let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
     for each in blocked {
         let reason = reason(each);
-        match reasons.iter_mut().find(|(known, _)| *known == reason) {
+        match reasons.iter_mut().find(|(earlier, _)| *earlier == reason) {
             Some((_, moves)) => moves.push(each.name(stops)),
             None => reasons.push((reason, vec![each.name(stops)])),
         }

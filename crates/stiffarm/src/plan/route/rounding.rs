@@ -72,8 +72,8 @@ impl<'a> Rounding<'a> {
         if self.cell.outside_bounds(q).next().is_some() || self.margins.least(q)? < -SLACK {
             return Ok(None);
         }
-        if let Some(found) = self.around(q, q)? {
-            return Ok(Some(found));
+        if let Some(rounded) = self.around(q, q)? {
+            return Ok(Some(rounded));
         }
         let mut room = FIRST_ROOM;
         for _ in 0..DOUBLINGS {
@@ -82,8 +82,8 @@ impl<'a> Rounding<'a> {
             if q.iter().zip(&inner).any(|(q, inner)| far(q, inner)) {
                 break;
             }
-            if let Some(found) = self.around(&inner, q)? {
-                return Ok(Some(found));
+            if let Some(rounded) = self.around(&inner, q)? {
+                return Ok(Some(rounded));
             }
             room *= 2.0;
         }

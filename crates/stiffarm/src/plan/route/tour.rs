@@ -26,7 +26,7 @@ pub(super) struct Tour<'a> {
     stands: Vec<Vec<f64>>,
     start: Option<&'a [f64]>,
     /// Ways that were looked for, the lower place first.
-    known: HashMap<Pair, Option<Way>>,
+    pair_ways: HashMap<Pair, Option<Way>>,
     /// Of each place, and last of the start, one that it has ways to; the same for all that are joined.
     joined: Vec<usize>,
     /// Pairs between which a search found none.
@@ -41,7 +41,7 @@ impl<'a> Tour<'a> {
         Tour {
             places,
             start,
-            known: HashMap::new(),
+            pair_ways: HashMap::new(),
             joined: (0..=stands.len()).collect(),
             stands,
             apart: Vec::new(),
@@ -80,15 +80,15 @@ impl<'a> Tour<'a> {
             return Ok(Vec::new());
         }
         self.find_touching(ways)?;
-        let mut known: Option<(Vec<usize>, bool)> = None;
+        let mut previous: Option<(Vec<usize>, bool)> = None;
         for round in 0..MOST_ORDERS {
             control.check()?;
             let seed = options.seed;
-            let order = match &known {
+            let order = match &previous {
                 _ if options.keep_order => self.places.best_equivalents((0..count).collect()),
                 None => self.places.shortest(seed, control),
                 // Some moves became dearer: what was short is a good start.
-                Some((known, thorough)) => self.places.again(known, *thorough, seed, control),
+                Some((previous, thorough)) => self.places.again(previous, *thorough, seed, control),
             };
             control.check()?;
             let mut as_thought = true;
@@ -99,11 +99,11 @@ impl<'a> Tour<'a> {
             }
             // What was found soon is searched from once more with all effort.
             let is_certain = options.keep_order || self.places.is_small();
-            let is_soon = matches!(known, Some((_, false))) && !is_certain;
+            let is_soon = matches!(previous, Some((_, false))) && !is_certain;
             if round + 1 == MOST_ORDERS || as_thought && !is_soon {
                 return Ok(order);
             }
-            known = Some((order, as_thought));
+            previous = Some((order, as_thought));
         }
         Ok(Vec::new())
     }
@@ -134,12 +134,12 @@ impl<'a> Tour<'a> {
     /// Looks for the way between two places; false where it is longer than was thought.
     fn look(&mut self, ways: &mut Moves<'_>, (a, b): Pair) -> Result<bool> {
         let pair = (a.min(b), a.max(b));
-        if self.known.contains_key(&pair) {
+        if self.pair_ways.contains_key(&pair) {
             return Ok(true);
         }
         if self.touching.contains(&a) || self.touching.contains(&b) {
             // No other order would spare it.
-            self.known.insert(pair, None);
+            self.pair_ways.insert(pair, None);
             return Ok(true);
         }
         let (from, to) = (self.at(pair.0).to_vec(), self.at(pair.1).to_vec());
@@ -156,7 +156,7 @@ impl<'a> Tour<'a> {
             Some(way) => way.seconds - direct,
             None => BLOCKED * direct.max(1.0),
         };
-        self.known.insert(pair, way);
+        self.pair_ways.insert(pair, way);
         let add = |cost: &mut f64| *cost += more;
         match pair {
             (Some(a), Some(b)) => {
@@ -205,13 +205,13 @@ impl<'a> Tour<'a> {
         let rules = &cell.route;
         let mut moves = Vec::new();
         for (a, b) in self.pairs(order) {
-            let known = self.known.get(&(a.min(b), a.max(b))).cloned().flatten();
-            let mut via = known.as_ref().map_or(Vec::new(), |way| way.via.clone());
+            let way = self.pair_ways.get(&(a.min(b), a.max(b))).cloned().flatten();
+            let mut via = way.as_ref().map_or(Vec::new(), |way| way.via.clone());
             if a > b {
                 via.reverse();
             }
             let mut approached = Vec::new();
-            if let (Some(turn), Some(_), Some(_)) = (rules.approach, &known, b) {
+            if let (Some(turn), Some(_), Some(_)) = (rules.approach, &way, b) {
                 let last = via.last().map_or(self.at(a), |via| via);
                 let Approach { via: end, joints } = approach(cell, ways, last, self.at(b), turn)?;
                 via.extend(end);
@@ -223,11 +223,11 @@ impl<'a> Tour<'a> {
             moves.push(RouteMove {
                 from: stop_of(a),
                 to: stop_of(b),
-                free: known.is_some(),
-                time_s: (known.is_some() && rules.joint_speeds.is_some())
+                free: way.is_some(),
+                time_s: (way.is_some() && rules.joint_speeds.is_some())
                     .then(|| ways.seconds_along(&legs) / rules.speed_share),
                 turn: legs.windows(2).map(|leg| largest_change(&leg[0], &leg[1])).sum(),
-                nearest: nearest(cell, ways, &legs, known.is_some())?,
+                nearest: nearest(cell, ways, &legs, way.is_some())?,
                 via,
                 approached,
             });

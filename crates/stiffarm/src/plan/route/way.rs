@@ -33,8 +33,8 @@ impl Moves<'_> {
             return Ok(over_one);
         }
         let bounds = self.machine_bounds(from, to);
-        let found = connect(self, from, to, &bounds, self.seed)?;
-        Ok(found.map(|via| self.along(from, to, via)))
+        let via = connect(self, from, to, &bounds, self.seed)?;
+        Ok(via.map(|via| self.along(from, to, via)))
     }
 
     fn along(&self, from: &[f64], to: &[f64], via: Vec<Vec<f64>>) -> Way {

@@ -85,12 +85,12 @@ pub(crate) fn error_at_count(
     options: &GlobalOptions,
     control: Control<'_>,
 ) -> Result<(ErrorAtCount, Option<Selection>)> {
-    let found = match select(cell, index, postures, options, control) {
+    let selection = match select(cell, index, postures, options, control) {
         Ok(selection) => Some(selection),
         Err(error) if error.code() == Code::NotIdentifiable => None,
         Err(error) => return Err(error),
     };
-    let at = found.as_ref();
+    let at = selection.as_ref();
     let point = ErrorAtCount {
         postures,
         value: at.map(|s| s.value),
@@ -98,5 +98,5 @@ pub(crate) fn error_at_count(
         rounds: at.and_then(|s| s.rounds),
         evaluations: at.map_or(0, |s| s.evaluations),
     };
-    Ok((point, found))
+    Ok((point, selection))
 }

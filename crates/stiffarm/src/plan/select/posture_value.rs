@@ -91,13 +91,13 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
     let model = PredictionModel::for_index(cell, Some(index));
     let total = 1 + postures.len() + evaluations(postures.len(), count);
     let done = AtomicUsize::new(0);
-    let value_of = |kept: &[usize]| -> Result<Option<f64>> {
+    let value_of = |remaining: &[usize]| -> Result<Option<f64>> {
         control.check()?;
         let so_far = done.fetch_add(1, Ordering::Relaxed) + 1;
         control.report("leaving postures out", so_far.min(total), total);
-        let group: Vec<&Vec<PostureTerms>> = kept.iter().map(|p| &terms[*p]).collect();
-        let found = evaluate_terms(cell, index.as_str(), &group, model.as_ref())?;
-        Ok(found.indices.get(index))
+        let group: Vec<&Vec<PostureTerms>> = remaining.iter().map(|p| &terms[*p]).collect();
+        let evaluation = evaluate_terms(cell, index.as_str(), &group, model.as_ref())?;
+        Ok(evaluation.indices.get(index))
     };
     let all: Vec<usize> = (0..postures.len()).collect();
     let before = value_of(&all)?.ok_or_else(|| {

@@ -28,7 +28,7 @@ pub(super) struct PredictionJudge {
     base: Option<DMatrix<f64>>,
     /// Angles of the candidates \[rad\] where no two of a group may be alike; empty where they may.
     angles: Vec<Vec<f64>>,
-    given: Vec<Vec<f64>>,
+    fixed_postures: Vec<Vec<f64>>,
     /// Candidates that are like one of those held or given.
     barred: Vec<bool>,
     /// What each candidate would take from the error, and the error without any.
@@ -49,7 +49,7 @@ impl PredictionJudge {
             targets: model.targets().clone(),
             base,
             angles: Vec::new(),
-            given: Vec::new(),
+            fixed_postures: Vec::new(),
             barred: vec![false; each.len()],
             gains: None,
         }
@@ -60,10 +60,10 @@ impl PredictionJudge {
         self.of.len()
     }
 
-    /// The same where no group holds two postures that are alike, or one like those `given`.
-    pub(super) fn apart(mut self, angles: Vec<Vec<f64>>, given: &[Vec<f64>]) -> Self {
+    /// The same where no group holds two postures that are alike, or one like the `fixed_postures`.
+    pub(super) fn apart(mut self, angles: Vec<Vec<f64>>, fixed_postures: &[Vec<f64>]) -> Self {
         self.angles = angles;
-        self.given = given.to_vec();
+        self.fixed_postures = fixed_postures.to_vec();
         self
     }
 
@@ -85,14 +85,14 @@ impl PredictionJudge {
     /// The mean square error of a mixture of all candidates, and what more of each would take from it.
     pub(super) fn weighted(&self, weights: &[f64]) -> Option<(f64, Vec<f64>)> {
         let mut rows = self.all.clone();
-        for (own, weight) in self.of.iter().zip(weights) {
-            rows.rows_mut(own.start, own.len()).scale_mut(weight.sqrt());
+        for (range, weight) in self.of.iter().zip(weights) {
+            rows.rows_mut(range.start, range.len()).scale_mut(weight.sqrt());
         }
         let mut equations = self.equations();
         equations.add(&rows);
         let held = Held::new(&equations, &self.targets)?;
         let seen = held.seen(&self.all);
-        let score = |own: &Range<usize>| seen.rows(own.start, own.len()).norm_squared();
+        let score = |range: &Range<usize>| seen.rows(range.start, range.len()).norm_squared();
         Some((held.error, self.of.iter().map(score).collect()))
     }
 
@@ -104,8 +104,8 @@ impl PredictionJudge {
 
     /// Which candidates are like a posture that is held or given.
     fn like(&self, held: &[&[f64]]) -> Vec<bool> {
-        let given = self.given.iter().map(Vec::as_slice);
-        let held: Vec<&[f64]> = held.iter().copied().chain(given).collect();
+        let fixed = self.fixed_postures.iter().map(Vec::as_slice);
+        let held: Vec<&[f64]> = held.iter().copied().chain(fixed).collect();
         let like_one = |q: &Vec<f64>| held.iter().any(|other| alike(other, q));
         self.angles.iter().map(like_one).collect()
     }
@@ -119,8 +119,8 @@ impl PredictionJudge {
 impl Judge for PredictionJudge {
     fn hold(&mut self, rest: &[usize]) {
         let mut equations = self.equations();
-        for own in rest.iter().map(|c| &self.of[*c]) {
-            equations.add(&self.all.rows(own.start, own.len()).into_owned());
+        for range in rest.iter().map(|c| &self.of[*c]) {
+            equations.add(&self.all.rows(range.start, range.len()).into_owned());
         }
         let held = rest.iter().filter_map(|c| self.angles.get(*c));
         self.barred = self.like(&held.map(Vec::as_slice).collect::<Vec<_>>());

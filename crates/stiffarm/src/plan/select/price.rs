@@ -40,9 +40,9 @@ pub fn limit_prices(
             break;
         }
         let free = cell.without_limit(kind);
-        let found = select(&free, index, count, options, control)?;
+        let selection = select(&free, index, count, options, control)?;
         // The plan under all limits is one without this one, too.
-        let better = if index.larger_is_better() { found.value.max(value) } else { found.value.min(value) };
+        let better = if index.larger_is_better() { selection.value.max(value) } else { selection.value.min(value) };
         let price = if index.larger_is_better() { better / value - 1.0 } else { value / better - 1.0 };
         prices.push(LimitPrice { kind, value: better, price });
     }

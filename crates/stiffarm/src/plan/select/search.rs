@@ -41,12 +41,17 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// A search over groups of `count` postures beside the `given` ones.
+    /// A search over groups of `count` postures beside the `fixed_postures`.
     ///
     /// # Errors
     /// The cell lacks what the index needs.
-    pub(super) fn new<Q: AsRef<[f64]>>(cell: &'a Cell, index: Index, count: usize, given: &[Q]) -> Result<Self> {
-        let function = IndexFunction::with_given(cell, index, count, given)?;
+    pub(super) fn new<Q: AsRef<[f64]>>(
+        cell: &'a Cell,
+        index: Index,
+        count: usize,
+        fixed_postures: &[Q],
+    ) -> Result<Self> {
+        let function = IndexFunction::with_given(cell, index, count, fixed_postures)?;
         let components = function.component_count();
         let n = cell.setup.robot.joint_count();
         let mut bounds: Vec<[f64; 2]> = cell.bounds.iter().copied().cycle().take(n * count).collect();

@@ -92,13 +92,13 @@ impl Selection {
     }
 
     /// The same search with other angles of the selected postures (rad): in another order, rounded, or
-    /// equivalent ones. Index, indices and margins are theirs; `cell` has the load that was chosen, `given` are
-    /// the postures that were given.
+    /// equivalent ones. Index, indices and margins are theirs; `cell` has the load that was chosen,
+    /// `fixed_postures` are the postures that were given.
     ///
     /// # Errors
     /// Angles that do not fit the robot, or at which the index does not exist.
-    pub fn with_group<Q: AsRef<[f64]>>(self, cell: &Cell, given: &[Q], group: Vec<Vec<f64>>) -> Result<Self> {
-        let before = given.iter().map(AsRef::as_ref);
+    pub fn with_group<Q: AsRef<[f64]>>(self, cell: &Cell, fixed_postures: &[Q], group: Vec<Vec<f64>>) -> Result<Self> {
+        let before = fixed_postures.iter().map(AsRef::as_ref);
         let all: Vec<&[f64]> = before.chain(group.iter().map(Vec::as_slice)).collect();
         let evaluation = evaluate(cell, self.index.as_str(), &all)?;
         let value = evaluation.indices.get(self.index);
@@ -129,9 +129,9 @@ pub fn repeats<Q: AsRef<[f64]>>(group: &[Q]) -> Vec<Vec<usize>> {
     let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_POSTURE);
     let mut out: Vec<Vec<usize>> = Vec::new();
     for (p, q) in group.iter().enumerate() {
-        let known = out.iter_mut().find(|known| same(group[known[0]].as_ref(), q.as_ref()));
-        match known {
-            Some(known) => known.push(p),
+        let alike = out.iter_mut().find(|alike| same(group[alike[0]].as_ref(), q.as_ref()));
+        match alike {
+            Some(alike) => alike.push(p),
             None => out.push(vec![p]),
         }
     }

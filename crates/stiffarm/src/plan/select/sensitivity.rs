@@ -145,7 +145,7 @@ pub fn sensitivity<Q: AsRef<[f64]>>(
                 let mut k = prior.clone();
                 k[j] *= factor;
                 changed.prior = Some(k);
-                let own = value_in(&changed, &flat)?;
+                let changed_value = value_in(&changed, &flat)?;
                 let search = GlobalOptions {
                     seed: options.seed,
                     rounds: Some(options.rounds),
@@ -153,14 +153,18 @@ pub fn sensitivity<Q: AsRef<[f64]>>(
                     ..GlobalOptions::default()
                 };
                 let best = select(&changed, index, plan.len(), &search, control.quiet()).ok().map(|s| s.value);
-                let own = own.is_finite().then(|| index.of_log(own));
+                let changed_value = changed_value.is_finite().then(|| index.of_log(changed_value));
                 priors.push(PriorCase {
                     joint: joint.clone(),
                     factor: *factor,
-                    value: own,
+                    value: changed_value,
                     best,
-                    loss: own.zip(best).map(|(own, best)| {
-                        if index.larger_is_better() { (best / own - 1.0).max(0.0) } else { (own / best - 1.0).max(0.0) }
+                    loss: changed_value.zip(best).map(|(changed_value, best)| {
+                        if index.larger_is_better() {
+                            (best / changed_value - 1.0).max(0.0)
+                        } else {
+                            (changed_value / best - 1.0).max(0.0)
+                        }
                     }),
                 });
                 control.report("changed priors", priors.len(), of);

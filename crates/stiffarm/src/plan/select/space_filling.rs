@@ -133,9 +133,9 @@ fn candidates(cell: &Cell, count: usize, seed: u64, control: Control<'_>) -> Res
     let wanted = (CANDIDATES_EACH * count).clamp(CANDIDATES[0], CANDIDATES[1]);
     let mut margins = cell.posture_margins()?;
     let mut rng = group_rng(seed, STREAM);
-    let mut found = Vec::with_capacity(wanted);
+    let mut candidates = Vec::with_capacity(wanted);
     let mut draws = 0;
-    while found.len() < wanted && draws < MAX_DRAWS {
+    while candidates.len() < wanted && draws < MAX_DRAWS {
         draws += 1;
         if draws.is_multiple_of(BETWEEN_LOOKS) {
             control.check()?;
@@ -143,18 +143,18 @@ fn candidates(cell: &Cell, count: usize, seed: u64, control: Control<'_>) -> Res
         let q = uniform(&cell.bounds, &mut rng);
         // A rope without a direction is no posture to measure.
         if margins.least(&q).is_ok_and(|margin| margin >= 0.0) {
-            found.push(q);
+            candidates.push(q);
         }
     }
-    if found.len() >= count {
-        return Ok(found);
+    if candidates.len() >= count {
+        return Ok(candidates);
     }
-    if found.is_empty() {
+    if candidates.is_empty() {
         return Err(nothing_meets(cell, MAX_DRAWS));
     }
     let message = format!(
         "Only {} of {MAX_DRAWS} random postures within the bounds meet the cell's limits, and {count} are wanted.",
-        found.len()
+        candidates.len()
     );
     Err(Error::invalid(message)
         .key("limits")

@@ -207,9 +207,9 @@ pub(crate) fn compensate_on(
 
 fn point(arm: &LoadedArm, posture: &LoadedPosture) -> Result<PointCompensation> {
     let wrench = &posture.wrench;
-    let found = command(arm, &posture.q, wrench)?;
+    let command = command(arm, &posture.q, wrench)?;
     let robot = arm.robot();
-    if let Some((j, angle)) = robot.outside_limits(&found.q)
+    if let Some((j, angle)) = robot.outside_limits(&command.q)
         && robot.outside_limits(&posture.q).is_none()
     {
         let joint = &robot.joints()[j];
@@ -225,16 +225,16 @@ fn point(arm: &LoadedArm, posture: &LoadedPosture) -> Result<PointCompensation> 
     }
     let bent = arm.deflect(&posture.q, wrench)?;
     let shift: Vector3<f64> = bent.displacement.fixed_rows::<3>(0).into_owned();
-    let correction = motion(&found.nominal, &found.unloaded);
-    let left = motion(&found.nominal, &found.loaded);
+    let correction = motion(&command.nominal, &command.unloaded);
+    let left = motion(&command.nominal, &command.loaded);
     let shift_of = |twist: &Vector6<f64>| -> Vector3<f64> { twist.fixed_rows::<3>(0).into_owned() };
     Ok(PointCompensation {
         point: posture.name.clone(),
         nominal: posture.q.clone(),
-        tip_m: found.nominal.translation.vector.into(),
+        tip_m: command.nominal.translation.vector.into(),
         force_n: wrench.force.into(),
         moment_nm: wrench.moment.into(),
-        command: found.q.clone(),
+        command: command.q.clone(),
         correction_m: shift_of(&correction).into(),
         correction_rad: [correction[3], correction[4], correction[5]],
         correction_size_m: shift_of(&correction).norm(),

@@ -92,11 +92,11 @@ fn step(
     q: &[f64],
     halvings: usize,
 ) -> Result<Option<Vec<f64>>> {
-    let found = reach.inverse.follow(&reach.flange(to), q).ok();
-    if let Some(found) = found {
-        let changes = found.iter().zip(q).map(|(a, b)| (a - b).abs());
+    let followed = reach.inverse.follow(&reach.flange(to), q).ok();
+    if let Some(followed) = followed {
+        let changes = followed.iter().zip(q).map(|(a, b)| (a - b).abs());
         if changes.fold(0.0, f64::max) <= LARGEST_CHANGE {
-            return Ok(Some(found));
+            return Ok(Some(followed));
         }
     }
     if halvings == 0 {

@@ -83,11 +83,11 @@ pub fn stiffness_map(
         }
     }
     let rotations = options.rotations();
-    let found = as_far_as(&positions, "mapping", control, |(_, position)| {
+    let nodes = as_far_as(&positions, "mapping", control, |(_, position)| {
         let turns = (rotations.as_slice(), control);
         evaluate(&reach, bands.as_ref(), options, turns, *position)
     })?;
-    let nodes = found.into_iter().zip(&positions);
+    let nodes = nodes.into_iter().zip(&positions);
     let nodes = nodes.map(|(node, at)| node.unwrap_or_else(|| MapNode::not_computed(*at)));
     let nodes = nodes.collect();
     let confidence = bands.map(|b| b.confidence);

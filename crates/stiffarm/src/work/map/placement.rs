@@ -87,8 +87,9 @@ pub fn place(
         Region { lower: options.lower, upper: options.upper, steps: options.steps, yaws: options.yaws.clone() };
     for round in 0..=options.refinements {
         let places = region.places()?;
-        let found = as_far_as(&places, "placing", control, |(_, place)| search.candidate(round, place, control))?;
-        candidates.extend(found.into_iter().flatten());
+        let round_candidates =
+            as_far_as(&places, "placing", control, |(_, place)| search.candidate(round, place, control))?;
+        candidates.extend(round_candidates.into_iter().flatten());
         if control.stopped() {
             break;
         }
@@ -100,7 +101,7 @@ pub fn place(
             None => break,
         }
     }
-    let (part, (given, best)) = match given_and_best(cell, &search, &candidates, Part::Whole, control) {
+    let (part, (given_place, best)) = match given_and_best(cell, &search, &candidates, Part::Whole, control) {
         Err(error) if error.code() == Code::Interrupted => {
             let part = Part::Searched;
             let unstopped = Control::default();
@@ -110,13 +111,15 @@ pub fn place(
         both => (Part::Whole, both?),
     };
     let size = |placed: Option<&Placed>| placed.and_then(|p| p.deflection_rms_m);
-    let gain =
-        size(Some(&given)).zip(size(best.as_ref())).filter(|(_, best)| *best > 0.0).map(|(given, best)| given / best);
+    let gain = size(Some(&given_place))
+        .zip(size(best.as_ref()))
+        .filter(|(_, best)| *best > 0.0)
+        .map(|(given_rms, best)| given_rms / best);
     let mut out = Placement {
         point_count: points.len(),
-        searched_points: search.kept.len(),
+        searched_points: search.searched.len(),
         interrupted: part == Part::Searched || control.stopped(),
-        given,
+        given: given_place,
         best,
         gain,
         stiffness_nm_per_rad: predictor.spring_stiffness(cell),
@@ -129,13 +132,13 @@ pub fn place(
     out.findings.extend(implausible::process(cell));
     out.tip_point = cell.work.tip_point(&cell.setup.tool);
     out.findings.extend(cell.work.tip_assumed(&cell.setup.tool));
-    let own = points.iter().filter_map(|point| {
+    let point_loads = points.iter().filter_map(|point| {
         let load = point.load?;
         let wrench = Wrench { force: load.force, moment: load.moment };
         Some((&*point.name, wrench))
     });
-    let own: Vec<(&str, Wrench)> = own.collect();
-    let loads = own.iter().map(|(name, wrench)| (*name, wrench));
+    let point_loads: Vec<(&str, Wrench)> = point_loads.collect();
+    let loads = point_loads.iter().map(|(name, wrench)| (*name, wrench));
     out.findings.extend(implausible::load(arm.robot(), loads));
     Ok(out)
 }
@@ -149,17 +152,17 @@ fn given_and_best(
     control: Control<'_>,
 ) -> Result<(Placed, Option<Placed>)> {
     let position = cell.work.workpiece.translation.vector.into();
-    let given = search.placed(&Place { position, yaw: 0.0 }, part, control)?;
+    let given_place = search.placed(&Place { position, yaw: 0.0 }, part, control)?;
     // A path that thinned goes along may not do so whole.
     for i in ranked(candidates).into_iter().take(TRIED) {
         let candidate = &candidates[i];
         let place = Place { position: candidate.position_m, yaw: candidate.yaw };
         let placed = search.placed(&place, part, control)?;
         if placed.status == Status::Reachable {
-            return Ok((given, Some(placed)));
+            return Ok((given_place, Some(placed)));
         }
     }
-    Ok((given, None))
+    Ok((given_place, None))
 }
 
 /// A grid of places.
@@ -220,8 +223,8 @@ fn findings(cell: &Cell, predictor: &IdentifiedCompliance, result: &Placement) -
             result.searched_points
         )));
     }
-    let given = &result.given;
-    if let (Some(reason), Some(point)) = (&given.reason, &given.point) {
+    let given_place = &result.given;
+    if let (Some(reason), Some(point)) = (&given_place.reason, &given_place.point) {
         out.push(Finding::caution(
             "given-place-fails",
             "workpiece",
@@ -234,7 +237,7 @@ fn findings(cell: &Cell, predictor: &IdentifiedCompliance, result: &Placement) -
         Some(best) => {
             let size = length(best.deflection_rms_m.unwrap_or(0.0));
             let place = place_words(best.position_m);
-            let sentence = match (result.gain, given.deflection_rms_m) {
+            let sentence = match (result.gain, given_place.deflection_rms_m) {
                 (Some(gain), Some(from)) if gain > 1.0 => format!(
                     "At {place} the path bends the arm by {size} (RMS), {gain:.2} times less than at the given place ({}).",
                     length(from)

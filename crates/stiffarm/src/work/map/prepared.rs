@@ -40,7 +40,7 @@ impl Prepared {
         let wrenches = tip_wrenches(points, &poses, process.as_ref(), workpiece)?;
         let back = workpiece.inverse();
         let loads = points.iter().zip(wrenches).map(|(point, wrench)| {
-            match point.load.or(process.map(|own| own.load)).map(|l| l.axes) {
+            match point.load.or(process.map(|process| process.load)).map(|l| l.axes) {
                 Some(ForceAxes::Base) | None => PlacedLoad::Fixed(wrench),
                 Some(_) => PlacedLoad::Turning(wrench.map(|v| back.rotation * v)),
             }
@@ -58,10 +58,10 @@ impl Prepared {
     }
 
     /// These points of it alone.
-    pub(super) fn thinned(&self, kept: &[usize]) -> Self {
+    pub(super) fn thinned(&self, indices: &[usize]) -> Self {
         Prepared {
-            poses: kept.iter().map(|i| self.poses[*i]).collect(),
-            loads: kept.iter().map(|i| self.loads[*i]).collect(),
+            poses: indices.iter().map(|i| self.poses[*i]).collect(),
+            loads: indices.iter().map(|i| self.loads[*i]).collect(),
         }
     }
 
@@ -82,15 +82,15 @@ impl Prepared {
             (0..count).for_each(|i| along[i] = i as f64);
         }
         let length = along[count - 1];
-        let mut kept: Vec<usize> = (0..most)
+        let mut indices: Vec<usize> = (0..most)
             .map(|k| {
                 let goal = length * k as f64 / (most - 1) as f64;
                 along.partition_point(|a| *a < goal).min(count - 1)
             })
             .collect();
-        kept[most - 1] = count - 1;
-        kept.dedup();
-        kept
+        indices[most - 1] = count - 1;
+        indices.dedup();
+        indices
     }
 }
 

@@ -23,8 +23,8 @@ pub(super) fn is_better(size: f64, strain: f64, than: (f64, f64)) -> bool {
 pub(super) fn first_smallest(values: impl Iterator<Item = (usize, f64)> + Clone) -> Option<usize> {
     let least = values.clone().map(|(_, v)| v).fold(f64::INFINITY, f64::min);
     let mut values = values;
-    let found = values.find(|(_, v)| v - least <= EQUAL * least.abs());
-    found.map(|(i, _)| i)
+    let smallest = values.find(|(_, v)| v - least <= EQUAL * least.abs());
+    smallest.map(|(i, _)| i)
 }
 
 /// Why a posture, or a pose, is not allowed.

@@ -38,11 +38,11 @@ pub(super) enum Part {
 /// What every place shares.
 pub(super) struct Search<'a> {
     reach: Reach<'a>,
-    given: &'a Isometry3<f64>,
+    cell_workpiece: &'a Isometry3<f64>,
     points: &'a [PathPoint],
     /// The path for each turn about the tool axis \[rad\], whole and thinned.
     turned: Vec<(f64, Prepared, Prepared)>,
-    pub kept: Vec<usize>,
+    pub searched: Vec<usize>,
     has_free_turn: bool,
 }
 
@@ -64,23 +64,30 @@ impl<'a> Search<'a> {
         // A turn at the first point is carried along to the others.
         let has_free_turn = matches!(points[0].target, PathTarget::Axis { .. });
         let count = has_free_turn.then_some(options.free_turns);
-        let mut kept = Vec::new();
+        let mut searched = Vec::new();
         let mut turned = Vec::new();
         for turn in turns(count) {
             let whole = Prepared::new(cell, arm, points, turn)?;
-            if kept.is_empty() {
-                kept = whole.evenly(SEARCHED_POINTS);
+            if searched.is_empty() {
+                searched = whole.evenly(SEARCHED_POINTS);
             }
-            let thinned = whole.thinned(&kept);
+            let thinned = whole.thinned(&searched);
             turned.push((turn, whole, thinned));
         }
-        Ok(Search { reach: Reach::new(cell, arm), given: &cell.work.workpiece, points, turned, kept, has_free_turn })
+        Ok(Search {
+            reach: Reach::new(cell, arm),
+            cell_workpiece: &cell.work.workpiece,
+            points,
+            turned,
+            searched,
+            has_free_turn,
+        })
     }
 
     /// Pose of the workpiece at `place`.
     fn workpiece(&self, place: &Place) -> Isometry3<f64> {
         let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), place.yaw);
-        Isometry3::from_parts(Translation3::from(place.position), yaw * self.given.rotation)
+        Isometry3::from_parts(Translation3::from(place.position), yaw * self.cell_workpiece.rotation)
     }
 
     /// The branch that bends least at `place`, or what stops the one that gets
@@ -168,7 +175,7 @@ impl<'a> Search<'a> {
             Err(stopped) => {
                 out.status = stopped.refusal.status;
                 out.reason = Some(stopped.refusal.reason);
-                out.point = Some(self.points[self.kept[stopped.at]].name.to_string());
+                out.point = Some(self.points[self.searched[stopped.at]].name.to_string());
             }
         }
         Ok(out)
@@ -179,7 +186,7 @@ impl<'a> Search<'a> {
         let workpiece = self.workpiece(place);
         let along = self.along(place, part, control)?;
         let name = |i: usize| match part {
-            Part::Searched => self.points[self.kept[i]].name.to_string(),
+            Part::Searched => self.points[self.searched[i]].name.to_string(),
             Part::Whole => self.points[i].name.to_string(),
         };
         let mut out = Placed {
@@ -224,7 +231,7 @@ impl<'a> Search<'a> {
                 let worst = largest.map(|(i, _)| i);
                 let is_shown = |i: usize| match part {
                     Part::Searched => true,
-                    Part::Whole => self.kept.binary_search(&i).is_ok() || worst == Some(i),
+                    Part::Whole => self.searched.binary_search(&i).is_ok() || worst == Some(i),
                 };
                 let shown = points.into_iter().enumerate().filter(|(i, _)| is_shown(*i));
                 out.along = shown.map(|(_, point)| point).collect();

@@ -71,13 +71,13 @@ pub(super) fn findings(
             ),
         ));
     }
-    if let Some(given) = summary.given_rms_m {
-        let gain = 1.0 - summary.deflection_rms_m / given;
-        let sentence = if given > 0.0 && gain > 0.0 {
+    if let Some(unturned_rms_m) = summary.given_rms_m {
+        let gain = 1.0 - summary.deflection_rms_m / unturned_rms_m;
+        let sentence = if unturned_rms_m > 0.0 && gain > 0.0 {
             format!(
                 "Turning about the tool axis lowers the RMS deflection by {}, from {} to {}.",
                 percent(gain),
-                length(given),
+                length(unturned_rms_m),
                 length(summary.deflection_rms_m)
             )
         } else {

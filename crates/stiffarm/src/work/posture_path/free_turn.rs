@@ -56,28 +56,28 @@ impl Node {
     }
 }
 
-/// Postures with the tip at `poses` up to a turn about z. `given` is a way that
+/// Postures with the tip at `poses` up to a turn about z. `unturned_postures` are a way that
 /// is known, which the result may not be worse than at the knots.
 pub(super) fn postures(
     search: &Search<'_>,
     poses: &[Isometry3<f64>],
-    given: Option<&[Vec<f64>]>,
+    unturned_postures: Option<&[Vec<f64>]>,
     control: Control<'_>,
 ) -> Result<Found> {
     let mut knots = knots(poses);
-    let mut found = through(search, poses, &knots, given, control)?;
+    let mut turned_postures = through(search, poses, &knots, unturned_postures, control)?;
     for _ in 0..ROUNDS {
         let before = knots.len();
-        let missing = in_order(&found.q, |(_, q)| search.counted(q))?;
+        let missing = in_order(&turned_postures.q, |(_, q)| search.counted(q))?;
         knots.extend(worst_of_runs(&missing));
         knots.sort_unstable();
         knots.dedup();
         if knots.len() == before {
             break;
         }
-        found = through(search, poses, &knots, given, control)?;
+        turned_postures = through(search, poses, &knots, unturned_postures, control)?;
     }
-    Ok(found)
+    Ok(turned_postures)
 }
 
 /// The point of each run of points with something missing at which most is.
@@ -101,7 +101,7 @@ fn through(
     search: &Search<'_>,
     poses: &[Isometry3<f64>],
     knots: &[usize],
-    given: Option<&[Vec<f64>]>,
+    unturned_postures: Option<&[Vec<f64>]>,
     control: Control<'_>,
 ) -> Result<Found> {
     let feeds = load_axes(feed_axes(poses));
@@ -133,10 +133,10 @@ fn through(
     } else {
         swept(search, poses, knots, spacing, count, &wrench, control)?
     };
-    if let Some(given) = given {
+    if let Some(unturned_postures) = unturned_postures {
         for (layer, &i) in layers.iter_mut().zip(knots) {
             let load = wrench(i, &poses[i])?;
-            layer.push(Node::new(search, given[i].clone(), 0.0, &load)?);
+            layer.push(Node::new(search, unturned_postures[i].clone(), 0.0, &load)?);
         }
     }
     if let Some((_, &i)) = layers.iter().zip(knots).find(|(layer, _)| layer.is_empty()) {

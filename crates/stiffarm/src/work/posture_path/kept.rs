@@ -128,9 +128,9 @@ impl Search<'_> {
         Ok(Some(Finding::caution("nothing-free", "path", sentence)))
     }
 
-    /// The least that is missing among the postures of a pose, and the posture, beside `known`.
-    fn least_missing(&self, pose: &Isometry3<f64>, free: bool, known: &[f64]) -> Result<(f64, Vec<f64>)> {
-        let mut least = (self.missing(known)?, known.to_vec());
+    /// The least that is missing among the postures of a pose, and the posture, beside `way_posture`.
+    fn least_missing(&self, pose: &Isometry3<f64>, free: bool, way_posture: &[f64]) -> Result<(f64, Vec<f64>)> {
+        let mut least = (self.missing(way_posture)?, way_posture.to_vec());
         if self.inverse.method() == Method::Numeric {
             return Ok(least);
         }

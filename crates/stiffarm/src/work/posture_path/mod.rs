@@ -152,7 +152,7 @@ pub fn posture_path(
     let mut search = Search { arm, inverse, points, options, keeps: false };
     let axis_only = points.iter().any(|p| matches!(p.target, PathTarget::Axis { .. }));
     let free = options.free_turn || axis_only;
-    let given: Option<Vec<Vec<f64>>> = points
+    let angles: Option<Vec<Vec<f64>>> = points
         .iter()
         .map(|p| match &p.target {
             PathTarget::Angles(q) => Some(q.clone()),
@@ -160,15 +160,15 @@ pub fn posture_path(
         })
         .collect();
     let poses = poses(arm, points);
-    let origin = match (&given, free, inverse.method()) {
+    let origin = match (&angles, free, inverse.method()) {
         (Some(_), false, _) => Origin::Given,
         (_, _, Method::ClosedForm) => Origin::ClosedForm,
         (_, _, Method::Numeric) => Origin::Numeric,
     };
-    let given = given.as_deref();
-    let told = |error| turned_round::told(&search, &poses, free, error);
-    let found = search.way(given, free, axis_only, &poses, control);
-    let mut way = found.map_err(told)?;
+    let angles = angles.as_deref();
+    let with_hint = |error| turned_round::with_hint(&search, &poses, free, error);
+    let way = search.way(angles, free, axis_only, &poses, control);
+    let mut way = way.map_err(with_hint)?;
     let (mut unkept_rms_m, mut about_limits) = (None, Vec::new());
     if origin != Origin::Given {
         let mut missing = search.missing_along(&way.q, control)?;
@@ -176,7 +176,7 @@ pub fn posture_path(
         if sum(&missing) > 0.0 {
             search.keeps = true;
             // Where the other search ends at a jump, what is known stays.
-            match search.way(given, free, axis_only, &poses, control) {
+            match search.way(angles, free, axis_only, &poses, control) {
                 Err(error) if error.code() == Code::Interrupted => return Err(error),
                 Err(_) => {}
                 Ok(other) => {
@@ -270,13 +270,13 @@ impl Search<'_> {
     /// The way that bends least, of those that are forbidden least where that counts.
     fn way(
         &self,
-        given: Option<&[Vec<f64>]>,
+        angles: Option<&[Vec<f64>]>,
         free: bool,
         axis_only: bool,
         poses: &[Isometry3<f64>],
         control: Control<'_>,
     ) -> Result<Way> {
-        let as_given = match given {
+        let unturned_postures = match angles {
             Some(q) => Some(q.to_vec()),
             None if axis_only => None,
             None => match tracks::postures(self, poses, control) {
@@ -285,26 +285,26 @@ impl Search<'_> {
                 other => Some(other?),
             },
         };
-        let known = as_given.map(|q| self.bent(q, None)).transpose()?;
-        let known = match known {
+        let unturned_way = unturned_postures.map(|q| self.bent(q, None)).transpose()?;
+        let unturned_way = match unturned_way {
             Some(way) if !free => return Ok(way),
-            known => known,
+            unturned_way => unturned_way,
         };
-        let q = known.as_ref().map(|way| way.q.as_slice());
-        let found = free_turn::postures(self, poses, q, control)?;
-        let mut found = self.bent(found.q, Some(found.turns))?;
-        let Some(mut known) = known else {
-            return Ok(found);
+        let q = unturned_way.as_ref().map(|way| way.q.as_slice());
+        let turned_postures = free_turn::postures(self, poses, q, control)?;
+        let mut turned_way = self.bent(turned_postures.q, Some(turned_postures.turns))?;
+        let Some(mut unturned_way) = unturned_way else {
+            return Ok(turned_way);
         };
-        found.given_rms = Some(known.rms);
+        turned_way.given_rms = Some(unturned_way.rms);
         // A price on joint motion, or the interpolation between knots, may cost
         // more than the turn gains.
-        if self.rank(&found)? >= self.rank(&known)? {
-            known.turn = Some(vec![0.0; known.q.len()]);
-            known.given_rms = Some(known.rms);
-            return Ok(known);
+        if self.rank(&turned_way)? >= self.rank(&unturned_way)? {
+            unturned_way.turn = Some(vec![0.0; unturned_way.q.len()]);
+            unturned_way.given_rms = Some(unturned_way.rms);
+            return Ok(unturned_way);
         }
-        Ok(found)
+        Ok(turned_way)
     }
 
     /// The postures `q` with their deflections.

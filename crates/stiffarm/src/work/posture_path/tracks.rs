@@ -108,7 +108,7 @@ pub(super) fn postures(search: &Search<'_>, poses: &[Isometry3<f64>], control: C
             match follow(search, poses, closed.then_some(&layers), start) {
                 Ok(track) => {
                     let lacking = match room {
-                        Some(known) => known,
+                        Some(lacking) => lacking,
                         None => search.lacks_room_along(&track)?,
                     };
                     room = Some(lacking);

@@ -28,7 +28,7 @@ const WAYS: [Way; 4] = [
 ];
 
 /// `error` of a path through `poses`, whose turn about the tool axis is `free`, with what would make all of it reachable.
-pub(super) fn told(search: &Search<'_>, poses: &[Isometry3<f64>], free: bool, error: Error) -> Error {
+pub(super) fn with_hint(search: &Search<'_>, poses: &[Isometry3<f64>], free: bool, error: Error) -> Error {
     if ![Code::Unreachable, Code::OutsideLimits].contains(&error.code()) {
         return error;
     }
@@ -51,8 +51,8 @@ pub(super) fn told(search: &Search<'_>, poses: &[Isometry3<f64>], free: bool, er
     };
     match WAYS.iter().find(reaches) {
         Some(way) => {
-            let own = error.hint_text().map(|own| format!("{own}; ")).unwrap_or_default();
-            error.hint(format!("{own}{}", way.hint))
+            let hint = error.hint_text().map(|hint| format!("{hint}; ")).unwrap_or_default();
+            error.hint(format!("{hint}{}", way.hint))
         }
         None => error,
     }

@@ -119,22 +119,22 @@ pub(crate) fn with_bands<T: Send>(
 ) -> Result<Vec<T>> {
     let together: Vec<&[LoadedPosture]> = postures.chunks(TOGETHER).collect();
     let some = |(_, postures): (usize, &&[LoadedPosture])| {
-        let mut found: Vec<T> = postures.iter().map(&run).collect::<Result<_>>()?;
+        let mut points: Vec<T> = postures.iter().map(&run).collect::<Result<_>>()?;
         let Some(bands) = bands else {
-            return Ok(found);
+            return Ok(points);
         };
-        let shifts = found.iter_mut().zip(*postures).map(|(found, posture)| {
+        let shifts = points.iter_mut().zip(*postures).map(|(point, posture)| {
             let terms = arm.terms(&posture.q, &posture.wrench)?;
-            Ok((place(found).0.into(), terms))
+            Ok((place(point).0.into(), terms))
         });
         let bands = bands.of(arm, &shifts.collect::<Result<Vec<_>>>()?);
-        for (found, band) in found.iter_mut().zip(bands) {
-            *place(found).1 = Some(band);
+        for (point, band) in points.iter_mut().zip(bands) {
+            *place(point).1 = Some(band);
         }
-        Ok(found)
+        Ok(points)
     };
     let mut out = Vec::with_capacity(postures.len());
-    let take = |found| out.extend::<Vec<T>>(found);
+    let take = |points| out.extend::<Vec<T>>(points);
     each_in_order(&together, what, control, some, take)?;
     Ok(out)
 }
@@ -207,12 +207,14 @@ impl Bands {
         let load = shift * shift.transpose() * self.load.powi(2);
         let along = |direction: &Vector3<f64>| -> [f64; 4] {
             let std = |m: &Matrix3<f64>| direction.dot(&(m * direction)).max(0.0).sqrt();
-            let own = std(&statistical);
+            let statistical_std = std(&statistical);
             let t = match self.statistical.as_ref().zip(with) {
-                Some(((_, quantiles), with)) => quantiles.of(&(with * direction), own * own, 0.0),
+                Some(((_, quantiles), with)) => {
+                    quantiles.of(&(with * direction), statistical_std * statistical_std, 0.0)
+                }
                 None => 0.0,
             };
-            let scatter = [own * t / normal, std(&common), std(&load)];
+            let scatter = [statistical_std * t / normal, std(&common), std(&load)];
             let offset = direction.dot(&mean);
             let all = scatter.iter().map(|s| s * s).sum::<f64>().sqrt();
             [

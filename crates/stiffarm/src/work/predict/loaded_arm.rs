@@ -172,8 +172,8 @@ impl LoadedArm {
         let before = terms.frames().flange() * self.tip;
         let linear = self.linear(&terms);
         let start = self.setup.robot.serial_angles(q);
-        let found = equilibrium_from(&self.setup, &self.compliance, &start, terms, Some(wrench))?;
-        let after = self.loaded_tip(&found.terms);
+        let equilibrium = equilibrium_from(&self.setup, &self.compliance, &start, terms, Some(wrench))?;
+        let after = self.loaded_tip(&equilibrium.terms);
         Ok(Deflection { displacement: motion(&before, &after), before, after, linear })
     }
 

@@ -177,8 +177,8 @@ pub(crate) fn predict_on(
         postures,
         ("bending", control),
         |posture| {
-            let found = point(arm, posture, options);
-            found.map_err(|e| predictor.explain(posture.at(e)))
+            let predicted = point(arm, posture, options);
+            predicted.map_err(|e| predictor.explain(posture.at(e)))
         },
         |point| (point.shift_m, &mut point.band),
     )?;

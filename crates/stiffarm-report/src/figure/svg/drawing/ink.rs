@@ -58,26 +58,39 @@ pub(super) fn stroke(tone: Tone, caution: bool) -> Stroke<'static> {
     if caution { Stroke { colour: CAUTION, width: f64::max(width, 1.6), dash } } else { Stroke { colour, width, dash } }
 }
 
+/// The colour of the marker of a tone.
+pub(super) fn marker_colour(tone: Tone, caution: bool) -> &'static str {
+    match tone {
+        // A ring says that there is a caution.
+        Tone::Item(n) => ITEMS[n % ITEMS.len()],
+        _ if caution => CAUTION,
+        Tone::Skeleton | Tone::Target => INK,
+        Tone::Fixed => "#4a4a4a",
+        Tone::Pull => "#8a4b08",
+        Tone::Ray => "#2a7fb8",
+        _ => "#6f6f6f",
+    }
+}
+
 /// Draws the marker of a tone.
 pub(super) fn marker(canvas: &mut Canvas, at: Point, tone: Tone, caution: bool) {
     let ring = |colour| Stroke::solid(colour, 1.4);
     let look = |colour, variant| SeriesStyle { colour, dash: "", variant };
-    let or_red = |colour: &'static str| if caution { CAUTION } else { colour };
+    let colour = marker_colour(tone, caution);
     match tone {
         Tone::Item(n) if n >= DISTINCT_ITEMS => {}
         Tone::Item(n) => {
-            let colour = ITEMS[n % ITEMS.len()];
             // Colour and marker meet again after all pairs of them.
             let variant = (n % ITEMS.len() + n / ITEMS.len()) % MARKERS;
             look(colour, variant).marker(canvas, at, MARKER, false);
         }
-        Tone::Skeleton => canvas.circle(at, 2.9, "#ffffff", ring(or_red(INK))),
-        Tone::Fixed => look(or_red("#4a4a4a"), 0).landmark(canvas, at, 4.2),
-        Tone::Pull => look(or_red("#8a4b08"), 3).marker(canvas, at, 3.9, false),
-        Tone::Ray => look(or_red("#2a7fb8"), 2).marker(canvas, at, 4.2, false),
-        Tone::Target if caution => canvas.circle(at, 3.4, CAUTION, Stroke::solid("#ffffff", 0.6)),
-        Tone::Target => canvas.circle(at, 2.3, "#ffffff", Stroke::solid(INK, 1.1)),
-        _ => canvas.circle(at, 2.6, or_red("#6f6f6f"), Stroke::solid("#ffffff", 0.6)),
+        Tone::Skeleton => canvas.circle(at, 2.9, "#ffffff", ring(colour)),
+        Tone::Fixed => look(colour, 0).landmark(canvas, at, 4.2),
+        Tone::Pull => look(colour, 3).marker(canvas, at, 3.9, false),
+        Tone::Ray => look(colour, 2).marker(canvas, at, 4.2, false),
+        Tone::Target if caution => canvas.circle(at, 3.4, colour, Stroke::solid("#ffffff", 0.6)),
+        Tone::Target => canvas.circle(at, 2.3, "#ffffff", Stroke::solid(colour, 1.1)),
+        _ => canvas.circle(at, 2.6, colour, Stroke::solid("#ffffff", 0.6)),
     }
     if caution && matches!(tone, Tone::Item(_) | Tone::Skeleton | Tone::Pull) {
         canvas.circle(at, 6.5, "none", ring(CAUTION));

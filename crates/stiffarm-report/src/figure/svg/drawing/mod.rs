@@ -4,7 +4,10 @@
 mod ink;
 mod key;
 mod labels;
+mod shown;
 mod view;
+
+pub use shown::{Ink, ShownDrawing, shown_drawing};
 
 use super::canvas::{self, Anchor, Canvas, Font, Point, Rect};
 use super::plan::{LEADING, SMALL};

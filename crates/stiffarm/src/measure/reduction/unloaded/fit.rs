@@ -39,8 +39,8 @@ pub(super) fn robust_fit(seen: &[Seen<'_>], reading_std: f64) -> Result<Fit> {
         least: if seen.iter().all(|s| s.pairs.len() > 1) { 3 } else { 4 },
     };
     let groups: Vec<Vec<Pair>> = seen.iter().map(|s| s.positions().collect()).collect();
-    let found = if seen.len() > FEW { robust(&groups, agreement) } else { None };
-    let used = found.map_or_else(|| vec![true; seen.len()], |found| found.bad.iter().map(|bad| !bad).collect());
+    let fit = if seen.len() > FEW { robust(&groups, agreement) } else { None };
+    let used = fit.map_or_else(|| vec![true; seen.len()], |fit| fit.bad.iter().map(|bad| !bad).collect());
     let registration = register(&pairs(seen, &used))?;
     Ok(Fit { registration, used })
 }

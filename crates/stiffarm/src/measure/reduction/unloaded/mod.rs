@@ -135,7 +135,7 @@ fn residual(pair: &PointPair, transform: &Isometry3<f64>) -> Vector3<f64> {
     pair.base - (transform * Point3::from(pair.tracker)).coords
 }
 
-/// Registers from the unloaded readings, or checks a `given` transform with them.
+/// Registers from the unloaded readings, or checks a `stated_transform` with them.
 /// The second value is the transform; findings are added to `findings`.
 ///
 /// # Errors
@@ -144,13 +144,13 @@ fn residual(pair: &PointPair, transform: &Isometry3<f64>) -> Vector3<f64> {
 pub(super) fn registration(
     cell: &Cell,
     series: &[PostureSeries<'_>],
-    given: Option<&Isometry3<f64>>,
+    stated_transform: Option<&Isometry3<f64>>,
     reading_std: f64,
     findings: &mut Vec<Finding>,
 ) -> Result<(Option<UnloadedRegistration>, Isometry3<f64>)> {
     let seen: Vec<Seen<'_>> = series.iter().filter_map(|p| Seen::new(cell, p)).collect();
     let fitted = enough(&seen).and_then(|()| robust_fit(&seen, reading_std));
-    if let Some(transform) = given {
+    if let Some(transform) = stated_transform {
         let all = vec![true; seen.len()];
         let summary = (!seen.is_empty()).then(|| describe(cell, &seen, &all, transform, true));
         if let (Some(summary), Ok(best)) = (&summary, fitted) {
@@ -179,7 +179,7 @@ pub(in crate::measure) fn by_themselves(
     enough(&seen)?;
     let fit = robust_fit(&seen, cell.noise.reading_variance.sqrt())?;
     let used = seen.iter().zip(&fit.used).filter(|(_, used)| **used);
-    let pairs = used.flat_map(|(own, _)| own.positions()).collect();
+    let pairs = used.flat_map(|(posture, _)| posture.positions()).collect();
     Ok((fit.registration.base_from_tracker, pairs))
 }
 
@@ -218,7 +218,7 @@ fn describe(
     seen: &[Seen<'_>],
     used: &[bool],
     transform: &Isometry3<f64>,
-    given: bool,
+    is_stated: bool,
 ) -> UnloadedRegistration {
     let names = &cell.setup.tool.measuring_points;
     let rotation = transform.rotation.to_rotation_matrix();
@@ -226,7 +226,7 @@ fn describe(
     let sum: f64 =
         seen.iter().zip(used).filter(|(_, u)| **u).map(|(s, _)| s.mean_square(transform) * s.pairs.len() as f64).sum();
     UnloadedRegistration {
-        given,
+        given: is_stated,
         rotation: std::array::from_fn(|i| std::array::from_fn(|j| rotation[(i, j)])),
         translation_m: transform.translation.vector.into(),
         rms_m: (sum / count.max(1) as f64).sqrt(),
@@ -287,7 +287,7 @@ fn check_own(summary: &UnloadedRegistration, findings: &mut Vec<Finding>) {
 /// Compares a given transform with the best one for the readings.
 fn check_given(
     summary: &UnloadedRegistration,
-    given: &Isometry3<f64>,
+    stated_transform: &Isometry3<f64>,
     best: &Fit,
     seen: &[Seen<'_>],
     reading_std: f64,
@@ -299,10 +299,10 @@ fn check_given(
         let squares: Vec<f64> = chosen.map(|(s, _)| s.mean_square(transform)).collect();
         (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
     };
-    let (ours, theirs) = (typical(fit), typical(given));
+    let (ours, theirs) = (typical(fit), typical(stated_transform));
     let limit = (WORSE * ours).max(ABOVE_NOISE * reading_std).max(ROUNDING);
     if theirs > limit {
-        let turn = (given.rotation * fit.rotation.inverse()).angle();
+        let turn = (stated_transform.rotation * fit.rotation.inverse()).angle();
         findings.push(Finding::new(
             codes::GIVEN_REGISTRATION,
             if turn > 0.02 { Severity::Serious } else { Severity::Caution },

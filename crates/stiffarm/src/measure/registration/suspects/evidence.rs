@@ -67,8 +67,8 @@ pub(super) fn tail(plain: &Explanation, rest: &Explanation, std: Option<f64>) ->
     let freedoms = [plain.degrees_of_freedom - rest.degrees_of_freedom, rest.degrees_of_freedom];
     let rest = rest.fit.rss_above_rounding();
     let drop = (plain.fit.rss_above_rounding() - rest).max(0.0);
-    let known = std.filter(|s| chi_squared_tail(rest / s.powi(2), freedoms[1]) > CONTRADICTION);
-    match known {
+    let credible_std = std.filter(|s| chi_squared_tail(rest / s.powi(2), freedoms[1]) > CONTRADICTION);
+    match credible_std {
         Some(std) => chi_squared_tail(drop / std.powi(2), freedoms[0]),
         None => f_tail([drop, rest], freedoms),
     }

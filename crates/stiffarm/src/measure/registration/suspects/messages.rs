@@ -161,8 +161,8 @@ impl Explanation {
         let lever = (self.fit.pose.rotation * (sample.tracker - self.fit.tracker_centroid)).cross_matrix();
         let turn = lever * inverse * lever.transpose();
         let variance = self.fit.rss / self.degrees_of_freedom as f64;
-        let own = 3.0 / sample.weight + 3.0 / self.fit.weight;
-        Some((variance * (own + turn.trace())).sqrt())
+        let translation = 3.0 / sample.weight + 3.0 / self.fit.weight;
+        Some((variance * (translation + turn.trace())).sqrt())
     }
 }
 

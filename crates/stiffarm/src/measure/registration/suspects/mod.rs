@@ -90,7 +90,7 @@ pub(super) struct Suspicion {
 
 impl Suspicion {
     /// Weighs the explanations of the residuals of `fit`.
-    pub(super) fn of(samples: &[Sample], fit: &RigidFit, known: Option<f64>) -> Self {
+    pub(super) fn of(samples: &[Sample], fit: &RigidFit, noise_std: Option<f64>) -> Self {
         let count = samples.len();
         let mut plain = Explanation { fit: fit.clone(), degrees_of_freedom: 3 * count - 6, ln_weight: 0.0, share: 0.0 };
         // Three points lie in a plane: their mirror image is the same triangle.
@@ -100,10 +100,10 @@ impl Suspicion {
 
         // A known σ that contradicts every explanation is not used to choose one.
         let agrees = |e: &Explanation| {
-            known.is_some_and(|std| chi_squared_tail(e.fit.rss / std.powi(2), e.degrees_of_freedom) > CONTRADICTION)
+            noise_std.is_some_and(|std| chi_squared_tail(e.fit.rss / std.powi(2), e.degrees_of_freedom) > CONTRADICTION)
         };
         let all = wrong.iter().map(|(_, e)| e).chain(&mirrored);
-        let std = known.filter(|_| all.chain([&plain]).any(agrees));
+        let std = noise_std.filter(|_| all.chain([&plain]).any(agrees));
 
         plain.ln_weight = ln_evidence(&plain, samples, None, std);
         if let Some(mirrored) = &mut mirrored {

@@ -26,8 +26,8 @@ fn entry(robot: &Robot) -> Option<&'static CatalogueEntry> {
 /// twice the payload. Without any, those of 165 kg, 3 m scaled by payload and
 /// reach, torque being their product; a robot of unknown payload counts as that one.
 pub(super) fn expected_stiffness(robot: &Robot) -> Vec<f64> {
-    let own = entry(robot);
-    let payload = own.and_then(CatalogueEntry::payload_kg);
+    let catalogue_entry = entry(robot);
+    let payload = catalogue_entry.and_then(CatalogueEntry::payload_kg);
     let payload = payload.unwrap_or(STANDS_IN[0]);
     let published = |in_class: &dyn Fn(f64) -> bool| -> Vec<&'static [f64]> {
         catalogue()
@@ -38,7 +38,7 @@ pub(super) fn expected_stiffness(robot: &Robot) -> Vec<f64> {
     };
     let alike = published(&|p| p > payload / CLASS && p < payload * CLASS);
     let (sets, factor) = if alike.is_empty() {
-        let reach = own.and_then(CatalogueEntry::reach_m);
+        let reach = catalogue_entry.and_then(CatalogueEntry::reach_m);
         let reach = reach.unwrap_or(STANDS_IN[1]);
         let like_first = published(&|p| p == STANDS_IN[0]);
         (like_first, payload / STANDS_IN[0] * reach / STANDS_IN[1])

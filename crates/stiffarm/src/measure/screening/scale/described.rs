@@ -51,18 +51,18 @@ fn slips(work: &Work) -> Vec<Slip> {
 
 /// Tries the slips and undoes the one that is believed.
 pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, _: &[Move], fitted: &Fitted) {
-    let told = best_of(work, base_from_tracker, fitted, slips(work), f64::MAX);
-    let is_told = matches!(told, Some(Undo::Times(Cause::LoadingPointUnits, _)));
+    let undone = best_of(work, base_from_tracker, fitted, slips(work), f64::MAX);
+    let is_undone = matches!(undone, Some(Undo::Times(Cause::LoadingPointUnits, _)));
     let distance = work.setup().tool.loading_point.norm();
     let nearest = work.setup().tool.measuring_points.iter();
     let nearest = nearest.map(|p| p.position.norm()).fold(f64::MAX, f64::min);
-    if !is_told && distance > 0.0 && distance < BESIDE && nearest > 10.0 * BESIDE {
+    if !is_undone && distance > 0.0 && distance < BESIDE && nearest > 10.0 * BESIDE {
         // The joints take up what little such a slip changes: the number itself tells.
         let slip = Slip::new(Undo::Times(Cause::LoadingPointUnits, LENGTHS[0]));
         let mut out = slip.suspicion(work).off(distance);
         out.evidence = Some(Evidence::File);
         out.certain = false;
-        work.found.push(out);
+        work.suspicions.push(out);
     }
 }
 
@@ -113,12 +113,12 @@ pub(super) fn cases_of_postures(work: &mut Work, base_from_tracker: &Isometry3<f
     }
     let limit = OFF[0].max(OFF[1] * fitted.level);
     for p in 0..work.sheet.postures.len() {
-        let own = fitted.states.iter().filter(|s| s.at.0 == p);
-        if !own.clone().any(|s| s.misfit > limit) {
+        let of_posture = fitted.states.iter().filter(|s| s.at.0 == p);
+        if !of_posture.clone().any(|s| s.misfit > limit) {
             continue;
         }
-        let own: Vec<Place> = own.map(|s| s.at).collect();
-        let left = |work: &Work| misfit_of(work, base_from_tracker, &own, fitted);
+        let places: Vec<Place> = of_posture.map(|s| s.at).collect();
+        let left = |work: &Work| misfit_of(work, base_from_tracker, &places, fitted);
         let Some(before) = left(work) else { continue };
         let states = 0..work.sheet.postures[p].states.len();
         let rows: Vec<Place> = states.map(|s| (p, s)).collect();

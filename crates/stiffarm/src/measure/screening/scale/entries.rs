@@ -58,8 +58,8 @@ pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, moves: 
     let limit = OFF[0].max(OFF[1] * fitted.level);
     let mut entries: Vec<Entry> = Vec::new();
     for p in 0..work.sheet.postures.len() {
-        let own: Vec<usize> = (0..moves.len()).filter(|i| moves[*i].posture == p).collect();
-        let off: Vec<usize> = own
+        let posture_moves: Vec<usize> = (0..moves.len()).filter(|i| moves[*i].posture == p).collect();
+        let off: Vec<usize> = posture_moves
             .iter()
             .copied()
             .filter(|i| fitted.states[*i].misfit > limit)
@@ -72,21 +72,21 @@ pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, moves: 
             .collect();
         // All states of a posture alike, then its reference, then each alone.
         let mut groups: Vec<Vec<Place>> = Vec::new();
-        let by_wrench = own.iter().any(|i| {
+        let by_wrench = posture_moves.iter().any(|i| {
             let one = &moves[*i];
             work.sheet.at((p, one.reference)).wrench.is_some()
         });
-        if (own.len() > 1 || by_wrench) && !off.is_empty() && off.len() == own.len() {
+        if (posture_moves.len() > 1 || by_wrench) && !off.is_empty() && off.len() == posture_moves.len() {
             let states = 0..work.sheet.postures[p].states.len();
             groups.push(states.map(|s| (p, s)).collect());
         }
         let reference = moves.iter().find(|m| m.posture == p).map(|m| m.reference);
         groups.extend(reference.map(|s| vec![(p, s)]));
-        groups.extend(own.iter().map(|i| vec![(p, moves[*i].state)]));
+        groups.extend(posture_moves.iter().map(|i| vec![(p, moves[*i].state)]));
         let mut open = off;
         for group in groups {
             let is_touched = |i: &usize| group.iter().any(|at| moves[*i].is_of(*at));
-            let touched: Vec<usize> = own.iter().copied().filter(is_touched).collect();
+            let touched: Vec<usize> = posture_moves.iter().copied().filter(is_touched).collect();
             let pattern = match group[..] {
                 [at] => pattern(&work.sheet, at),
                 _ => Pattern::Open,
@@ -96,8 +96,8 @@ pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, moves: 
                 continue;
             }
             let states: Vec<Place> = touched.iter().map(|i| fitted.states[*i].at).collect();
-            let found = mended(work, base_from_tracker, &group, &states, fitted, pattern);
-            if let Some(entry) = found {
+            let entry = mended(work, base_from_tracker, &group, &states, fitted, pattern);
+            if let Some(entry) = entry {
                 open.retain(|i| !touched.contains(i));
                 entries.push(entry);
             }
@@ -166,8 +166,8 @@ fn pattern(sheet: &Sheet, at: Place) -> Pattern {
         return Pattern::Open;
     };
     let of_name = |p: &Posture| {
-        let mut own = p.states.iter().filter(|s| s.name == state.name);
-        own.find_map(|s| s.load)
+        let mut namesakes = p.states.iter().filter(|s| s.name == state.name);
+        namesakes.find_map(|s| s.load)
     };
     let others = (0..sheet.postures.len()).filter(|p| *p != at.0);
     let others: Vec<f64> = others.filter_map(|p| of_name(&sheet.postures[p])).collect();
@@ -204,13 +204,13 @@ fn those_wrong(work: &Work, moves: &[Move], fitted: &Fitted, entries: Vec<Entry>
     }
     // Names first: loads of these states agree with their names.
     let agreeing = |at: &[Place]| {
-        let own = at.iter().filter(|at| {
+        let matching = at.iter().filter(|at| {
             let state = work.sheet.at(**at);
             let number = number_in(&state.name);
             let load = load_of(work, state);
             number.zip(load).is_some_and(|(n, l)| (l / n - 1.0).abs() < SAME)
         });
-        own.count() as f64 / at.len().max(1) as f64
+        matching.count() as f64 / at.len().max(1) as f64
     };
     let (named, unnamed) = (agreeing(&flagged), agreeing(&others));
     let flip = if named != unnamed {
@@ -253,6 +253,6 @@ fn report(work: &mut Work, entries: &[Entry]) {
         }
         out.misfits = Some([entry.before, after]);
         out.evidence = Some(Evidence::Readings);
-        work.found.push(out);
+        work.suspicions.push(out);
     }
 }

@@ -76,8 +76,8 @@ impl Sizes {
         let strongest = moves.iter().map(|m| m.wrench.force.norm()).fold(0.0, f64::max);
         for one in moves {
             let state = work.sheet.at((one.posture, one.state));
-            let own = work.setup().of_state(&state.name).ok();
-            let own = own.and_then(|setup| setup.load.size());
+            let case_setup = work.setup().of_state(&state.name).ok();
+            let case_size = case_setup.and_then(|setup| setup.load.size());
             let force = one.wrench.force.norm();
             let size = match state.wrench {
                 Some(_) => force,
@@ -94,7 +94,7 @@ impl Sizes {
                 let reference = work.sheet.at((one.posture, one.reference)).load;
                 let listed = state.load.map(|l| l - reference.unwrap_or(0.0));
                 // Without the table's word only the strongest state has the whole load.
-                let whole = own.filter(|_| force > 0.9 * strongest);
+                let whole = case_size.filter(|_| force > 0.9 * strongest);
                 if let Some(expected) = listed.or(whole).filter(|e| *e > 0.0) {
                     out.expected.push((force, expected));
                 }

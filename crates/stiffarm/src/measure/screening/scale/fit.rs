@@ -59,12 +59,12 @@ impl Fitted {
 
 /// How far `one` is from what `compliance` gives.
 fn scaled(one: &Move, compliance: &DVector<f64>) -> Scaled {
-    let (given, expected) = (&one.shift - &one.known, &one.block * compliance);
-    let (own, size) = (given.norm(), expected.norm());
+    let (measured, expected) = (&one.shift - &one.series_shift, &one.block * compliance);
+    let (measured_size, size) = (measured.norm(), expected.norm());
     Scaled {
         at: (one.posture, one.state),
-        ratio: given.dot(&expected) / (size * size).max(f64::MIN_POSITIVE),
-        misfit: (given - expected).norm() / own.max(size).max(f64::MIN_POSITIVE),
+        ratio: measured.dot(&expected) / (size * size).max(f64::MIN_POSITIVE),
+        misfit: (measured - expected).norm() / measured_size.max(size).max(f64::MIN_POSITIVE),
     }
 }
 
@@ -101,14 +101,14 @@ pub(super) fn fit(work: &Work, all: &[Move]) -> Option<Fitted> {
                 column *= *h;
             }
             let size = block.column_sum().norm();
-            (block / size, (&one.shift - &one.known) / size)
+            (block / size, (&one.shift - &one.series_shift) / size)
         })
         .filter(|(block, _)| block.iter().all(|v| v.is_finite()))
         .collect();
     if rows.is_empty() || rows.len() != all.len() {
         return None;
     }
-    let sizes: Vec<f64> = rows.iter().map(|(_, given)| given.norm()).collect();
+    let sizes: Vec<f64> = rows.iter().map(|(_, measured)| measured.norm()).collect();
     let mut common = median(&sizes);
     let weight = |log: f64, half: f64| 1.0 / (1.0 + (log / half).powi(4));
     let mut weights: Vec<f64> = sizes.iter().map(|s| weight((s / common).ln(), HALF[0])).collect();
@@ -117,13 +117,13 @@ pub(super) fn fit(work: &Work, all: &[Move]) -> Option<Fitted> {
     let mut out = None;
     for _ in 0..ROUNDS {
         // Ridge towards the common ratio: joints without information follow the others.
-        let own = 1.0 / (SPREAD * common).powi(2);
-        let mut information = DMatrix::identity(n, n) * own;
-        let mut right = DVector::from_element(n, common * own);
-        for ((block, given), weight) in rows.iter().zip(&weights) {
-            let precision = weight * given.len() as f64 / (left * common).powi(2) / 3.0;
+        let ridge = 1.0 / (SPREAD * common).powi(2);
+        let mut information = DMatrix::identity(n, n) * ridge;
+        let mut right = DVector::from_element(n, common * ridge);
+        for ((block, measured), weight) in rows.iter().zip(&weights) {
+            let precision = weight * measured.len() as f64 / (left * common).powi(2) / 3.0;
             information += block.tr_mul(block) * precision;
-            right += block.tr_mul(given) * precision;
+            right += block.tr_mul(measured) * precision;
         }
         let covariance = information.clone().try_inverse()?;
         let ratio: DVector<f64> = (&covariance * right).map(|x| x.max(0.02 * common));
@@ -139,8 +139,8 @@ pub(super) fn fit(work: &Work, all: &[Move]) -> Option<Fitted> {
         let (mut sum, mut total) = (0.0, 0.0);
         for j in 0..n {
             let error = covariance[(j, j)].sqrt() / ratio[j];
-            let known = (1.0 - (error / SPREAD).powi(2)).max(1e-3);
-            let w = known / (PRIOR_SPREAD.powi(2) + error.powi(2));
+            let determined = (1.0 - (error / SPREAD).powi(2)).max(1e-3);
+            let w = determined / (PRIOR_SPREAD.powi(2) + error.powi(2));
             sum += w * ratio[j].ln();
             total += w;
         }

@@ -59,17 +59,17 @@ impl Cause {
 pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>) {
     let fitted = |work: &Work| -> Option<(Vec<Move>, Fitted)> {
         let all = clear_moves(work, base_from_tracker);
-        let found = fit(work, &all)?;
-        Some((all, found))
+        let scale_fit = fit(work, &all)?;
+        Some((all, scale_fit))
     };
     // A sign that is wrong throughout is told elsewhere, and must not hide a factor.
     work.reversed = is_reversed(work, &clear_moves(work, base_from_tracker));
     if work.reversed && work.setup().load.has_cases() {
         // Loads to both sides that are exchanged look reversed too.
-        let turned = fitted(work).map(|(_, found)| found.mean_misfit());
+        let turned = fitted(work).map(|(_, scale_fit)| scale_fit.mean_misfit());
         work.reversed = false;
-        if let Some((_, found)) = fitted(work) {
-            described::exchange(work, base_from_tracker, &found, turned.unwrap_or(f64::MAX));
+        if let Some((_, scale_fit)) = fitted(work) {
+            described::exchange(work, base_from_tracker, &scale_fit, turned.unwrap_or(f64::MAX));
         }
         work.reversed = is_reversed(work, &clear_moves(work, base_from_tracker));
     }
@@ -78,13 +78,13 @@ pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>) {
     // A few states fit whatever is tried.
     let enough = postures(&all) >= ENOUGH;
     for check in [described::check, described::cases_of_postures, entries::check] {
-        if let Some((all, found)) = fitted(work).filter(|_| enough) {
-            check(work, base_from_tracker, &all, &found);
+        if let Some((all, scale_fit)) = fitted(work).filter(|_| enough) {
+            check(work, base_from_tracker, &all, &scale_fit);
         }
     }
-    if let Some((all, found)) = fitted(work) {
-        let found = common::check(work, &all, &found);
-        work.found.extend(found);
+    if let Some((all, scale_fit)) = fitted(work) {
+        let suspicion = common::check(work, &all, &scale_fit);
+        work.suspicions.extend(suspicion);
     }
     work.reversed = false;
 }

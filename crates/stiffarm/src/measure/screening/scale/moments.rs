@@ -27,7 +27,7 @@ pub(super) fn check(work: &mut Work, moves: &[Move]) {
     if !work.setup().load.each().all(pure) || cases.iter().any(|c| c.loading_point.is_some()) {
         return;
     }
-    let (mut product, mut own, mut expected, mut forces) = (0.0, 0.0, 0.0, 0.0);
+    let (mut product, mut measured, mut expected, mut forces) = (0.0, 0.0, 0.0, 0.0);
     for one in moves {
         let before = work.sheet.at((one.posture, one.reference));
         let frames = Frames::new(&work.setup().robot, &before.q);
@@ -40,11 +40,11 @@ pub(super) fn check(work: &mut Work, moves: &[Move]) {
         // The moment about the loading point, moved back to the sensor.
         let read = one.wrench.moved(&at, &origin).moment;
         product += lever.dot(&read);
-        own += read.norm_squared();
+        measured += read.norm_squared();
         expected += lever.norm_squared();
         forces += one.wrench.force.norm_squared();
     }
-    let aligned = product / (own * expected).sqrt();
+    let aligned = product / (measured * expected).sqrt();
     // Not true for a number that is none.
     if !(aligned > ALONG && expected > LEVER * LEVER * forces) {
         return;

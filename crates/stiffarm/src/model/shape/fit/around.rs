@@ -168,9 +168,9 @@ impl Axis {
     fn fit(&self, points: &[Vector3<f64>]) -> (Vector3<f64>, f64, [f64; 2]) {
         let along = self.direction;
         let split = |p: &Vector3<f64>| {
-            let own = p - self.point;
-            let s = own.dot(&along);
-            (s, (own.norm_squared() - s * s).max(0.0))
+            let offset = p - self.point;
+            let s = offset.dot(&along);
+            (s, (offset.norm_squared() - s * s).max(0.0))
         };
         let most = points.iter().map(|p| split(p).1).fold(0.0, f64::max);
         let radius = most.sqrt() * (1.0 + self.wider.abs());

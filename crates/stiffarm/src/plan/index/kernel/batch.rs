@@ -140,8 +140,8 @@ impl Batch {
 
     /// Adds the derivatives of the scene's penalty to those of a reverse sweep.
     pub fn add_scene(&mut self) {
-        for (sum, own) in self.gradient.iter_mut().zip(&self.scene_gradient) {
-            *sum += *own;
+        for (sum, slope) in self.gradient.iter_mut().zip(&self.scene_gradient) {
+            *sum += *slope;
         }
         for axis in 0..3 {
             self.anchor_gradient[axis] += self.scene_anchor[axis];

@@ -66,8 +66,8 @@ pub(super) fn forward(model: &Model, batch: &mut Batch) {
             _ => (wrist, false),
         };
         let mut push = ZERO3;
-        let own = model.point_limits.iter();
-        for limit in own.filter(|limit| limit.holds_for(is_tool_point)) {
+        let point_limits = model.point_limits.iter();
+        for limit in point_limits.filter(|limit| limit.holds_for(is_tool_point)) {
             // As in `Limits::visit`, which shows what this searches by.
             let at = Lanes::splat(limit.at);
             let mut slope_at = |value: Lanes| match limit.side {

@@ -53,13 +53,13 @@ impl Kernel {
     /// A load that only a measurement gives; k(J_N) with fewer than six joints.
     pub fn new(cell: &Cell, wanted: Wanted<'_>, count: usize) -> Result<Self> {
         let each = cell.limit_cases().into_iter().enumerate();
-        let cases = each.map(|(number, own)| {
+        let cases = each.map(|(number, case)| {
             let wanted = Wanted {
                 // k(J_N) is the posture's, whatever the load.
                 dexterity: wanted.dexterity.filter(|_| number == 0),
                 ..wanted
             };
-            Case::new(&own, wanted, count)
+            Case::new(&case, wanted, count)
         });
         let cases = cases.collect::<Result<_>>()?;
         Ok(Kernel { cases, count })
@@ -105,7 +105,7 @@ impl Kernel {
         entries.map(move |(entry, lanes)| {
             let rest = others.iter();
             let rest = rest.map(|case| case.batches[at].information[entry].0[lane]);
-            rest.fold(lanes.0[lane], |sum, own| sum + own)
+            rest.fold(lanes.0[lane], |sum, information| sum + information)
         })
     }
 
@@ -208,7 +208,7 @@ impl Kernel {
 
     /// Penalty of the limits of all postures.
     pub fn penalty(&self) -> f64 {
-        let each = self.per_posture(|batch| batch.penalty, |sum, own| sum + own);
+        let each = self.per_posture(|batch| batch.penalty, |sum, penalty| sum + penalty);
         each.sum()
     }
 
@@ -259,10 +259,10 @@ impl Kernel {
         together: impl Fn(f64, f64) -> f64,
     ) -> impl Iterator<Item = f64> {
         (0..self.count).map(move |p| {
-            let own = |case: &Case| of(&case.batches[p / WIDTH]).0[p % WIDTH];
+            let of_case = |case: &Case| of(&case.batches[p / WIDTH]).0[p % WIDTH];
             let (first, others) = (&self.cases[0], &self.cases[1..]);
-            let others = others.iter().map(own);
-            others.fold(own(first), &together)
+            let others = others.iter().map(of_case);
+            others.fold(of_case(first), &together)
         })
     }
 

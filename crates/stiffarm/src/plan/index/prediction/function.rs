@@ -18,7 +18,7 @@ pub(crate) struct PredictionFunction {
     /// Rows of the given postures, then of the free ones.
     rows: Rows,
     /// Rows of the given postures.
-    given: usize,
+    base_row_count: usize,
     /// What is held beside one free posture, without given ones.
     held: Option<Held>,
     /// Derivative of ln(index) by the rows, after an evaluation.
@@ -28,14 +28,14 @@ pub(crate) struct PredictionFunction {
 impl PredictionFunction {
     /// # Errors
     /// As [`PredictionModel::of_cell`]; given angles of the wrong number or not finite.
-    pub(crate) fn new<Q: AsRef<[f64]>>(cell: &Cell, count: usize, given: &[Q]) -> Result<Self> {
+    pub(crate) fn new<Q: AsRef<[f64]>>(cell: &Cell, count: usize, fixed_postures: &[Q]) -> Result<Self> {
         let model = PredictionModel::of_cell(cell)?.condensed(cell)?;
         let under_each = |q: &[f64]| -> Result<Vec<PostureTerms>> {
             let under = |setup: &Setup| PostureTerms::new(setup, q, None);
             model.cases.iter().map(under).collect()
         };
-        let mut blocks = Vec::with_capacity(given.len() + count);
-        for q in given {
+        let mut blocks = Vec::with_capacity(fixed_postures.len() + count);
+        for q in fixed_postures {
             blocks.push(model.readings(&under_each(q.as_ref())?));
         }
         let terms = under_each(&vec![0.0; cell.setup.robot.joint_count()])?;
@@ -43,7 +43,7 @@ impl PredictionFunction {
         blocks.extend((0..count).map(|_| DMatrix::zeros(per, model.unknowns())));
         Ok(PredictionFunction {
             rows: model.stacked(&blocks),
-            given: per * given.len(),
+            base_row_count: per * fixed_postures.len(),
             arms: vec![model.arms(&terms); count],
             terms: vec![terms; count],
             model,
@@ -64,19 +64,19 @@ impl PredictionFunction {
             self.model.cases.iter().map(under).collect::<Option<Vec<_>>>()
         };
         let terms: Option<Vec<_>> = postures.iter().map(under_each).collect();
-        let each: Vec<_> = terms?.iter().map(|own| self.model.readings(own)).collect();
+        let each: Vec<_> = terms?.iter().map(|states| self.model.readings(states)).collect();
         Some(self.model.stacked(&each).all)
     }
 
     /// Rows of the given postures.
-    pub(crate) fn given(&self) -> DMatrix<f64> {
-        self.rows.all.rows(0, self.given).into_owned()
+    pub(crate) fn base_readings(&self) -> DMatrix<f64> {
+        self.rows.all.rows(0, self.base_row_count).into_owned()
     }
 
     /// Holds these readings beside the one free posture.
     pub(crate) fn hold(&mut self, rows: [&DMatrix<f64>; 2]) {
         let mut equations = Equations::new(self.model.unknowns(), self.rows.fixed);
-        rows.into_iter().for_each(|own| equations.add(own));
+        rows.into_iter().for_each(|block| equations.add(block));
         self.held = Held::new(&equations, self.model.targets());
     }
 
@@ -89,7 +89,7 @@ impl PredictionFunction {
         }
         let error = match &self.held {
             Some(held) => held.gain(&self.rows.all).map(|gain| held.error - gain),
-            None => Posterior::new(&self.rows).and_then(|own| own.error(self.model.targets())),
+            None => Posterior::new(&self.rows).and_then(|posterior| posterior.error(self.model.targets())),
         };
         error.map_or(f64::INFINITY, |error| 0.5 * error.ln())
     }
@@ -100,14 +100,14 @@ impl PredictionFunction {
         if !self.place(q) {
             return f64::INFINITY;
         }
-        let found = match &self.held {
+        let error_and_gradient = match &self.held {
             Some(held) => {
                 let gained = held.gain_and_gradient(&self.rows.all);
                 gained.map(|(gain, by_rows)| (held.error - gain, -by_rows))
             }
-            None => Posterior::new(&self.rows).and_then(|own| own.error_and_gradient(self.model.targets())),
+            None => Posterior::new(&self.rows).and_then(|posterior| posterior.error_and_gradient(self.model.targets())),
         };
-        let Some((error, by_rows)) = found else {
+        let Some((error, by_rows)) = error_and_gradient else {
             return f64::INFINITY;
         };
         // ∂ ½ ln F = ∂F/(2F).
@@ -138,17 +138,17 @@ impl PredictionFunction {
         let n = robot.joint_count();
         let (mut by_theta, mut by_q) = (vec![0.0; n], vec![0.0; n]);
         let per = self.model.rows_per_load();
-        let mut from = self.given;
+        let mut from = self.base_row_count;
         for (arms, out) in self.arms.iter().zip(gradient.chunks_exact_mut(n)) {
             by_theta.fill(0.0);
             for (arm, setup) in arms.iter().zip(&self.model.cases) {
-                let own = adjoint.rows(from, per).into_owned();
-                self.model.add_gradient(arm, &setup.load, &own, &mut by_theta);
+                let by_rows = adjoint.rows(from, per).into_owned();
+                self.model.add_gradient(arm, &setup.load, &by_rows, &mut by_theta);
                 from += per;
             }
             robot.gradient_to_controller(&by_theta, &mut by_q);
-            for (sum, own) in out.iter_mut().zip(&by_q) {
-                *sum += own;
+            for (sum, slope) in out.iter_mut().zip(&by_q) {
+                *sum += slope;
             }
         }
     }
@@ -157,7 +157,7 @@ impl PredictionFunction {
     fn place(&mut self, q: &[f64]) -> bool {
         let n = self.model.cases[0].robot.joint_count();
         let per = self.model.rows_per_load();
-        let mut from = self.given;
+        let mut from = self.base_row_count;
         for (p, q) in q.chunks_exact(n).enumerate() {
             for (c, setup) in self.model.cases.iter().enumerate() {
                 let terms = &mut self.terms[p][c];

@@ -94,7 +94,7 @@ impl PredictionModel {
         work: &[Vec<(Setup, PostureTerms)>],
     ) -> Result<Self> {
         let mut model = PredictionModel::without_targets(cell, prior, source)?;
-        let targets: Vec<Vec<DMatrix<f64>>> = work.iter().map(|own| model.at_tip(own)).collect();
+        let targets: Vec<Vec<DMatrix<f64>>> = work.iter().map(|states| model.at_tip(states)).collect();
         model.set_targets(&targets);
         Ok(model)
     }
@@ -175,11 +175,11 @@ impl PredictionModel {
         let random = self.prior.root.ncols();
         let mut gram = DMatrix::zeros(random, random);
         let mut add = |rows: &DMatrix<f64>| {
-            let own = rows.columns(fixed, random);
+            let random_columns = rows.columns(fixed, random);
             // One scale for all: what counts is what is seen at all.
-            let scale = own.norm_squared();
+            let scale = random_columns.norm_squared();
             if scale > 0.0 {
-                gram.gemm_tr(1.0 / scale, &own, &own, 1.0);
+                gram.gemm_tr(1.0 / scale, &random_columns, &random_columns, 1.0);
             }
         };
         add(&self.targets.all);
@@ -189,13 +189,13 @@ impl PredictionModel {
             each.flatten().for_each(|terms| add(&self.readings(&[terms])));
         }
         let (values, vectors) = eigen(gram)?;
-        let kept: Vec<usize> = (0..random).filter(|i| values[*i] > UNSEEN * values.max()).collect();
-        let seen = vectors.select_columns(&kept);
+        let directions: Vec<usize> = (0..random).filter(|i| values[*i] > UNSEEN * values.max()).collect();
+        let seen = vectors.select_columns(&directions);
         self.prior.root *= &seen;
         let targets = &self.targets.all;
-        let mut rows = DMatrix::zeros(targets.nrows(), fixed + kept.len());
+        let mut rows = DMatrix::zeros(targets.nrows(), fixed + directions.len());
         rows.columns_mut(0, fixed).copy_from(&targets.columns(0, fixed));
-        rows.columns_mut(fixed, kept.len()).copy_from(&(targets.columns(fixed, random) * seen));
+        rows.columns_mut(fixed, directions.len()).copy_from(&(targets.columns(fixed, random) * seen));
         if rows.nrows() > rows.ncols() {
             rows = rows.qr().r();
         }
@@ -218,7 +218,7 @@ impl PredictionModel {
     /// What the readings at a posture tell, under the load of each of `terms`: rows over σ.
     pub(crate) fn readings<'a>(&self, terms: impl IntoIterator<Item = &'a PostureTerms>) -> DMatrix<f64> {
         let each: Vec<DMatrix<f64>> =
-            terms.into_iter().map(|own| self.readings_of(&ArmMotion::new(own, &Load::Measured))).collect();
+            terms.into_iter().map(|state| self.readings_of(&ArmMotion::new(state, &Load::Measured))).collect();
         stacked(&each, self.unknowns())
     }
 
@@ -331,8 +331,8 @@ fn seen(tool: &Tool, common_weight: f64) -> Result<DMatrix<f64>> {
     whiten_posture(&mut rows, common_weight);
     let (values, vectors) = eigen(rows.tr_mul(&rows))?;
     let most = values.max();
-    let kept: Vec<usize> = (0..6).filter(|i| values[*i] > UNSEEN * most).collect();
-    Ok(DMatrix::from_fn(kept.len(), 6, |i, j| vectors[(j, kept[i])] * values[kept[i]].sqrt()))
+    let directions: Vec<usize> = (0..6).filter(|i| values[*i] > UNSEEN * most).collect();
+    Ok(DMatrix::from_fn(directions.len(), 6, |i, j| vectors[(j, directions[i])] * values[directions[i]].sqrt()))
 }
 
 fn eigen(matrix: DMatrix<f64>) -> Result<(DVector<f64>, DMatrix<f64>)> {

@@ -117,9 +117,9 @@ impl ArmMotion {
         let (axes, loads) = self.springs(robot);
         let mut by_axes = DMatrix::zeros(6, n);
         for j in 0..n {
-            let own = adjoint.column(j);
-            let by_load = own.dot(&axes.column(j));
-            by_axes.set_column(j, &(own * loads[j] + self.wrench * by_load));
+            let column_adjoint = adjoint.column(j);
+            let by_load = column_adjoint.dot(&axes.column(j));
+            by_axes.set_column(j, &(column_adjoint * loads[j] + self.wrench * by_load));
             by_wrench += axes.column(j) * by_load;
         }
         let by_joints = match robot.spring_mixing() {
@@ -136,15 +136,15 @@ impl ArmMotion {
         for (i, effect) in effects.iter().enumerate() {
             let (place, row, column) = entry(effect);
             let (a, f) = (&self.transforms[place], &felt[place]);
-            let own: Vector6<f64> = adjoint.fixed_view::<6, 1>(0, n + i) * effect.scale;
+            let column_adjoint: Vector6<f64> = adjoint.fixed_view::<6, 1>(0, n + i) * effect.scale;
             let (by_a, by_f) = (&mut by_transform[place], &mut by_felt[place]);
-            by_f[column] += own.dot(&a.column(row));
+            by_f[column] += column_adjoint.dot(&a.column(row));
             let mut target = by_a.column_mut(row);
-            target += own * f[column];
+            target += column_adjoint * f[column];
             if row != column {
-                by_f[row] += own.dot(&a.column(column));
+                by_f[row] += column_adjoint.dot(&a.column(column));
                 let mut target = by_a.column_mut(column);
-                target += own * f[row];
+                target += column_adjoint * f[row];
             }
         }
         for (s, a) in self.transforms.iter().enumerate() {

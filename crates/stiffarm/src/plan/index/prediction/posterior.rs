@@ -150,9 +150,9 @@ impl Equations {
         let others = Cholesky::new(self.a.view((fixed, fixed), (random, random)).into_owned())?;
         let cross = self.a.view((fixed, 0), (random, fixed));
         let seen = others.l_dirty().solve_lower_triangular(&cross)?;
-        let own = self.a.view((0, 0), (fixed, fixed));
-        let left = own - seen.tr_mul(&seen);
-        let scale = own.diagonal().map(|d| if d > 0.0 { d.sqrt() } else { 1.0 });
+        let fixed_block = self.a.view((0, 0), (fixed, fixed));
+        let left = fixed_block - seen.tr_mul(&seen);
+        let scale = fixed_block.diagonal().map(|d| if d > 0.0 { d.sqrt() } else { 1.0 });
         let scaled = DMatrix::from_fn(fixed, fixed, |i, j| left[(i, j)] / (scale[i] * scale[j]));
         let least = symmetric_eigen(scaled)?.0.min();
         let mut a = self.a.clone();
@@ -200,25 +200,25 @@ impl Held {
         let (moved, seen) = (all * &self.inverse, all * &self.with);
         let gain = |rows: &Range<usize>| {
             let (start, count) = (rows.start, rows.len());
-            let own = moved.rows(start, count).into_owned();
+            let moved_rows = moved.rows(start, count).into_owned();
             let seen = seen.rows(start, count).into_owned();
-            Held::taken(&own, &all.rows(start, count).into_owned(), seen)
+            Held::taken(&moved_rows, &all.rows(start, count).into_owned(), seen)
         };
         of.iter().map(gain).collect()
     }
 
     /// From X A⁻¹, X and Y.
     fn taken(moved: &DMatrix<f64>, x: &DMatrix<f64>, mut seen: DMatrix<f64>) -> Option<f64> {
-        let own = moved * x.transpose() + DMatrix::identity(x.nrows(), x.nrows());
-        let solved = Cholesky::new(own)?.l_dirty().solve_lower_triangular_mut(&mut seen);
+        let covariance = moved * x.transpose() + DMatrix::identity(x.nrows(), x.nrows());
+        let solved = Cholesky::new(covariance)?.l_dirty().solve_lower_triangular_mut(&mut seen);
         solved.then(|| seen.norm_squared())
     }
 
     /// The gain with its derivative by x: with M = (I + X A⁻¹Xᵀ)⁻¹ it is 2 M Y (A⁻¹Tᵀ)ᵀ − 2 M Y YᵀM X A⁻¹.
     pub(crate) fn gain_and_gradient(&self, x: &DMatrix<f64>) -> Option<(f64, DMatrix<f64>)> {
         let (moved, seen) = (x * &self.inverse, x * &self.with);
-        let own = &moved * x.transpose() + DMatrix::identity(x.nrows(), x.nrows());
-        let solved = Cholesky::new(own)?.solve(&seen);
+        let covariance = &moved * x.transpose() + DMatrix::identity(x.nrows(), x.nrows());
+        let solved = Cholesky::new(covariance)?.solve(&seen);
         let mut by = &solved * self.with.transpose();
         by -= (&solved * solved.transpose()) * moved;
         Some((solved.dot(&seen), by * 2.0))

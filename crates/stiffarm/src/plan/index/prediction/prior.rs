@@ -87,9 +87,9 @@ impl Prior {
         let mut columns: Vec<Vec<f64>> = expected.iter().map(column).collect();
         if means {
             for class in ElasticClass::ALL {
-                let own = effects.iter().zip(&columns);
-                let own = own.filter(|(e, _)| e.class == class && e.is_positive());
-                let sum = own.fold(vec![0.0; entries.len()], |sum, (_, column)| {
+                let members = effects.iter().zip(&columns);
+                let members = members.filter(|(e, _)| e.class == class && e.is_positive());
+                let sum = members.fold(vec![0.0; entries.len()], |sum, (_, column)| {
                     sum.iter().zip(column).map(|(s, c)| s + c).collect()
                 });
                 columns.push(sum);

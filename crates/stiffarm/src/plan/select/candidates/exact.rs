@@ -42,10 +42,10 @@ pub(super) fn branch_and_bound<J: Bounded>(
     of: usize,
     affordable: u64,
     control: Control<'_>,
-    found: &mut Found,
+    incumbent: &mut Found,
 ) {
     let tangent = tangent.as_ref();
-    found.bound = tangent.map(|tangent| tangent.bound_of(count));
+    incumbent.bound = tangent.map(|tangent| tangent.bound_of(count));
     if tangent.is_none() && choose(of as u64, count as u64) > affordable {
         return;
     }
@@ -54,15 +54,15 @@ pub(super) fn branch_and_bound<J: Bounded>(
         None => (0..of).collect(),
     };
     let mut tree = Tree { judge, tangent, order, count, control, left: affordable, complete: true };
-    tree.branch(&mut Vec::with_capacity(count), 0, 0.0, found);
-    found.exact = tree.complete && found.value.is_finite();
-    found.compared = affordable - tree.left;
+    tree.branch(&mut Vec::with_capacity(count), 0, 0.0, incumbent);
+    incumbent.exact = tree.complete && incumbent.value.is_finite();
+    incumbent.compared = affordable - tree.left;
 }
 
 impl<J: Bounded> Tree<'_, J> {
     /// All groups that go on from `chosen` with candidates from position `from` on;
     /// `sum` are the scores of those chosen.
-    fn branch(&mut self, chosen: &mut Vec<usize>, from: usize, sum: f64, found: &mut Found) {
+    fn branch(&mut self, chosen: &mut Vec<usize>, from: usize, sum: f64, incumbent: &mut Found) {
         let missing = self.count - chosen.len();
         if missing == 1 {
             self.judge.hold(chosen);
@@ -72,7 +72,7 @@ impl<J: Bounded> Tree<'_, J> {
             if let Some(tangent) = self.tangent {
                 let next = self.order[at..at + missing].iter();
                 let most = sum + next.map(|c| tangent.scores[*c]).sum::<f64>();
-                if tangent.bound(most) >= found.value - SAME {
+                if tangent.bound(most) >= incumbent.value - SAME {
                     return;
                 }
             }
@@ -84,16 +84,16 @@ impl<J: Bounded> Tree<'_, J> {
             if missing == 1 {
                 self.left -= 1;
                 let value = self.judge.with(candidate);
-                if value < found.value - SAME {
-                    found.value = value;
-                    found.chosen = chosen.iter().copied().chain([candidate]).collect();
-                    found.chosen.sort_unstable();
+                if value < incumbent.value - SAME {
+                    incumbent.value = value;
+                    incumbent.chosen = chosen.iter().copied().chain([candidate]).collect();
+                    incumbent.chosen.sort_unstable();
                 }
                 continue;
             }
             let score = self.tangent.map_or(0.0, |tangent| tangent.scores[candidate]);
             chosen.push(candidate);
-            self.branch(chosen, at + 1, sum + score, found);
+            self.branch(chosen, at + 1, sum + score, incumbent);
             chosen.pop();
             if !self.complete {
                 return;

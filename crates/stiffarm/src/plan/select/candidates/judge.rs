@@ -51,9 +51,9 @@ impl InformationJudge {
         let n = robot.spring_count();
         let mut each = Vec::new();
         if let Some((compliance, weight)) = wanted.information {
-            for own in terms {
+            for states in terms {
                 let mut full = DMatrix::zeros(n, n);
-                for state in own {
+                for state in states {
                     let mut block = state.block(robot);
                     for (mut column, h) in block.column_iter_mut().zip(compliance) {
                         column *= *h;
@@ -67,10 +67,10 @@ impl InformationJudge {
             None => Vec::new(),
             Some(length) => terms
                 .iter()
-                .map(|own| {
-                    let own = &own[0];
-                    let point = &own.measuring_points()[0];
-                    let k = dexterity::condition_number(own.frames(), point, length);
+                .map(|states| {
+                    let state = &states[0];
+                    let point = &state.measuring_points()[0];
+                    let k = dexterity::condition_number(state.frames(), point, length);
                     k.map_or(f64::INFINITY, f64::ln)
                 })
                 .collect(),
@@ -95,8 +95,8 @@ impl InformationJudge {
     fn drop_one(&mut self, candidate: usize) -> f64 {
         let mut worst = f64::NEG_INFINITY;
         for p in self.held.iter().chain([&candidate]) {
-            for ((less, total), own) in self.less.iter_mut().zip(&self.total).zip(&self.each[*p]) {
-                *less = total - own;
+            for ((less, total), v) in self.less.iter_mut().zip(&self.total).zip(&self.each[*p]) {
+                *less = total - v;
             }
             worst = worst.max(self.criterion.value(&self.less));
         }
@@ -112,8 +112,8 @@ impl Judge for InformationJudge {
         self.rest.fill(0.0);
         self.largest = f64::NEG_INFINITY;
         for p in rest {
-            if let Some(own) = self.each.get(*p) {
-                for (sum, v) in self.rest.iter_mut().zip(own) {
+            if let Some(information) = self.each.get(*p) {
+                for (sum, v) in self.rest.iter_mut().zip(information) {
                     *sum += v;
                 }
             }
@@ -125,9 +125,9 @@ impl Judge for InformationJudge {
 
     fn with(&mut self, candidate: usize) -> f64 {
         let mut value = self.log_factor;
-        if let Some(own) = self.each.get(candidate) {
-            for ((total, rest), own) in self.total.iter_mut().zip(&self.rest).zip(own) {
-                *total = rest + own;
+        if let Some(information) = self.each.get(candidate) {
+            for ((total, rest), v) in self.total.iter_mut().zip(&self.rest).zip(information) {
+                *total = rest + v;
             }
             value += match self.index {
                 Index::DropOne => self.drop_one(candidate),
@@ -150,8 +150,8 @@ impl Bounded for InformationJudge {
             _ => return None,
         };
         self.total.fill(0.0);
-        for (weight, own) in weights.iter().zip(&self.each) {
-            for (sum, v) in self.total.iter_mut().zip(own) {
+        for (weight, information) in weights.iter().zip(&self.each) {
+            for (sum, v) in self.total.iter_mut().zip(information) {
                 *sum += weight * v;
             }
         }
@@ -166,12 +166,12 @@ impl Bounded for InformationJudge {
             ((2.0 * log).exp(), 2.0 * (2.0 * log).exp())
         };
         let adjoint = &self.criterion.adjoint;
-        let score = |own: &Vec<f64>| {
+        let score = |information: &Vec<f64>| {
             let mut sum = 0.0;
             for i in 0..n {
                 for j in 0..=i {
                     let twice = if i == j { 1.0 } else { 2.0 };
-                    sum -= twice * adjoint[i * n + j] * own[packed(i, j)];
+                    sum -= twice * adjoint[i * n + j] * information[packed(i, j)];
                 }
             }
             sum * factor

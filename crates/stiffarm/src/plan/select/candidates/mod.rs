@@ -150,8 +150,8 @@ pub fn select_candidates(
     if count > allowed.len() {
         return Err(too_few(count, candidates, &forbidden));
     }
-    let given = candidates;
-    let candidates: Vec<Candidate> = allowed.iter().map(|c| given[*c].clone()).collect();
+    let listed = candidates;
+    let candidates: Vec<Candidate> = allowed.iter().map(|c| listed[*c].clone()).collect();
     let terms = candidates.iter().map(|candidate| candidate.states(&cell.setup)).collect::<Result<Vec<_>>>()?;
     let model = match (index, PredictionModel::at_candidates(cell, options.size_factor, &terms)) {
         (Index::Prediction, model) => Some(model?),
@@ -159,14 +159,14 @@ pub fn select_candidates(
         (_, model) => model.ok(),
     };
     let search = Search { count, of: candidates.len(), options, control };
-    let found = match &model {
+    let incumbent = match &model {
         Some(model) if index == Index::Prediction => {
-            let each: Vec<_> = terms.iter().map(|own| model.readings(own)).collect();
+            let each: Vec<_> = terms.iter().map(|states| model.readings(states)).collect();
             search.run(PredictionJudge::new(model, &each, None))?
         }
         _ => search.run(InformationJudge::new(cell, index, &terms)?)?,
     };
-    let group: Vec<&Vec<PostureTerms>> = found.chosen.iter().map(|p| &terms[*p]).collect();
+    let group: Vec<&Vec<PostureTerms>> = incumbent.chosen.iter().map(|p| &terms[*p]).collect();
     let evaluation = evaluate_terms(cell, index.as_str(), &group, model.as_ref())?;
     let value = evaluation.indices.get(index).filter(|value| value.is_finite()).ok_or_else(|| {
         Error::new(
@@ -179,18 +179,18 @@ pub fn select_candidates(
         )
         .hint("choose more postures, or give candidates that differ more")
     })?;
-    let bound = if found.exact { Some(value) } else { found.bound.map(|log| index.of_log(log)) };
+    let bound = if incumbent.exact { Some(value) } else { incumbent.bound.map(|log| index.of_log(log)) };
     let efficiency = bound.map(|bound| if index.larger_is_better() { value / bound } else { bound / value });
     Ok(CandidateSelection {
         index,
         value,
-        chosen: found.chosen.iter().map(|p| allowed[*p]).collect(),
+        chosen: incumbent.chosen.iter().map(|p| allowed[*p]).collect(),
         forbidden,
         evaluation,
-        exact: found.exact,
+        exact: incumbent.exact,
         bound,
         efficiency,
-        groups_compared: found.compared,
+        groups_compared: incumbent.compared,
         termination: if control.stopped() { Termination::Interrupted } else { Termination::Converged },
     })
 }
@@ -199,8 +199,8 @@ pub fn select_candidates(
 fn sorted(cell: &Cell, candidates: &[Candidate]) -> Result<(Vec<usize>, Vec<ForbiddenCandidate>)> {
     let mut allowed = Vec::new();
     let mut out = Vec::new();
-    for (candidate, own) in candidates.iter().enumerate() {
-        match forbidden(cell, &own.q)? {
+    for (candidate, posture) in candidates.iter().enumerate() {
+        match forbidden(cell, &posture.q)? {
             None => allowed.push(candidate),
             Some(because) => out.push(ForbiddenCandidate { candidate, because }),
         }
@@ -248,14 +248,14 @@ impl Search<'_> {
             .into_iter()
             .reduce(|best, next| if next.0 < best.0 { next } else { best })
             .unwrap_or((f64::INFINITY, (0..self.count).collect()));
-        let mut found = Found { value, chosen, exact: false, bound: None, compared: 0 };
+        let mut incumbent = Found { value, chosen, exact: false, bound: None, compared: 0 };
         if self.options.bound && !self.control.stopped() {
             let mut judge = judge;
             let tangent = self.best_tangent(&mut judge);
             let most = self.options.groups.unwrap_or(judge.affordable());
-            branch_and_bound(&mut judge, tangent, self.count, self.of, most, self.control, &mut found);
+            branch_and_bound(&mut judge, tangent, self.count, self.of, most, self.control, &mut incumbent);
         }
-        Ok(found)
+        Ok(incumbent)
     }
 
     /// The tangent with the highest bound on the way to the best mixture.
@@ -269,7 +269,7 @@ impl Search<'_> {
             let tangent = judge.tangent(&weights)?;
             let bound = tangent.bound_of(self.count);
             weights = moved(&weights, &tangent.scores, self.count);
-            if best.as_ref().is_none_or(|(known, _)| bound > *known) {
+            if best.as_ref().is_none_or(|(best_bound, _)| bound > *best_bound) {
                 best = Some((bound, tangent));
             }
         }

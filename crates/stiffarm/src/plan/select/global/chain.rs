@@ -40,7 +40,7 @@ struct Predicting {
     /// The search for one posture beside others.
     single: Local,
     /// Readings of the given postures.
-    given: DMatrix<f64>,
+    base_rows: DMatrix<f64>,
 }
 
 /// A chain with its incumbent.
@@ -69,11 +69,11 @@ impl Chain {
         joints: usize,
         pool: &Pool,
     ) -> Self {
-        let base = Base::new(index, local.given(), criterion.triangle());
+        let base = Base::new(index, local.fixed_postures(), criterion.triangle());
         let predicting = local.prediction().zip(single);
-        let predicting = predicting.map(|(own, single)| Predicting {
-            judge: pool.judge(own, local.keeps_from()),
-            given: own.given(),
+        let predicting = predicting.map(|(prediction, single)| Predicting {
+            judge: pool.judge(prediction, local.keeps_from()),
+            base_rows: prediction.base_readings(),
             single,
         });
         let count = local.angle_count() / joints;
@@ -82,10 +82,10 @@ impl Chain {
 
     /// Local searches and evaluations of the index with its gradient so far.
     pub fn effort(&self) -> (u64, u64) {
-        let single = self.predicting.as_ref().map(|own| &own.single);
+        let single = self.predicting.as_ref().map(|predicting| &predicting.single);
         let all = [Some(&self.local), single];
         let all = all.into_iter().flatten();
-        all.fold((0, 0), |sum, own| (sum.0 + own.searches, sum.1 + own.evaluations))
+        all.fold((0, 0), |sum, local| (sum.0 + local.searches, sum.1 + local.evaluations))
     }
 
     /// Puts the chain onto another plan.
@@ -168,15 +168,15 @@ impl Chain {
                 let (others, Some(rows)) = beside(&self.local, &plan.x, n, p) else {
                     continue;
                 };
-                let Some(own) = &mut self.predicting else {
+                let Some(predicting) = &mut self.predicting else {
                     break;
                 };
-                let known = self.local.known().iter().map(Vec::as_slice);
-                let known: Vec<&[f64]> = others.into_iter().chain(known).collect();
-                own.single.hold([&own.given, &rows], &known);
-                let own = own.single.improve(plan.x[p * n..(p + 1) * n].to_vec(), Effort::Rough);
+                let held_postures = self.local.held_postures().iter().map(Vec::as_slice);
+                let held_postures: Vec<&[f64]> = others.into_iter().chain(held_postures).collect();
+                predicting.single.hold([&predicting.base_rows, &rows], &held_postures);
+                let improved = predicting.single.improve(plan.x[p * n..(p + 1) * n].to_vec(), Effort::Rough);
                 let mut x = plan.x.clone();
-                x[p * n..(p + 1) * n].copy_from_slice(&own.x);
+                x[p * n..(p + 1) * n].copy_from_slice(&improved.x);
                 let next = self.local.judge(x);
                 if next.value < plan.value {
                     plan = next;
@@ -192,7 +192,7 @@ impl Chain {
     /// A new group: random, or the best exchange among random candidates.
     fn fresh(&mut self, rng: &mut ChaCha8Rng, pool: &Pool, by_exchange: bool, control: Control<'_>) -> Vec<f64> {
         self.idle = 0;
-        let judge = self.predicting.as_mut().map(|own| &mut own.judge);
+        let judge = self.predicting.as_mut().map(|predicting| &mut predicting.judge);
         let of = judge.as_ref().map_or(pool.len(), |judge| judge.len());
         let mut chosen: Vec<usize> = (0..self.count).map(|_| rng.random_range(0..of)).collect();
         if let Some(judge) = judge {
@@ -213,10 +213,10 @@ impl Chain {
     /// Puts a candidate in the place of posture `p`: that which is worth most, or where that cannot be told any.
     fn exchange(&mut self, rng: &mut ChaCha8Rng, pool: &Pool, x: &mut [f64], p: usize) {
         let n = self.joints;
-        let best = self.predicting.as_mut().and_then(|own| {
+        let best = self.predicting.as_mut().and_then(|predicting| {
             let (others, rows) = beside(&self.local, x, n, p);
-            own.judge.hold_rows(&rows?, &others);
-            own.judge.best()
+            predicting.judge.hold_rows(&rows?, &others);
+            predicting.judge.best()
         });
         let at = best.unwrap_or_else(|| rng.random_range(0..pool.len()));
         x[p * n..(p + 1) * n].copy_from_slice(pool.angles(at));
@@ -249,11 +249,11 @@ impl Chain {
         let kind: u32 = rng.random_range(0..4);
         for _ in 0..many {
             let p = rng.random_range(0..self.count);
-            let own = &mut x[p * n..(p + 1) * n];
+            let posture = &mut x[p * n..(p + 1) * n];
             match kind {
                 0 => {
                     let (lower, upper) = self.local.bounds();
-                    for (j, q) in own.iter_mut().enumerate() {
+                    for (j, q) in posture.iter_mut().enumerate() {
                         let shift = SHAKE * (2.0 * rng.random::<f64>() - 1.0);
                         *q = (*q + shift).clamp(lower[j], upper[j]);
                     }
@@ -262,7 +262,7 @@ impl Chain {
                     // One joint of the posture anywhere.
                     let (lower, upper) = self.local.bounds();
                     let j = rng.random_range(0..n);
-                    own[j] = lower[j] + (upper[j] - lower[j]) * rng.random::<f64>();
+                    posture[j] = lower[j] + (upper[j] - lower[j]) * rng.random::<f64>();
                 }
                 _ => self.exchange(rng, pool, &mut x, p),
             }
@@ -279,6 +279,6 @@ impl Chain {
 fn beside<'a>(local: &Local, x: &'a [f64], joints: usize, p: usize) -> (Vec<&'a [f64]>, Option<DMatrix<f64>>) {
     let others = x[..local.angle_count()].chunks_exact(joints).enumerate();
     let others: Vec<&[f64]> = others.filter(|(i, _)| *i != p).map(|(_, q)| q).collect();
-    let rows = local.prediction().and_then(|own| own.readings(&others));
+    let rows = local.prediction().and_then(|prediction| prediction.readings(&others));
     (others, rows)
 }

@@ -18,12 +18,12 @@ pub(super) struct Base {
 }
 
 impl Base {
-    /// What `given` brings to an index; `triangle` entries of information.
-    pub fn new(index: Index, given: &Given, triangle: usize) -> Self {
+    /// What `fixed_postures` bring to an index; `triangle` entries of information.
+    pub fn new(index: Index, fixed_postures: &Given, triangle: usize) -> Self {
         let size = if index.uses_observation() { triangle } else { 0 };
         let mut information = vec![0.0; size];
-        given.add_information(&mut information);
-        Base { information, log_dexterity: given.log_dexterity, uses_dexterity: index.uses_dexterity() }
+        fixed_postures.add_information(&mut information);
+        Base { information, log_dexterity: fixed_postures.log_dexterity, uses_dexterity: index.uses_dexterity() }
     }
 }
 
@@ -65,9 +65,9 @@ impl Judge for PoolJudge<'_> {
     fn with(&mut self, candidate: usize) -> f64 {
         let mut value = 0.0;
         if !self.total.is_empty() {
-            let own = self.pool.information(candidate);
-            for ((total, rest), own) in self.total.iter_mut().zip(&self.rest).zip(own) {
-                *total = rest + own;
+            let information = self.pool.information(candidate);
+            for ((total, rest), v) in self.total.iter_mut().zip(&self.rest).zip(information) {
+                *total = rest + v;
             }
             value = self.criterion.value(&self.total);
         }

@@ -62,7 +62,7 @@ pub(super) struct Local {
     apart: bool,
     joints: usize,
     /// Angles of the given postures.
-    known: Vec<Vec<f64>>,
+    held_postures: Vec<Vec<f64>>,
     angles: usize,
     lower: Vec<f64>,
     upper: Vec<f64>,
@@ -79,11 +79,11 @@ impl Local {
         cell: &Cell,
         index: Index,
         count: usize,
-        given: &[Q],
+        fixed_postures: &[Q],
         design: &LoadDesign,
         accept: Option<&Accept>,
     ) -> Result<Self> {
-        let function = IndexFunction::build(cell, index, count, given, true)?;
+        let function = IndexFunction::build(cell, index, count, fixed_postures, true)?;
         let n = cell.setup.robot.joint_count();
         let has_kinks = function.has_extreme_singular_values() || function.component_count() > 0;
         let bounds = |side: usize| -> Vec<f64> {
@@ -98,7 +98,7 @@ impl Local {
             accept: accept.cloned(),
             apart: false,
             joints: n,
-            known: given.iter().map(|q| q.as_ref().to_vec()).collect(),
+            held_postures: fixed_postures.iter().map(|q| q.as_ref().to_vec()).collect(),
             angles: n * count,
             lower: bounds(0),
             upper: bounds(1),
@@ -116,17 +116,17 @@ impl Local {
 
     /// Angles of the given postures \[rad\], from which others keep apart where they have to.
     pub fn keeps_from(&self) -> Option<&[Vec<f64>]> {
-        self.apart.then_some(self.known.as_slice())
+        self.apart.then_some(self.held_postures.as_slice())
     }
 
     /// Angles of the given postures \[rad\].
-    pub fn known(&self) -> &[Vec<f64>] {
-        &self.known
+    pub fn held_postures(&self) -> &[Vec<f64>] {
+        &self.held_postures
     }
 
     /// The given postures.
-    pub fn given(&self) -> &Given {
-        self.function.given()
+    pub fn fixed_postures(&self) -> &Given {
+        self.function.fixed_postures()
     }
 
     /// Lower and upper bounds of all variables.
@@ -154,10 +154,10 @@ impl Local {
     /// True where no two postures of `x` are as good as the same.
     fn are_apart(&self, x: &[f64]) -> bool {
         let free = x[..self.angles].chunks_exact(self.joints);
-        let given = self.known.iter().map(Vec::as_slice);
-        let postures: Vec<&[f64]> = given.chain(free).collect();
+        let held = self.held_postures.iter().map(Vec::as_slice);
+        let postures: Vec<&[f64]> = held.chain(free).collect();
         let alike = |p: usize| postures[..p].iter().any(|other| alike(other, postures[p]));
-        !(self.known.len()..postures.len()).any(alike)
+        !(self.held_postures.len()..postures.len()).any(alike)
     }
 
     /// True where the caller's own constraint accepts all postures of `x`.
@@ -173,7 +173,7 @@ impl Local {
 
     /// Holds these readings beside the one posture that is searched for, which is to be none of `postures`.
     pub fn hold(&mut self, rows: [&DMatrix<f64>; 2], postures: &[&[f64]]) {
-        self.known = postures.iter().map(|q| q.to_vec()).collect();
+        self.held_postures = postures.iter().map(|q| q.to_vec()).collect();
         if let Some(function) = self.function.prediction_mut() {
             function.hold(rows);
         }

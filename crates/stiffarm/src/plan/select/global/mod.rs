@@ -120,11 +120,11 @@ pub fn select_watched(
         return Err(Error::new(Code::TooFewData, "The number of postures must be at least 1, got 0."));
     }
     check_bounds(cell)?;
-    let given = &options.given;
-    for q in given {
+    let fixed_postures = &options.given;
+    for q in fixed_postures {
         check_angles(&cell.setup.robot, q)?;
     }
-    if !options.load.is_empty() && !given.is_empty() {
+    if !options.load.is_empty() && !fixed_postures.is_empty() {
         return Err(Error::invalid(
             "Postures that were measured already fix the load: it cannot be designed any more.",
         )
@@ -316,7 +316,7 @@ impl<'a> Global<'a> {
 
     /// The best plan searched to the end, with everything that is to be said of it.
     fn finish(mut self, termination: Termination) -> Result<Selection> {
-        let given = &self.options.given;
+        let fixed_postures = &self.options.given;
         let n = self.cell.setup.robot.joint_count();
         let Some(best) = self.best.take() else {
             return Err(self.nothing(termination));
@@ -337,7 +337,7 @@ impl<'a> Global<'a> {
         // completed rounds; without any there is nothing to reproduce.
         if self.options.load.is_empty() && self.completed > 0 && !is_done {
             let rough = plan.clone();
-            let (polished, solution) = polish::polish(self.cell, self.index, plan, n, given)?;
+            let (polished, solution) = polish::polish(self.cell, self.index, plan, n, fixed_postures)?;
             plan = if self.chains[0].local.accepts(&polished.x) { polished } else { rough };
             if let Some(solution) = solution {
                 evaluations += solution.evaluations;
@@ -348,7 +348,7 @@ impl<'a> Global<'a> {
         let (angles, load) = plan.x.split_at(n * self.count);
         let cell = self.options.load.applied(self.cell, load);
         let group: Vec<Vec<f64>> = angles.chunks_exact(n).map(<[f64]>::to_vec).collect();
-        let all: Vec<&Vec<f64>> = given.iter().chain(&group).collect();
+        let all: Vec<&Vec<f64>> = fixed_postures.iter().chain(&group).collect();
         let evaluation = evaluate(&cell, self.index.as_str(), &all)?;
         let value =
             evaluation.indices.get(self.index).ok_or_else(|| no_result(&cell, self.index, &evaluation, termination))?;
@@ -358,7 +358,7 @@ impl<'a> Global<'a> {
             value,
             start_value: None,
             evaluation,
-            given: given.len(),
+            given: fixed_postures.len(),
             termination,
             rounds: Some(self.completed),
             improvements: self.improvements,

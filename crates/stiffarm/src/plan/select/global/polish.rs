@@ -22,12 +22,12 @@ pub(super) fn polish<Q: AsRef<[f64]>>(
     index: Index,
     plan: Plan,
     joints: usize,
-    given: &[Q],
+    fixed_postures: &[Q],
 ) -> Result<(Plan, Option<Minimum>)> {
     if plan.x.len() > MOST_VARIABLES {
         return Ok((plan, None));
     }
-    let search = Search::new(cell, index, plan.x.len() / joints, given)?;
+    let search = Search::new(cell, index, plan.x.len() / joints, fixed_postures)?;
     let options = Options { max_iterations: MAX_ITERATIONS, ..Options::default() };
     let solution = search.run(plan.x.clone(), LAST, options, Control::default())?;
     let better = solution.merit < plan.value;

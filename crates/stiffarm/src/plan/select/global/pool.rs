@@ -116,17 +116,17 @@ impl Pool {
         self.log_dexterity.get(at).copied().unwrap_or(0.0)
     }
 
-    /// The first candidates as the index prediction judges them, in their order; where `given` postures are to be kept
+    /// The first candidates as the index prediction judges them, in their order; where `fixed_postures` are to be kept
     /// away from, no two of a group may be alike either.
-    pub fn judge(&self, function: &PredictionFunction, given: Option<&[Vec<f64>]>) -> PredictionJudge {
+    pub fn judge(&self, function: &PredictionFunction, fixed_postures: Option<&[Vec<f64>]>) -> PredictionJudge {
         let angles: Vec<Vec<f64>> = (0..self.len().min(PREDICTING)).map(|at| self.angles(at).to_vec()).collect();
         // A load without a direction shows nothing.
         let none = function.model().stacked(&[]).all;
         let readings = |q: &Vec<f64>| function.readings(&[q]).unwrap_or_else(|| none.clone());
         let each: Vec<_> = angles.iter().map(readings).collect();
-        let judge = PredictionJudge::new(function.model(), &each, Some(function.given()));
-        match given {
-            Some(given) => judge.apart(angles, given),
+        let judge = PredictionJudge::new(function.model(), &each, Some(function.base_readings()));
+        match fixed_postures {
+            Some(fixed_postures) => judge.apart(angles, fixed_postures),
             None => judge,
         }
     }
@@ -144,7 +144,7 @@ impl Pool {
         let inside = kernel.violations().map(|v| v <= 0.0);
         let inside: Vec<bool> = inside.take(postures).collect();
         for (p, q) in q.chunks_exact(self.joints).enumerate() {
-            if !inside[p] || self.len() == SIZE || accept.is_some_and(|own| !own.accepts(q)) {
+            if !inside[p] || self.len() == SIZE || accept.is_some_and(|constraint| !constraint.accepts(q)) {
                 continue;
             }
             self.angles.extend_from_slice(q);
