@@ -1,7 +1,7 @@
 //! Residuals as arrows at the measuring points, on the cell in 3D.
 
 use crate::order::in_order;
-use crate::scene::{Arrow, SceneGroup, SceneOptions};
+use crate::scene::{Arrow, ArrowSet, Scene, SceneGroup, SceneOptions};
 use crate::tell::Given;
 use crate::tell::Section;
 use stiffarm::Result;
@@ -89,7 +89,8 @@ pub(in crate::tell) fn residual_section(
         arrows
     });
     let scene = context.scene(&groups, &options)?;
-    let scene = scene.map(|scene| if arrows.is_empty() { scene } else { scene.with_arrows(label, arrows) });
+    let arrows = (!arrows.is_empty()).then(|| ArrowSet { label: label.into(), arrows });
+    let scene = scene.map(|scene| Scene { arrows, ..scene });
     let states = match all.len() > names.len() {
         true => format!(" Of several load states the one {most} is shown."),
         false => String::new(),
@@ -99,8 +100,6 @@ pub(in crate::tell) fn residual_section(
          they are: arrows that point alike at all points of a posture are a shift that its points share, arrows \
          without order are noise.{states}"
     );
-    context.scene_section(scene, &postures, &text).map(|mut section| {
-        section.title = format!("{label} on the cell in 3D");
-        Some(section)
-    })
+    let title = format!("{label} on the cell in 3D");
+    Ok(Some(Section { title, ..context.scene_section(scene, &text) }))
 }

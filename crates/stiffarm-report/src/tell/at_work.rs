@@ -1,6 +1,6 @@
 //! What the pages of a loaded tool share: the path in 3D, the bands, how the tip gives way.
 
-use crate::cell::{Full, cell_drawing};
+use crate::cell::Full;
 use crate::path::{norm, thinned};
 use crate::scene::{Ellipsoid, Scene, SceneGroup, SceneOptions, ScenePath, scene};
 use crate::tell::Given;
@@ -75,13 +75,12 @@ impl AtWork<'_> {
     pub fn section(&self, context: &Given<'_>, explained: &str) -> Result<Section> {
         let first = self.groups.iter().find_map(|(_, points)| points.first());
         let (Some(cell), Some(first)) = (context.cell, first) else {
-            return context.scene_section(None, &[], explained);
+            return Ok(context.scene_section(None, explained));
         };
         let cell = self.cell(cell, first);
         let (shown, left_out) = self.shown();
         let scene = self.scene(&cell, &shown)?;
-        let drawn: Vec<Posture> = shown.iter().flatten().map(|p| posture(p)).collect();
-        let drawing = cell_drawing(&cell, &drawn, Full::Number(self.drawn_in_full(&shown)))?;
+        let drawing = scene.drawing(None, Full::Number(self.drawn_in_full(&shown)));
         let explained = match left_out {
             0 => explained.to_string(),
             _ => format!(
@@ -157,13 +156,14 @@ impl AtWork<'_> {
             scene = scene.at_work(&each(shown, |p| p.shift_m));
         }
         if let (Some(name), Some((_, points))) = (self.path, self.groups.first()) {
-            scene = scene.with_path(path(name, points));
+            scene.path = Some(path(name, points));
         }
         let ellipsoids = shown.iter().enumerate().flat_map(|(group, points)| {
             let points = points.iter().enumerate();
             points.filter_map(move |(posture, point)| ellipsoid(group, posture, point))
         });
-        Ok(scene.with_ellipsoids(ellipsoids.collect()))
+        scene.ellipsoids = ellipsoids.collect();
+        Ok(scene)
     }
 }
 

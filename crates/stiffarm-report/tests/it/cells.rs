@@ -10,6 +10,7 @@ use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::posture::Posture;
 use stiffarm_files::builtin;
 use stiffarm_report::figure::drawing::{Drawing, Mark, Shape, Tone};
+use stiffarm_report::scene::{SceneGroup, SceneOptions, scene};
 use stiffarm_report::{Full, cell_drawing, render_drawing, usual_posture};
 
 /// `count` postures spread over the bounds, among them some that violate each kind of limit.
@@ -188,4 +189,16 @@ fn the_usual_posture_meets_the_limits_where_one_does() {
     let usual = usual_posture(&cell).unwrap();
     assert_eq!(usual.name, middle);
     assert!(drawn(&cell, &usual).caution_count() > 0);
+}
+
+#[test]
+fn a_drawing_is_a_projection_of_its_scene() {
+    let cell = with_shapes();
+    let postures = spread(&cell, 6);
+    let groups = [SceneGroup::new("a", &postures[..4]), SceneGroup::new("b", &postures[4..])];
+    let scene = scene(&cell, &groups, &SceneOptions::default()).unwrap();
+    for full in [Full::Tightest, Full::Number(2), Full::None] {
+        assert_eq!(scene.drawing(Some(0), full), cell_drawing(&cell, &postures[..4], full).unwrap());
+        assert_eq!(scene.drawing(None, full), cell_drawing(&cell, &postures, full).unwrap());
+    }
 }

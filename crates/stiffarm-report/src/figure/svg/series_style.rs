@@ -73,19 +73,19 @@ fn family(style: Style) -> Family {
 
 /// How the marks of one series look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Look {
+pub(super) struct SeriesStyle {
     pub colour: &'static str,
     pub dash: &'static str,
     pub variant: usize,
 }
 
-/// The looks of all series of a figure.
-pub(super) struct Looks {
+/// The styles of all series of a figure.
+pub(super) struct SeriesStyles {
     entries: Vec<(String, Family, usize)>,
     places: Places,
 }
 
-impl Looks {
+impl SeriesStyles {
     pub(super) fn of(figure: &Figure) -> Self {
         let places = Places::of(figure);
         let mut entries: Vec<(String, Family, usize)> = Vec::new();
@@ -112,23 +112,25 @@ impl Looks {
         Self { entries, places }
     }
 
-    pub(super) fn look(&self, label: &str, style: Style) -> Look {
+    pub(super) fn look(&self, label: &str, style: Style) -> SeriesStyle {
         let kind = family(style);
         let variant = self.entries.iter().find(|(l, k, _)| l == label && *k == kind).map_or(0, |(_, _, v)| *v);
         match kind {
-            Family::Outlines => Look { colour: GREY, dash: OUTLINE_DASHES[variant % OUTLINE_DASHES.len()], variant },
-            Family::Landmarks => Look { colour: DARK_GREY, dash: "", variant },
-            // On a map only black is told apart from every colour.
-            Family::Strokes => Look { colour: INK, dash: "", variant },
-            Family::Dashes => {
-                Look { colour: PALETTE[self.places.get(label)], dash: DASHES[variant % DASHES.len()], variant }
+            Family::Outlines => {
+                SeriesStyle { colour: GREY, dash: OUTLINE_DASHES[variant % OUTLINE_DASHES.len()], variant }
             }
-            _ => Look { colour: PALETTE[self.places.get(label)], dash: "", variant },
+            Family::Landmarks => SeriesStyle { colour: DARK_GREY, dash: "", variant },
+            // On a map only black is told apart from every colour.
+            Family::Strokes => SeriesStyle { colour: INK, dash: "", variant },
+            Family::Dashes => {
+                SeriesStyle { colour: PALETTE[self.places.get(label)], dash: DASHES[variant % DASHES.len()], variant }
+            }
+            _ => SeriesStyle { colour: PALETTE[self.places.get(label)], dash: "", variant },
         }
     }
 }
 
-impl Look {
+impl SeriesStyle {
     /// Draws the marker of this look, filled or hollow.
     pub(super) fn marker(&self, canvas: &mut Canvas, at: Point, r: f64, hollow: bool) {
         // A white rim separates filled markers that touch.
@@ -277,26 +279,26 @@ mod tests {
 
     #[test]
     fn labels_of_one_colour_get_different_markers() {
-        let looks = Looks::of(&figure(&["Joint 1", "Joint 8", "Joint 1, again", "Joint 2"]));
-        let look = |l| looks.look(l, Style::Line);
+        let styles = SeriesStyles::of(&figure(&["Joint 1", "Joint 8", "Joint 1, again", "Joint 2"]));
+        let look = |l| styles.look(l, Style::Line);
         assert_eq!(look("Joint 1").colour, look("Joint 8").colour);
         assert_ne!(look("Joint 1"), look("Joint 8"));
         assert_ne!(look("Joint 1, again"), look("Joint 8"));
         assert_ne!(look("Joint 1, again"), look("Joint 1"));
     }
 
-    fn bars(labels: &[&str]) -> Looks {
+    fn bars(labels: &[&str]) -> SeriesStyles {
         let mut figure = figure(labels);
         let series = figure.panels.iter_mut().flat_map(|p| &mut p.series);
         series.for_each(|s| s.style = Style::Bars);
-        Looks::of(&figure)
+        SeriesStyles::of(&figure)
     }
 
     #[test]
     fn series_of_a_figure_have_colours_of_their_own() {
         let sources = ["anchor", "base tilt", "lost motion", "rope angle", "Group 2", "tilt, again"];
-        let looks = bars(&sources);
-        let colour = |l: &str| looks.look(l, Style::Bars).colour;
+        let styles = bars(&sources);
+        let colour = |l: &str| styles.look(l, Style::Bars).colour;
         for (i, a) in sources.iter().enumerate() {
             for b in &sources[..i] {
                 assert_ne!(colour(a), colour(b), "{a} and {b}");
@@ -306,10 +308,10 @@ mod tests {
         // Beyond the palette colours return, and a second sign tells them apart.
         let names: Vec<String> = (0..12).map(|i| format!("source {i} of error")).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let looks = bars(&names);
+        let styles = bars(&names);
         for (i, a) in names.iter().enumerate() {
             for b in &names[..i] {
-                let look = |l: &str| looks.look(l, Style::Bars);
+                let look = |l: &str| styles.look(l, Style::Bars);
                 assert_ne!(look(a), look(b), "{a} and {b}");
             }
         }
@@ -319,18 +321,18 @@ mod tests {
     fn lone_bars_are_plain() {
         let look = bars(&["residual RMS"]).look("residual RMS", Style::Bars);
         assert_eq!((look.colour, look.variant), (PALETTE[0], 0));
-        let known = bars(&["measured"]).look("measured", Style::Bars);
-        assert_eq!(known.colour, series_colour("measured"));
+        let measured = bars(&["measured"]).look("measured", Style::Bars);
+        assert_eq!(measured.colour, series_colour("measured"));
     }
 
     #[test]
     fn colour_does_not_depend_on_company_of_other_colours() {
-        let alone = Looks::of(&figure(&["a series"]));
+        let alone = SeriesStyles::of(&figure(&["a series"]));
         let others = ["Group 1", "Group 2", "Group 3"];
         let others = others.iter().filter(|l| series_colour(l) != series_colour("a series"));
         let among: Vec<&str> = others.copied().chain(["a series"]).collect();
-        let among = Looks::of(&figure(&among));
-        let colour = |looks: &Looks| looks.look("a series", Style::Line).colour;
+        let among = SeriesStyles::of(&figure(&among));
+        let colour = |styles: &SeriesStyles| styles.look("a series", Style::Line).colour;
         assert_eq!(colour(&alone), colour(&among));
         assert_eq!(colour(&alone), series_colour("a series"));
     }
