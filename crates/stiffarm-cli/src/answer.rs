@@ -116,8 +116,8 @@ impl Answer {
         })
     }
 
-    /// A result at work, made with this cell and stiffness. Where a table of points goes to standard output, only what is
-    /// serious among its `findings` is said.
+    /// A result at work, made with this cell and stiffness. Where a table of points goes to standard output, only what
+    /// is serious among its `findings` is said.
     pub fn at_work<O: Serialize + 'static, R: Serialize + Telling<O> + 'static>(
         exit: Exit,
         envelope: Rc<Envelope<O, R>>,

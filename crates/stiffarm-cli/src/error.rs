@@ -67,9 +67,9 @@ pub fn report_beside(session: &Session, error: &Error) -> u8 {
     exit_code(error.code())
 }
 
-/// The error with the option of `command` for the field of the library that it is about, where the command has one of that
-/// name: `tolerance_mm` is `--tolerance-mm`. What it says of fields in backticks it says of the options, and a value that
-/// is not allowed is a wrong use of the command line.
+/// The error with the option of `command` for the field of the library that it is about, where the command has one of
+/// that name: `tolerance_mm` is `--tolerance-mm`. What it says of fields in backticks it says of the options, and a
+/// value that is not allowed is a wrong use of the command line.
 pub fn of_option(error: Error, command: &clap::Command) -> Error {
     let option = |field: &str| {
         let long = field.replace('_', "-");

@@ -11,7 +11,7 @@ pub const CHECK: &str = "Examples:
   $ stiffarm check
   $ stiffarm check cell.toml
 
-  The cell as a picture, what violates a limit in red; at postures of a plan:
+  The cell as a picture; the same at postures of a plan:
   $ stiffarm check cell.toml --figure cell.svg
   $ stiffarm check builtin:comau --postures builtin:comau-group1 --posture 3 \\
       --figure group1.svg";

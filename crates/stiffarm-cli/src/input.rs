@@ -39,7 +39,7 @@ impl Line for Saved {
             (None, _) => "no covariance",
         };
         if self.name == PRIOR {
-            "stiffness: the cell's prior, which says nothing about how sure it is\n".to_string()
+            "stiffness: the cell's prior, which states no uncertainty\n".to_string()
         } else {
             format!("stiffness: {} (with {with})\n", self.name)
         }

@@ -35,8 +35,8 @@ pub fn page_target(session: &Session, path: Option<&str>, force: bool) -> Result
     Ok(target)
 }
 
-/// The page of a result, of what its file holds: angles in degrees are not the same to the last bit, and `report` makes the
-/// same page of the file.
+/// The page of a result, of what its file holds: angles in degrees are not the same to the last bit, and `report` makes
+/// the same page of the file.
 ///
 /// # Errors
 /// A result that has no page.

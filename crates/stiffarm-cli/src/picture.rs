@@ -4,8 +4,8 @@ use std::path::Path;
 use stiffarm::{Code, Error, Result};
 
 /// How to come by a picture in another format than SVG.
-pub const INSTEAD: &str = "convert the SVG with another program, print the page of the result from a browser, or draw it \
-                           with stiffarm.plot in Python";
+pub const INSTEAD: &str = "convert the SVG with another program, print the page of the result from a browser, or draw \
+                           it with stiffarm.plot in Python";
 
 /// Whether pictures in this format are made by other programs only.
 pub fn is_foreign(format: &str) -> bool {

@@ -49,7 +49,8 @@ pub fn page(json: &str, cell: Option<&Cell>) -> Result<String> {
     page_of_saved(&read_result(json.as_bytes(), "result")?, cell)
 }
 
-/// The figures and the drawings of the [`page`] as JSON, in its order: data, and what the page decides of how they look.
+/// The figures and the drawings of the [`page`] as JSON, in its order: data, and what the page decides of how they
+/// look.
 ///
 /// # Errors
 /// As [`told`].

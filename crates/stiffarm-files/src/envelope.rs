@@ -18,8 +18,8 @@ pub struct Envelope<O, R> {
     /// The command.
     pub command: String,
     /// Words of the command line that makes the result again, inputs as `{role}`; where results go
-    /// and how they are shown is left out. From Python one text, `stiffarm.identify(cell, measurements)`: the call, inputs
-    /// by the names of its parameters.
+    /// and how they are shown is left out. From Python one text, `stiffarm.identify(cell, measurements)`: the call,
+    /// inputs by the names of its parameters.
     pub arguments: Vec<String>,
     /// SHA-256 of each input by its role.
     pub inputs: BTreeMap<String, String>,

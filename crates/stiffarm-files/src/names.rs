@@ -33,7 +33,10 @@ pub(super) fn fault_of(name: &str) -> Option<&'static str> {
         Some(("-", rest)) => (number(rest) && rest.contains(['+', '-'])) || !rest.chars().all(harmless),
         _ => false,
     };
-    formula.then_some("A name must not begin like a formula of a spreadsheet: with = or @, or with + or - before what can be calculated (+5, -2+3).")
+    formula.then_some(
+        "A name must not begin like a formula of a spreadsheet: with = or @, or with + or - before what \
+        can be calculated (+5, -2+3).",
+    )
 }
 
 /// The nearest name that may stand in files, where `name` may not: `_` for what is hidden, no sign at the

@@ -17,8 +17,8 @@ pub struct SavedResult {
     pub version: String,
     /// Seed of the random numbers, where there were any.
     pub seed: Option<u64>,
-    /// Words of the command line that makes it again, inputs as `{role}`, or the call in Python as one text; empty where
-    /// the file does not have them.
+    /// Words of the command line that makes it again, inputs as `{role}`, or the call in Python as one text; empty
+    /// where the file does not have them.
     pub arguments: Vec<String>,
     /// Inputs by role with their SHA-256.
     pub inputs: Vec<(String, String)>,

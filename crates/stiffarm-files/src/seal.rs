@@ -77,7 +77,8 @@ pub(super) fn unseal(json: &mut Value) -> Result<()> {
     let changed = match (computed.sealed != seal.sealed, computed.file != seal.file) {
         (true, _) => fault("What is calculated with was changed after it was written.").key(SECTION),
         (_, true) if computed.sealed.is_some() => fault(
-            "The file was changed after it was written, beside what is calculated with: its numbers no longer belong together.",
+            "The file was changed after it was written, beside what is calculated with: its numbers no longer belong \
+             together.",
         ),
         (_, true) => fault("The file was changed after it was written: its numbers no longer belong together."),
         _ => return Ok(()),

@@ -71,7 +71,8 @@ impl NamedPath {
         Ok(())
     }
 
-    /// Gives the table columns for what its points hold: loads of a feature or a log need not be in the axes of its own.
+    /// Gives the table columns for what its points hold: loads of a feature or a log need not be in the axes of its
+    /// own.
     fn fit_columns(&mut self, cell: &Cell) {
         let PathTable { points, format } = &mut self.table;
         if points.iter().any(|point| !format.holds(point)) {

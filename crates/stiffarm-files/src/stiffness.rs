@@ -118,7 +118,8 @@ fn bare(list: &Value, cell: &Cell) -> Result<Vec<f64>> {
                 format!("The stiffness of {name} is {k}; it must be above zero.")
             }
             Some(k) if !(softest..=stiffest).contains(&k) => format!(
-                "The stiffness of {name} is {k:e} N·m/rad, which no joint has: it must lie between {softest:e} and {stiffest:e}."
+                "The stiffness of {name} is {k:e} N·m/rad, which no joint has: it must lie between {softest:e} and \
+                 {stiffest:e}."
             ),
             Some(k) => return Ok(k),
         };

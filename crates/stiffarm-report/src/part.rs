@@ -30,8 +30,8 @@ impl PartPoint {
     }
 }
 
-/// Panels for the first two planes of the workpiece frame in which the part is seen; shifts are exaggerated, as the titles say.
-/// None where nothing is bent, or the path has no length.
+/// Panels for the first two planes of the workpiece frame in which the part is seen; shifts are exaggerated, as the
+/// titles say. None where nothing is bent, or the path has no length.
 pub(crate) fn part_panels(points: &[PartPoint], workpiece: &Isometry3<f64>) -> Vec<Panel> {
     let back = workpiece.inverse();
     let working = || points.iter().filter(|point| point.works());

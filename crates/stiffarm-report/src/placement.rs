@@ -3,7 +3,8 @@
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::map::{fitted, shortest_mm};
 use crate::study::{Cell, Table};
-use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::findings::each_once;
+use stiffarm::units::{rad_to_shortest_deg, rounded, with_minus};
 use stiffarm::work::map::{Placement, PlacementCandidate, Status};
 
 /// What a place cannot be, in the order of the legend.
@@ -15,8 +16,8 @@ const REFUSED: [Status; 4] =
 /// and best place are marked.
 pub fn placement_figure(placement: &Placement) -> Figure {
     let first = || placement.candidates.iter().filter(|c| c.round == 0);
-    let mut yaws: Vec<f64> = first().map(|c| c.yaw).collect();
-    yaws.dedup();
+    let yaws: Vec<f64> = first().map(|c| c.yaw).collect();
+    let yaws = each_once(&yaws);
     let best = first().filter(|c| c.deflection_rms_m.is_some()).min_by(|a, b| {
         let size = |c: &PlacementCandidate| c.deflection_rms_m.unwrap_or(f64::INFINITY);
         size(a).total_cmp(&size(b))
@@ -86,7 +87,7 @@ fn panel(placement: &Placement, yaw: f64, height: f64, axis: &Axis) -> Panel {
     }
     let [x, y] = axes;
     Panel {
-        title: format!("workpiece turned by {}°", (rad_to_shortest_deg(yaw) * 1e6).round() / 1e6),
+        title: format!("workpiece turned by {}°", with_minus(rounded(rad_to_shortest_deg(yaw), 6).to_string())),
         equal_aspect: x.range.is_some() && y.range.is_some(),
         x,
         y,

@@ -41,8 +41,8 @@ pub fn point_deflection_figure(points: &[PointDeflection], confidence: Option<f6
         id: "deflection".into(),
         title: "Deflection at each posture".into(),
         caption: format!(
-            "Deflection of the tool tip at each posture{band}: its size, and its components in base axes. A part comes out \
-             wrong where its surface lies across them."
+            "Deflection of the tool tip at each posture{band}: its size, and its components in base axes. A part comes \
+             out wrong where its surface lies across them."
         ),
         columns: 2,
         panels: vec![

@@ -61,9 +61,10 @@ codes! {
     Unreachable "unreachable" "No posture of the arm holds the flange at the pose; the distance is named.";
     Unsupported "unsupported" "The robot or set-up is not supported by this version.";
     ResultFile "result-file" "A saved result cannot be used here.";
-    Program "program" "A controller program cannot be read, or holds a move that is no joint move to stated angles.";
+    Program "program" "A controller program cannot be read, or holds a move that does not go to stated joint angles.";
     TooFewData "too-few-data" "Nothing to work with: no postures, no displacements, or all excluded.";
-    Registration "registration" "The point pairs determine no registration: on a line, mirrored, or in different units.";
+    Registration "registration" "The point pairs determine no registration: on a line, mirrored, or in different \
+        units.";
     NotIdentifiable "not-identifiable" "The postures and the load cannot determine every joint; the joints are named.";
     Numerical "numerical" "A numerical routine did not converge on finite input.";
     Interrupted "interrupted" "Stopped by the user (Ctrl-C).";
@@ -80,7 +81,7 @@ impl Code {
 
 /// Place of an error: file, 1-based line and column, key path, byte span.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Place {
+pub struct Location {
     /// File name as the user gave it, or `builtin:…`.
     pub file: Option<String>,
     /// Line, counted from 1.
@@ -102,7 +103,7 @@ pub struct Error(Box<Inner>);
 struct Inner {
     code: Code,
     message: String,
-    place: Place,
+    place: Location,
     hint: Option<String>,
 }
 
@@ -135,7 +136,7 @@ impl fmt::Display for DisplayError<'_> {
 impl Error {
     /// An error with its code and a full sentence.
     pub fn new(code: Code, message: impl Into<String>) -> Self {
-        Error(Box::new(Inner { code, message: readable(message.into()), place: Place::default(), hint: None }))
+        Error(Box::new(Inner { code, message: readable(message.into()), place: Location::default(), hint: None }))
     }
 
     /// A value that cannot be meant ([`Code::InvalidValue`]), with a full sentence.
@@ -217,7 +218,7 @@ impl Error {
     }
 
     /// Where the fault lies.
-    pub fn place(&self) -> &Place {
+    pub fn place(&self) -> &Location {
         &self.0.place
     }
 

@@ -1,6 +1,7 @@
 //! The Pythons of a machine. A name says little: the shims of pyenv are there for versions that they then refuse to
 //! start, so every one is run.
 
+use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
 
 use crate::tools::{self, call};
@@ -20,27 +21,29 @@ pub fn of_this_machine() -> Option<String> {
 pub fn of_version(wanted: &str) -> Option<PathBuf> {
     let on_path = PathBuf::from(format!("python{wanted}"));
     let mut places = vec![on_path];
-    places.extend(kept_by_pyenv(wanted));
+    places.extend(pyenv_releases(wanted));
     places.into_iter().find(|place| version(place).is_some_and(|version| version == wanted))
 }
 
-/// Where pyenv keeps releases of this version.
-fn kept_by_pyenv(wanted: &str) -> Vec<PathBuf> {
+/// The releases of this version that pyenv has, newest first.
+fn pyenv_releases(wanted: &str) -> Vec<PathBuf> {
     let folder = match std::env::var_os("PYENV_ROOT") {
         Some(folder) => PathBuf::from(folder),
         None => std::env::home_dir().unwrap_or_default().join(".pyenv"),
     };
-    let Ok(entries) = std::fs::read_dir(folder.join("versions")) else {
-        return Vec::new();
-    };
-    let release = format!("{wanted}.");
-    let mut pythons: Vec<PathBuf> = entries
-        .flatten()
-        .filter(|entry| entry.file_name().to_string_lossy().starts_with(&release))
-        .map(|entry| entry.path().join("bin/python"))
-        .collect();
-    pythons.sort();
-    pythons
+    let versions = folder.join("versions");
+    let entries = std::fs::read_dir(&versions).into_iter().flatten().flatten();
+    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    newest_first(wanted, names).into_iter().map(|name| versions.join(name).join("bin/python")).collect()
+}
+
+/// Those of these releases that are of the version `wanted`: `3.10.12`, `3.10.9`, `3.10.10rc1`.
+fn newest_first(wanted: &str, releases: impl Iterator<Item = String>) -> Vec<String> {
+    let of_version = format!("{wanted}.");
+    let mut all: Vec<String> = releases.filter(|release| release.starts_with(&of_version)).collect();
+    // Those that are not final have letters, and no number.
+    all.sort_by_cached_key(|release| (Reverse(release[of_version.len()..].parse::<u32>().ok()), release.clone()));
+    all
 }
 
 /// `3.11` of a Python that runs.
@@ -61,5 +64,12 @@ mod tests {
             assert!(version.starts_with("3."), "{version}");
             assert!(version.split('.').nth(1).unwrap().parse::<u32>().unwrap() >= 10);
         }
+    }
+
+    #[test]
+    fn the_newest_release_of_a_version_comes_first() {
+        let releases = ["3.10.9", "3.9.18", "3.10.12", "3.1.4", "3.10.10rc1", "3.100.1", "pypy3.10-7.3"];
+        let sorted = newest_first("3.10", releases.map(String::from).into_iter());
+        assert_eq!(sorted, ["3.10.12", "3.10.9", "3.10.10rc1"]);
     }
 }

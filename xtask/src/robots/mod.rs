@@ -1,7 +1,7 @@
 //! `cargo xtask robots FOLDER`: the catalogue's data file from descriptions of robots.
 //!
-//! FOLDER holds `robots_catalogue.json`, `capsules.json`, `distances.json` and `urdf/NAME.urdf`. A robot is added there;
-//! nothing here knows one by name except what other sources say of it (`elsewhere` in `words.json`).
+//! FOLDER holds `robots_catalogue.json`, `capsules.json`, `distances.json` and `urdf/NAME.urdf`. A robot is added
+//! there; nothing here knows one by name except what other sources say of it (`elsewhere` in `words.json`).
 
 mod capsules;
 mod entry;

@@ -1,6 +1,6 @@
 //! What the text of the code shows about its structure, checked against ARCHITECTURE.md: no module of the library
-//! imports upward, no circle of files or of the parts of a folder in any crate or in the Python package, no long file, few
-//! public modules.
+//! imports upward, no circle of files or of the parts of a folder in any crate or in the Python package, no long file,
+//! few public modules.
 
 mod graph;
 mod python;

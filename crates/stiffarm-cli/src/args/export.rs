@@ -30,7 +30,7 @@ pub struct ExportArgs {
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSTURE.csv")]
     pub start: Option<String>,
     /// Speed of the moves in per cent; the first move has half of it, at most 5 [default: the cell's
-    /// route.speed_percent, 10 unless it is given]
+    /// route.speed_percent, else 10]
     #[arg(long, value_name = "PERCENT", value_parser = within::<u8>(1..=100))]
     pub speed_percent: Option<u8>,
     /// Load states to measure at each posture, as texts of the program name them [default: unloaded
@@ -55,16 +55,16 @@ pub struct ExportArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "The controller")]
 pub struct ControllerArgs {
-    /// Maker of the controller, where the language is another's than the cell's robot has: its pendant
-    /// shows the angles of this cell
+    /// Maker of the controller whose pendant shows the angles of this cell, where the language belongs to another maker
+    /// than the robot
     #[arg(long, value_name = "NAME", value_parser = one_of(&Controller::ALL, |controller| controller.as_str().into()))]
     pub controller: Option<Controller>,
-    /// Tool of the controller: a number, in RAPID a name [default: rapid tool0, ls 1, inform 0, krl as
-    /// it is on the controller; pdl2 and urscript always so]
+    /// Tool of the controller: a number, in RAPID a name; pdl2 and urscript name none [default: rapid tool0, ls 1,
+    /// inform 0, krl as it is on the controller]
     #[arg(long, value_name = "TOOL")]
     pub tool: Option<String>,
-    /// Axis of the controller of each joint of the cell, for arms of seven joints: 1,2,7,3,4,5,6 where
-    /// the third joint is axis 7
+    /// For arms of seven joints: which axis of the controller each joint of the cell is; 1,2,7,3,4,5,6 where the third
+    /// joint is axis 7
     #[arg(long, value_name = "N,…", value_delimiter = ',')]
     pub controller_axes: Vec<usize>,
     /// Encoder pulses per degree of each axis (inform only)

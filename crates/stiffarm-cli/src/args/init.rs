@@ -21,19 +21,19 @@ pub struct InitArgs {
     /// Link whose frame is the base frame [default: the root of the tree]
     #[arg(long, value_name = "LINK", requires = "urdf")]
     pub base: Option<String>,
-    /// Link whose frame is the flange [default: the only end of the tree that is no gripper, else tool0
+    /// Link whose frame is the flange [default: the only end of the tree that is not a gripper, else tool0
     /// or flange]
     #[arg(long, value_name = "LINK", requires = "urdf")]
     pub tip: Option<String>,
-    /// Package of meshes or of xacro files, or a folder that holds it; may be given several times. Relative paths of
-    /// meshes that are not beside the URDF begin here, too
+    /// Package of meshes or of xacro files, or a folder that holds it; may be given several times. A relative
+    /// path of a mesh may begin here where it does not begin beside the URDF
     #[arg(long, value_name = "DIR", requires = "urdf")]
     pub package_dir: Vec<PathBuf>,
-    /// Leave the collision geometry of the URDF, and look for no meshes
+    /// Take no collision geometry from the URDF, and look for no meshes
     #[arg(long, requires = "urdf")]
     pub no_shapes: bool,
-    /// Robot of a table of your own rows: joint, alpha_deg, a_mm, d_mm, offset_deg; low_deg,
-    /// high_deg and sign (1 or -1) where wanted
+    /// Robot of your own Denavit-Hartenberg rows, a table: joint, alpha_deg, a_mm, d_mm, offset_deg, and if you like
+    /// low_deg, high_deg and sign (1 or -1)
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "ROWS.csv")]
     pub dh: Option<String>,
     /// Convention of these rows

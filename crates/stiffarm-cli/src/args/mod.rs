@@ -51,10 +51,10 @@ use stiffarm::estimate::elastic::ElasticChoice;
     propagate_version = true,
     max_term_width = 100,
     after_help = "Where a file is read, `-` is standard input and `builtin:NAME` a built-in file:\n  \
-                  cells     builtin:comau (the default cell), builtin:comau-reference,\n            builtin:comau-shapes (with a table and a tracker), builtin:fanuc-r2000ic\n  \
-                  postures  builtin:comau-group1\n  \
-                  readings  builtin:fanuc-r2000ic-readings (measured, of builtin:fanuc-r2000ic)\n  \
-                  pairs     builtin:example-pairs\n  \
+                  cells     builtin:comau (the default cell), builtin:comau-reference,\n            \
+                  builtin:comau-shapes (with a table and a tracker), builtin:fanuc-r2000ic\n  postures  \
+                  builtin:comau-group1\n  readings  builtin:fanuc-r2000ic-readings (measured, of \
+                  builtin:fanuc-r2000ic)\n  pairs     builtin:example-pairs\n  \
                   paths     builtin:contour\n  \
                   meshes    builtin:spindle.obj\n\n\
                   Exit codes: 0 done, 1 a finding (a joint undetermined, a tolerance exceeded; the full result is \
@@ -240,10 +240,10 @@ pub struct CheckArgs {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath, default_value = "builtin:comau")]
     pub cell: String,
-    /// Draw the cell from the side, from above and in perspective, what violates a limit in red
+    /// Draw the cell from the side, from above and in perspective; what violates a limit is red
     #[arg(value_hint = ValueHint::AnyPath, long, value_name = "FILE.svg")]
     pub figure: Option<String>,
-    /// Postures to draw [default: the middle of the bounds, or where that violates a limit, one that does not]
+    /// Postures to draw [default: the middle of the bounds, or where that violates a limit, a posture within the limits]
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSTURES.csv", requires = "figure")]
     pub postures: Option<String>,
     /// The posture to draw in full, among those of --postures or the validation postures; all: each

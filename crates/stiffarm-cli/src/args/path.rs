@@ -11,11 +11,11 @@ use stiffarm_files::tool_path::{LANGUAGES, PathLanguage};
 /// How the path is read.
 #[derive(Debug, Clone, Args)]
 pub struct PathArgs {
-    /// What the path is written in, where neither its name nor its text says it rightly
+    /// Language of the path, where its name and text do not tell it
     #[arg(long, value_name = "LANGUAGE", value_parser = choice(LANGUAGES))]
     pub language: Option<PathLanguage>,
-    /// Recorded load along the path: a table of along_mm or time_s, from the path's first point, and forces (with --axes) or
-    /// power_w of the spindle
+    /// Recorded load along the path: a table of along_mm or time_s, from the path's first point, and forces (with
+    /// --axes) or power_w of the spindle
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "log.csv", requires = "path", conflicts_with = "force_n")]
     pub log: Option<String>,
 }
@@ -28,7 +28,8 @@ pub struct PredictArgs {
     /// Result of `identify`, {"stiffness_nm_per_rad": [k1, …]}, or `prior` for the cell's
     #[arg(value_hint = ValueHint::FilePath, value_name = "STIFFNESS.json")]
     pub stiffness: String,
-    /// Path or postures: a table, CL data (.cls, .apt), G-code (.nc) or a robot's program [default: the tasks of the cell]
+    /// Path or postures: a table, CL data (.cls, .apt), G-code (.nc) or a robot's program
+    /// [default: the tasks of the cell]
     #[arg(value_hint = ValueHint::FilePath, value_name = "PATH.csv")]
     pub path: Option<String>,
     /// How the path is read.

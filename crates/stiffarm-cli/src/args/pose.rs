@@ -22,7 +22,7 @@ pub struct PoseArgs {
     /// How the poses are meant.
     #[command(flatten)]
     pub options: PoseOptions,
-    /// Where to write the poses, or with --poses all postures, as a table
+    /// Table to write: the poses, or with --poses all postures
     #[arg(value_hint = ValueHint::AnyPath, long, value_name = "FILE")]
     pub output: Option<String>,
     /// Overwrite an existing file

@@ -27,11 +27,11 @@ pub struct ReportArgs {
     /// Saved results: what commands printed with --json (`--json > result.json`), or identify wrote with --output
     #[arg(value_hint = ValueHint::FilePath, required = true, value_name = "RESULT.json")]
     pub results: Vec<String>,
-    /// Cell file that a result was made with; it is known by its hash, so several may be given. Built-in
-    /// cells are found without
+    /// Cell file that a result was made with; several may be given, as each result knows the hash of its cell. Built-in
+    /// cells need no file
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "CELL.toml")]
     pub cell: Vec<String>,
-    /// File for the page; report.html, or no page where --figures is given
+    /// File for the page [default: report.html, or no page where --figures is given]
     #[arg(value_hint = ValueHint::AnyPath, long, value_name = "FILE.html")]
     pub output: Option<String>,
     /// Write the pictures for a paper to this folder, each with its data
@@ -67,7 +67,7 @@ pub struct PaperArgs {
     /// Size of the smallest text, 4 to 30
     #[arg(long, value_name = "PT", default_value = "8", value_parser = above_zero("pt"), requires = "figures")]
     pub font_pt: f64,
-    /// Draw the titles, which a paper has in its captions
+    /// Draw titles in the pictures; a paper has them in its captions
     #[arg(long, requires = "figures")]
     pub titles: bool,
 }

@@ -18,7 +18,7 @@ pub struct RouteArgs {
     /// Also show each move
     #[arg(long)]
     pub details: bool,
-    /// Write the postures in this order, as they are to be driven to
+    /// Write the postures in this order, with the angles to drive to
     #[arg(value_hint = ValueHint::AnyPath, long, value_name = "plan.csv", help_heading = "Output")]
     pub output: Option<String>,
     /// The page of the result.

@@ -17,7 +17,7 @@ pub struct SimulateArgs {
     /// What is asked.
     #[command(flatten)]
     pub options: SimulateOptions,
-    /// Also write one simulated measurement of the first group (exact model), to try `identify` on
+    /// Also write one simulated measurement of the first group (exact model), as input for `identify`
     #[arg(value_hint = ValueHint::AnyPath, long, value_name = "measurements.csv")]
     pub measurements: Option<String>,
     /// Also write the raw readings of one simulated experiment with the first group: tracker somewhere,

@@ -40,11 +40,11 @@ pub struct MapArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Best place of the workpiece")]
 pub struct PlaceArgs {
-    /// Instead of a map: the place of the workpiece in the region where this path bends the arm
-    /// least [region by default: the plane through the given place]
+    /// Instead of a map, find where in the region the workpiece has to lie for this path to bend the arm least [region
+    /// by default: the plane through the given place]
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "PATH.csv")]
     pub place: Option<String>,
-    /// What the path is written in, where neither its name nor its text says it rightly
+    /// Language of the path, where its name and text do not tell it
     #[arg(long, value_name = "LANGUAGE", value_parser = choice(LANGUAGES), requires = "place")]
     pub language: Option<PathLanguage>,
     /// Axes of the path's forces, where its rows do not say

@@ -75,8 +75,8 @@ impl Earlier {
     }
 }
 
-/// A plain file name with one of the endings that a study writes, or the page of a study before it was one to look at in
-/// a browser.
+/// A plain file name with one of the endings that a study writes, or the page of a study before it was one to look at
+/// in a browser.
 fn is_ours(name: &str) -> bool {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '.';
     let endings = [".svg", ".csv"];

@@ -124,9 +124,10 @@ fn cells(session: &Session, args: &ReportArgs, results: &[SavedResult]) -> Resul
         let mut hashes = hashes.chain(WORK.iter().map(|left_out| hash_without(&text, left_out)));
         let Some(hash) = hashes.find(|hash| wanted.contains(&hash.as_str())) else {
             let message = "No result was made with this version of the cell.";
-            return Err(Error::new(Code::Conflict, message)
-                .file(&named.name)
-                .hint("give the cell file as it was when the result was made ([work] and tasks may have been added since), or leave out --cell: the page then has no pictures of the cell"));
+            return Err(Error::new(Code::Conflict, message).file(&named.name).hint(
+                "give the cell file as it was when the result was made ([work] and tasks may have been added \
+                    since), or leave out --cell: the page then has no pictures of the cell",
+            ));
         };
         cells.push(Known { hash, named });
     }

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 /// Nodes within nodes; more are taken for a circle.
 const DEEPEST: usize = 100;
 /// Triangles of all parts together.
-const MOST: usize = 20_000_000;
+const MOST_TRIANGLES: usize = 20_000_000;
 
 /// Corners of each triangle in the frame of the scene \[m\]. Which axis the file calls up is left aside, as in robot
 /// descriptions.
@@ -74,7 +74,7 @@ struct Scene<'a, 'i> {
 
 fn numbers(node: Node<'_, '_>) -> Result<Vec<f64>, String> {
     let words = node.text().unwrap_or_default().split_ascii_whitespace();
-    words.map(|word| word.parse().map_err(|_| format!("\"{word}\" is no number"))).collect()
+    words.map(|word| word.parse().map_err(|_| format!("\"{word}\" is not a number"))).collect()
 }
 
 fn exactly<const N: usize>(node: Node<'_, '_>) -> Result<[f64; N], String> {
@@ -141,8 +141,8 @@ impl<'a, 'i: 'a> Scene<'a, 'i> {
             self.parts.insert(part.id(), triangles);
         }
         let triangles = &self.parts[&part.id()];
-        if self.out.len() + triangles.len() > MOST {
-            return Err(format!("it has more than {MOST} triangles"));
+        if self.out.len() + triangles.len() > MOST_TRIANGLES {
+            return Err(format!("it has more than {MOST_TRIANGLES} triangles"));
         }
         let place = |p: Vector3<f64>| (frame * p.push(1.0)).xyz();
         self.out.extend(triangles.iter().map(|corners| corners.map(place)));
@@ -171,7 +171,7 @@ impl<'a, 'i: 'a> Scene<'a, 'i> {
         for input in children(primitive, "input") {
             let offset = input.attribute("offset").unwrap_or("0");
             let offset: usize =
-                offset.parse().ok().filter(|o| *o < 100).ok_or_else(|| format!("\"{offset}\" is no offset"))?;
+                offset.parse().ok().filter(|o| *o < 100).ok_or_else(|| format!("\"{offset}\" is not an offset"))?;
             stride = stride.max(offset + 1);
             if input.attribute("semantic") == Some("VERTEX") {
                 corners = Some((offset, self.positions(self.named(input, "source")?)?));

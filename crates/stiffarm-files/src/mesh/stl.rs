@@ -87,7 +87,7 @@ fn text(text: &str) -> Result<Triangles, String> {
                     let numbers = words.by_ref().take(3).map(|word| word.parse().ok());
                     let corner = numbers.collect::<Option<Vec<f64>>>();
                     let corner = corner.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
-                    corners.push(corner.ok_or_else(|| format!("\"{}\" is no corner", line.trim()))?);
+                    corners.push(corner.ok_or_else(|| format!("\"{}\" is not a corner of a triangle", line.trim()))?);
                 }
                 "endfacet" => {
                     let triangle = <[_; 3]>::try_from(std::mem::take(&mut corners));
@@ -104,7 +104,7 @@ fn text(text: &str) -> Result<Triangles, String> {
                     break;
                 }
                 _ if triangles.is_empty() && corners.is_empty() => break,
-                _ => return Err(format!("\"{}\" is no line of it", line.trim())),
+                _ => return Err(format!("\"{}\" is not a line of an STL", line.trim())),
             }
         }
     }

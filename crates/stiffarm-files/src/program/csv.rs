@@ -83,7 +83,7 @@ pub fn read(file: &ProgramFile, joints: usize) -> Result<Program> {
             match record[3 + joint].trim().parse::<f64>() {
                 Ok(degrees) if degrees.abs() <= 1e5 => q.push(degrees.to_radians()),
                 _ => {
-                    return Err(at(line, format!("q{}_deg is no angle in degrees.", joint + 1)));
+                    return Err(at(line, format!("q{}_deg is not an angle in degrees.", joint + 1)));
                 }
             }
         }

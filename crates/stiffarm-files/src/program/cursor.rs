@@ -44,6 +44,11 @@ pub fn lines(file: &ProgramFile) -> impl Iterator<Item = Cursor<'_>> {
     })
 }
 
+/// Whether a name has this letter.
+fn is_part(c: char) -> bool {
+    c.is_alphanumeric() || c == '_' || c == '$'
+}
+
 impl<'a> Cursor<'a> {
     /// These bytes of a file, which begin in the line of this number.
     pub fn over(file: &'a ProgramFile, number: usize, bytes: std::ops::Range<usize>) -> Self {
@@ -142,6 +147,25 @@ impl<'a> Cursor<'a> {
         is_next
     }
 
+    /// The place behind `text`, where it stands further on in any case and is no part of a longer name.
+    pub fn behind(&self, text: &str) -> Option<Self> {
+        let rest = self.rest();
+        let joins = |before: &str, behind: &str| before.ends_with(is_part) && behind.starts_with(is_part);
+        let stands = |at: &usize| {
+            let end = at + text.len();
+            let is_here = rest.get(*at..end).is_some_and(|here| here.eq_ignore_ascii_case(text));
+            is_here && !joins(&rest[..*at], text) && !joins(text, &rest[end..])
+        };
+        let at = (0..rest.len()).find(stands)?;
+        Some(Cursor { at: self.at + at + text.len(), ..self.clone() })
+    }
+
+    /// What stands before the remark that `mark` begins.
+    pub fn before(&self, mark: char) -> Self {
+        let length = self.rest().find(mark).unwrap_or(self.rest().len());
+        Cursor { ends: self.at + length, ..self.clone() }
+    }
+
     /// Passes `text`.
     pub fn expect(&mut self, text: &str) -> Result<()> {
         if self.passes(text) { Ok(()) } else { Err(self.wrong_here(format!("`{text}` is missing here."))) }
@@ -156,7 +180,6 @@ impl<'a> Cursor<'a> {
     pub fn identifier(&mut self) -> Result<&'a str> {
         self.space();
         let rest = self.rest();
-        let is_part = |c: char| c.is_alphanumeric() || c == '_' || c == '$';
         let length = rest.find(|c| !is_part(c)).unwrap_or(rest.len());
         if length == 0 {
             return Err(self.wrong("A name is missing here."));
@@ -192,7 +215,7 @@ impl<'a> Cursor<'a> {
         let before = self.clone();
         match self.number()? {
             degrees if degrees.abs() <= 1e5 => Ok(degrees.to_radians()),
-            _ => Err(before.wrong("This is no angle of a joint in degrees.")),
+            _ => Err(before.wrong("This is not a joint angle in degrees.")),
         }
     }
 

@@ -6,9 +6,9 @@
 //! arc is three `MOVC`: a straight way to the first, then the arc through the second to the third; `FPT` at the third
 //! begins another one there.
 
-use super::aims::{Aim, External, Motion};
 use super::cursor::Cursor;
-use super::reader::{Reader, Section, leading};
+use super::move_target::{External, Motion, MoveTarget};
+use super::reader::{Reader, Section};
 use stiffarm::error::Result;
 use stiffarm::findings::Severity;
 
@@ -36,7 +36,7 @@ pub fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> 
     }
     for [word, before, name] in SETS {
         if line.clone().word(word) {
-            let set = line.rest().split_once(before).and_then(|(_, rest)| rest.split_once(')'));
+            let set = line.behind(before).and_then(|set| set.rest().split_once(')'));
             let index = set.map_or("", |(index, _)| index.trim());
             reader.sets(line, format!("{name} {index}"));
             return Ok(true);
@@ -98,14 +98,14 @@ fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
             break;
         }
     }
-    let aim = if is_pose {
+    let target = if is_pose {
         let mut pose = reader.pose(numbers, line);
         (pose.frames, pose.external) = (reader.taken.clone(), external);
-        Aim::Pose(pose)
+        MoveTarget::Pose(pose)
     } else {
-        Aim::Angles(Vec::new(), external)
+        MoveTarget::Angles(Vec::new(), external)
     };
-    reader.point(label, aim);
+    reader.point(label, target);
     Ok(())
 }
 
@@ -118,22 +118,22 @@ fn movement<'a>(line: &mut Cursor<'a>, motion: Motion, reader: &mut Reader<'a>) 
             format!("`{label}` is a variable of the controller: only positions of the job (C00001) are read.");
         return Err(place.wrong_here(message));
     }
-    let point = reader.aim_of(label).cloned();
-    let mut aim = point.unwrap_or_else(|| Aim::Label(place.clone(), label.to_string()));
+    let point = reader.target_of(label).cloned();
+    let mut target = point.unwrap_or_else(|| MoveTarget::Label(place.clone(), label.to_string()));
     // What carries the robot or the workpiece has positions of its own; those of the arm in pulses are its joints.
-    if let Aim::Pose(pose) = &mut aim {
+    if let MoveTarget::Pose(pose) = &mut target {
         let mut others = line.clone();
-        while let Some(Aim::Angles(_, axes)) = others.identifier().ok().and_then(|other| reader.aim_of(other)) {
+        while let Some(MoveTarget::Angles(_, axes)) = others.identifier().ok().and_then(|other| reader.target_of(other))
+        {
             pose.external.extend(axes.iter().cloned());
         }
-    } else if let Aim::Angles(_, axes) = &mut aim {
+    } else if let MoveTarget::Angles(_, axes) = &mut target {
         axes.clear();
     }
-    let rest = line.rest();
-    if rest.contains(" UNTIL") {
+    if line.behind("UNTIL").is_some() {
         reader.passes_over(line, "UNTIL");
     }
-    let feed = rest.split_once(" V=").and_then(|(_, feed)| leading(feed));
+    let feed = line.behind("V=").and_then(|mut feed| feed.number().ok());
     if feed.is_some() {
         let sentence =
             "Speeds (V=, {}) are taken as mm/s; where the controller counts them in cm/min, feeds are others.";
@@ -141,7 +141,7 @@ fn movement<'a>(line: &mut Cursor<'a>, motion: Motion, reader: &mut Reader<'a>) 
     }
     let via = match (motion, reader.arc_points) {
         (Motion::Circular, 1 | 4) => {
-            reader.arc = Some((place, aim));
+            reader.arc = Some((place, target));
             reader.arc_points = 2;
             return Ok(());
         }
@@ -155,13 +155,13 @@ fn movement<'a>(line: &mut Cursor<'a>, motion: Motion, reader: &mut Reader<'a>) 
     };
     let is_arc = via.is_some();
     reader.arc_points = match motion {
-        Motion::Circular if is_arc && !rest.contains("FPT") => 3,
+        Motion::Circular if is_arc && line.behind("FPT").is_none() => 3,
         Motion::Circular if is_arc => 4,
         Motion::Circular => 1,
         _ => 0,
     };
     let motion = if motion == Motion::Circular && !is_arc { Motion::Linear } else { motion };
-    reader.moves(place, motion, via, aim);
+    reader.moves(place, motion, via, target);
     reader.at_feed(feed.map(|mm| mm * 1e-3));
     Ok(())
 }

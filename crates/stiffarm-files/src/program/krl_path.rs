@@ -1,11 +1,11 @@
 //! Paths in KRL: moves, and which tool and base they take.
 
 use super::ProgramFile;
-use super::aims::{Aim, Motion};
 use super::cursor::{Cursor, lines};
 use super::flow::Procedures;
-use super::krl_points::{aggregate, aim, declaration};
-use super::reader::{Reader, leading};
+use super::krl_points::{aggregate, declaration, move_target};
+use super::move_target::{Motion, MoveTarget};
+use super::reader::Reader;
 use stiffarm::error::Result;
 
 pub const PROCEDURES: Procedures = Procedures {
@@ -80,7 +80,7 @@ pub fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> 
             takes_number(line, number, index.split(')').next().unwrap_or_default(), reader);
         }
     } else if let Some(motion) = line.motion(&MOVES) {
-        reader.move_to(line, motion, aim)?;
+        reader.move_to(line, motion, move_target)?;
         move_ends(line, reader)?;
     } else if line.passes("$VEL.CP") {
         line.expect("=")?;
@@ -120,7 +120,7 @@ fn stated<'a>(line: &mut Cursor<'a>, name: &str, reader: &mut Reader<'a>) -> Res
     if !line.passes("=") || !line.clone().passes("{") {
         return Ok(false);
     }
-    let Aim::Pose(pose) = aggregate(line, reader)? else {
+    let MoveTarget::Pose(pose) = aggregate(line, reader)? else {
         return Ok(false);
     };
     let is_whole = pose.numbers[..6].iter().all(Option::is_some) && !line.clone().passes(":");
@@ -203,26 +203,26 @@ fn takes_number<'a>(line: &Cursor<'a>, number: usize, index: &str, reader: &mut 
 
 /// What stands behind the target: an approximation, or `WITH` and variables of this move alone.
 fn move_ends<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
-    let rest = line.rest();
+    let line = &mut line.before(';');
     if line.clone().passes(":") {
         return Err(line.wrong_here("This position is calculated by the controller: only stated positions are read."));
     }
     if line.clone().passes(",") {
         return Err(line.wrong_here("An arc that ends at an angle of its own (CA) is not read here."));
     }
-    if let Some((_, velocity)) = rest.split_once("$VEL.CP") {
-        let velocity = velocity.trim_start().strip_prefix('=');
-        reader.at_feed(velocity.and_then(leading));
+    if let Some(mut velocity) = line.behind("$VEL.CP") {
+        let is_set = velocity.passes("=");
+        reader.at_feed(velocity.number().ok().filter(|_| is_set));
     }
-    let Some((_, with)) = rest.split_once("WITH") else {
+    let Some(with) = line.behind("WITH") else {
         return Ok(());
     };
     let before = reader.taken.clone();
     for (number, words) in FRAMES.iter().enumerate() {
-        let Some((_, value)) = with.split_once(words[0]) else {
+        let Some(value) = with.behind(words[0]) else {
             continue;
         };
-        let value = value.trim_start().trim_start_matches('=').trim();
+        let value = value.rest().trim_start().trim_start_matches('=').trim();
         // `$BASE=SBASE(FP1.BASE_NO)`: what an inline form took from its FDAT.
         let named = value.split_once('(').map_or(value, |(_, named)| named);
         let named = named.split(['.', ')', ',']).next().unwrap_or_default().trim();

@@ -1,8 +1,8 @@
 //! Paths in FANUC TP: moves, and which tool and user frame they take.
 
-use super::aims::{Aim, Motion};
 use super::cursor::Cursor;
-use super::reader::{Reader, leading};
+use super::move_target::{Motion, MoveTarget};
+use super::reader::Reader;
 use stiffarm::error::Result;
 
 /// What names the tool (0) and the user frame (1): the number that is active, and the frames.
@@ -41,8 +41,8 @@ pub fn path_statement<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Res
 /// `UFRAME[1]=PR[9]`: followed where the program has set all numbers of the register to stated ones.
 fn sets_frame<'a>(line: &Cursor<'a>, number: usize, name: String, reader: &mut Reader<'a>) {
     let (_, value) = line.rest().split_once('=').unwrap_or_default();
-    let register = value.trim().trim_end_matches(';').trim();
-    let stated = reader.registers.get(register);
+    let register = value.trim().trim_end_matches(';').trim().to_ascii_uppercase();
+    let stated = reader.registers.get(&register);
     let stated = stated.filter(|numbers| numbers.iter().take(6).all(Option::is_some));
     match stated.map(|numbers| *reader.pose(*numbers, line)) {
         Some(pose) => {
@@ -62,7 +62,8 @@ fn sets_register<'a>(line: &Cursor<'a>, reader: &mut Reader<'a>) {
     let Some((name, value)) = line.rest().split_once('=') else {
         return;
     };
-    let inner = name.trim().trim_start_matches("PR[").trim_end_matches(']');
+    let name = name.trim().to_ascii_uppercase();
+    let inner = name.trim_start_matches("PR[").trim_end_matches(']');
     let (register, component) = inner.split_once(',').unwrap_or((inner, ""));
     let key = format!("PR[{}]", register.trim());
     let mut at = line.clone();
@@ -80,53 +81,62 @@ fn sets_register<'a>(line: &Cursor<'a>, reader: &mut Reader<'a>) {
 }
 
 /// What moves a position of a tool path.
-const CALCULATED: [&str; 9] =
-    ["PR[", " Offset", " OFFSET", "Tool_Offset", "TOOL_OFFSET", " INC", "VOFFSET", " VOFF", "SEARCH"];
+const CALCULATED: [&str; 7] = ["PR[", "Offset", "Tool_Offset", "INC", "VOFFSET", "VOFF", "Search"];
+
+/// The path moves with a positioner; the move may end early; the wrist turns as its joints do.
+const PASSED_OVER: [&str; 4] = ["COORD", "Skip", "Wjnt", "RTCP"];
+
+/// Units of feeds \[m/s\].
+const UNITS: [(&str, f64); 3] = [("mm/sec", 1e-3), ("cm/min", 1e-2 / 60.0), ("inch/min", 25.4e-3 / 60.0)];
 
 /// A move of a tool path. The end of an arc stands in a line of its own.
 fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     let place = line.clone();
     if let Some((start, via)) = reader.arc.take() {
-        let aim = Aim::Label(place, point(line)?);
-        reader.moves(start, Motion::Circular, Some(via), aim);
-        reader.at_feed(feed(line.rest()));
+        let target = move_target(line, reader)?;
+        reader.moves(start, Motion::Circular, Some(via), target);
+        reader.at_feed(feed(line));
         return Ok(true);
     }
     let words = [("L", Motion::Linear), ("J", Motion::Joint), ("C", Motion::Circular)];
     let Some(motion) = line.motion(&words) else {
         return Ok(false);
     };
-    if let Some(word) = CALCULATED.iter().find(|word| line.rest().contains(**word)) {
-        return Err(line.wrong_here(format!(
-            "This move is calculated by the controller ({}): only stated positions are read.",
-            word.trim()
-        )));
-    }
-    let aim = Aim::Label(line.clone(), point(line)?);
-    // The path moves with a positioner; the move may end early; the wrist turns as its joints do.
-    for word in ["COORD", "Skip", "SKIP", "Wjnt", "WJNT", "RTCP"] {
-        if line.rest().contains(&format!(" {word}")) {
-            reader.passes_over(line, word);
-        }
-    }
+    let target = move_target(line, reader)?;
     match motion {
-        Motion::Circular => reader.arc = Some((place, aim)),
+        Motion::Circular => reader.arc = Some((place, target)),
         _ => {
-            reader.moves(place, motion, None, aim);
-            reader.at_feed(feed(line.rest()));
+            reader.moves(place, motion, None, target);
+            reader.at_feed(feed(line));
         }
     }
     Ok(true)
 }
 
+/// The point of a move, and what is said of the words behind it.
+fn move_target<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<MoveTarget<'a>> {
+    let mut place = line.clone();
+    let is_register = line.clone().passes("PR[");
+    let label = if is_register { String::new() } else { point(line)? };
+    if let Some(word) = CALCULATED.iter().find(|word| line.behind(word).is_some()) {
+        return Err(place.wrong_here(format!(
+            "This move is calculated by the controller ({word}): only stated positions are read."
+        )));
+    }
+    for word in PASSED_OVER {
+        if line.behind(word).is_some() {
+            reader.passes_over(line, word);
+        }
+    }
+    Ok(MoveTarget::Label(place, label))
+}
+
 /// The feed that stands behind the point, `100mm/sec` \[m/s\].
-fn feed(rest: &str) -> Option<f64> {
-    let units = [("mm/sec", 1e-3), ("cm/min", 1e-2 / 60.0), ("inch/min", 25.4e-3 / 60.0)];
-    let rest = rest.trim_start();
-    let unit = rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
-    let mut units = units.iter();
-    let (_, unit) = units.find(|(name, _)| unit.trim_start().starts_with(name))?;
-    Some(leading(rest)? * unit)
+fn feed(line: &Cursor<'_>) -> Option<f64> {
+    let mut line = line.clone();
+    let number = line.number().ok()?;
+    let (_, unit) = UNITS.iter().find(|(name, _)| line.passes(name))?;
+    Some(number * unit)
 }
 
 /// `P[1]`, with or without a comment.
@@ -147,6 +157,6 @@ pub fn label(line: &mut Cursor<'_>) -> Result<String> {
     if number >= 1.0 && number.fract() == 0.0 && number <= 1e6 {
         Ok(format!("P[{number}]"))
     } else {
-        Err(place.wrong("This is no number of a point."))
+        Err(place.wrong("This is not the number of a point."))
     }
 }

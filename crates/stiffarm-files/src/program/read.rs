@@ -46,7 +46,7 @@ fn read_line<'a>(mut line: Cursor<'a>, syntax: &Syntax, reader: &mut Reader<'a>)
         let message = if reader.is_path {
             format!("{word} is a move that is not read here.")
         } else {
-            format!("{word} is no move to joint angles ({joint_move}).")
+            format!("{word} does not move to joint angles, as {joint_move} does.")
         };
         return Err(line.wrong_here(message));
     }

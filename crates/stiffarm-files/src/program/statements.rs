@@ -60,23 +60,19 @@ pub fn compare_statements(
             extension.to_ascii_lowercase()
         };
         let other = actual.iter().find(|file| planned.len() == 1 || extension(file) == extension(planned_file));
-        let Some(other) = other else {
-            continue;
-        };
         let planned = statements(planned_file, language.dialect(), joints);
-        let actual = statements(other, language.dialect(), joints);
+        // Of a file that is not there all lines are missing.
+        let actual = other.map_or_else(Vec::new, |other| statements(other, language.dialect(), joints));
         let (missing, other_lines) = unpaired(&planned, &actual);
         differences.extend(other_lines.into_iter().map(|at| Difference::Line {
             file: actual[at].file.to_string(),
             line: actual[at].line,
             text: actual[at].text.trim().to_string(),
         }));
-        differences.extend(
-            missing.into_iter().map(|at| Difference::MissingLine {
-                file: other.name.clone(),
-                text: planned[at].text.trim().to_string(),
-            }),
-        );
+        differences.extend(missing.into_iter().map(|at| Difference::MissingLine {
+            file: other.unwrap_or(planned_file).name.clone(),
+            text: planned[at].text.trim().to_string(),
+        }));
     }
     differences
 }

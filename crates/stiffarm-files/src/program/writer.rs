@@ -1,9 +1,9 @@
 //! A program as the files of a language.
 //!
 //! What stands in a file is a text with places in braces. `{name}` is the program's name, `{moves}` the
-//! number of moves, `{what}` what it is, `{base}` the number of the base. A line with `{header}`, `{scales}`, `{tool}`, `{points}` or `{body}` is written once
-//! for each line of it, and so not at all where there is none. Lines that begin with `{n}` are numbered;
-//! `{count}` is how many they are.
+//! number of moves, `{what}` what it is, `{base}` the number of the base. A line with `{header}`, `{scales}`, `{tool}`,
+//! `{points}` or `{body}` is written once for each line of it, and so not at all where there is none. Lines that begin
+//! with `{n}` are numbered; `{count}` is how many they are.
 
 use super::characters::wrapped;
 use super::dialect::{Dialect, Syntax, Target};

@@ -91,7 +91,8 @@ fn displacement(columns: &MeasurementColumns, table: &Table<'_>, row: &Row, cell
         let message = "A reflector on the base has no displacement of its own.";
         let error = table.error(row, columns.point.at, Code::Unsupported, message);
         return Err(error.hint(
-            "give the readings themselves (x_mm, y_mm, z_mm), from which the base's motion is subtracted, or subtract it beforehand",
+            "give the readings themselves (x_mm, y_mm, z_mm), from which the base's motion is subtracted, or subtract \
+             it beforehand",
         ));
     }
     let point = columns.measuring_point(table, row, cell, &[])?;

@@ -208,7 +208,8 @@ impl<'a> Table<'a> {
             error.hint("a quotation mark is not closed on this line")
         } else if self.by_order {
             error.hint(
-                "the file has no heading that is known, so order in [columns] of the cell file names its columns; \"-\" stands for one that does not matter",
+                "the file has no heading that is known, so order in [columns] of the cell file names its columns; \
+                 \"-\" stands for one that does not matter",
             )
         } else {
             error

@@ -1,6 +1,6 @@
 //! `posture,state,point,x_mm,y_mm,z_mm[,station][,fx_n,…][,mx_nm,…][,load_n][,time_s][,u95x_mm,…][,temperature_c][,q1_deg,…]`.
 
-use super::beside::Beside;
+use super::beside::RowQuantity;
 use super::columns::{MeasurementColumns, Plan};
 use super::grid::{Row, Table};
 use super::loads;
@@ -262,7 +262,7 @@ impl Reader<'_, '_> {
 
     /// Force of rope or weight \[N\], where the row has one.
     fn load(&self, row: &Row, role: Role) -> Result<Option<f64>> {
-        let Some(column) = self.table.filled(row, self.columns.only(Beside::Load)) else {
+        let Some(column) = self.table.filled(row, self.columns.only(RowQuantity::Load)) else {
             return Ok(None);
         };
         let load = self.table.number(row, column)?;
@@ -371,11 +371,15 @@ impl Reader<'_, '_> {
                 let count = case_states.len() + to_come.iter().filter(|s| case.is_of(s)).count();
                 if let (true, Some((row, state))) = (count > 1, unknown) {
                     let message = format!(
-                        "Posture \"{name}\" has {count} states under load case {}, but the force of \"{}\" is not given.",
+                        "Posture \"{name}\" has {count} states under load case {}, but the force of \"{}\" is not \
+                         given.",
                         case.name, state.state
                     );
                     return Err(self.fault(row, message).hint(match case.load.size() {
-                        Some(_) => "add the column load_n: the force in each of them, or name the states with it (-250); or the measured forces fx_n, fy_n, fz_n",
+                        Some(_) => {
+                            "add the column load_n: the force in each of them, or name the states with it \
+                            (-250); or the measured forces fx_n, fy_n, fz_n"
+                        }
                         None => "add the columns fx_n, fy_n, fz_n: the force on the robot in each state",
                     }));
                 }
@@ -392,7 +396,8 @@ impl Reader<'_, '_> {
             format!("Posture \"{name}\" has {count} load states, but the force of \"{}\" is not given.", state.state);
         let hint = match &self.cell.setup.load {
             Load::Rope { .. } | Load::Weight { .. } => {
-                "add the column load_n: the force of rope, cylinder or weight in each state, or name the states with it (up-250); or the measured forces fx_n, fy_n, fz_n"
+                "add the column load_n: the force of rope, cylinder or weight in each state, or name the states with \
+                 it (up-250); or the measured forces fx_n, fy_n, fz_n"
             }
             _ => "add the columns fx_n, fy_n, fz_n: the force on the robot in each state",
         };

@@ -57,12 +57,15 @@ impl<'a> Table<'a> {
             return workbook::read(bytes, file, columns);
         }
         let text = match decode(bytes) {
-            Err(error) if columns.is_latin_1 && error.code() == Code::Encoding => bytes.iter().copied().map(char::from).collect(),
+            Err(error) if columns.is_latin_1 && error.code() == Code::Encoding => {
+                bytes.iter().copied().map(char::from).collect()
+            }
             read => read.map_err(|error| {
                 if error.code() != Code::Encoding {
                     return error.file(file);
                 }
-                let hint = "save the file as UTF-8 (in Excel: \"CSV UTF-8\"), or write encoding = \"latin-1\" into [columns] of the cell file";
+                let hint = "save the file as UTF-8 (in Excel: \"CSV UTF-8\"), or write encoding = \"latin-1\" into \
+                    [columns] of the cell file";
                 error.file(file).hint(hint)
             })?,
         };

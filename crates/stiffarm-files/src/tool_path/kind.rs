@@ -35,8 +35,8 @@ const KINDS: [Facts; 7] = [
         describe: "CL data: APT, CLSF",
         endings: &["cls", "clsf", "apt", "aptsource", "cl", "cldata", "ncl", "as"],
         is_mark: |line| {
-            let rest = line.strip_prefix("GOTO").or(line.strip_prefix("FROM"));
-            rest.is_some_and(|rest| rest.trim_start().starts_with('/')) || starts(line, "TOOL PATH/")
+            let is_point = starts(line, "GOTO") || starts(line, "FROM");
+            is_point && line[4..].trim_start().starts_with('/') || starts(line, "TOOL PATH/")
         },
     },
     Facts {
@@ -72,7 +72,7 @@ const KINDS: [Facts; 7] = [
         name: "inform",
         describe: "Yaskawa INFORM",
         endings: &["jbi"],
-        is_mark: |line| line == "/JOB",
+        is_mark: |line| line.eq_ignore_ascii_case("/JOB"),
     },
     Facts {
         kind: Kind::Robot(Language::Urscript),

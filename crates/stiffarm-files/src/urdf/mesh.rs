@@ -1,9 +1,10 @@
 //! Where a mesh that a URDF names lies: `package://`, `model://`, `file://` and plain paths,
 //! without any program of ROS.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use stiffarm::error::{Code, Error, Result};
+use stiffarm::findings::each_once;
 
 /// Formats of meshes, by the end of the file's name.
 const FORMATS: [&str; 3] = ["stl", "obj", "dae"];
@@ -68,14 +69,13 @@ impl MeshFolders {
             return Err(Error::new(Code::Unsupported, message).hint(hint));
         }
         let folders = std::iter::once(&self.urdf).chain(&self.packages);
-        let mut wanted: Vec<PathBuf> = folders.map(|folder| folder.join(relative)).collect();
-        wanted.dedup();
+        let wanted: Vec<PathBuf> = folders.map(|folder| folder.join(relative)).collect();
         let hint = if Path::new(relative).is_absolute() {
             "the URDF names this file by its whole path: correct it there".to_string()
         } else {
             "name the folder in which this path begins with --package-dir DIR".to_string()
         };
-        Ok((wanted, hint))
+        Ok((each_once(&wanted), hint))
     }
 
     /// Where the packages of the given folders are, by their names.
@@ -125,9 +125,7 @@ impl MeshFolders {
         if wanted.is_empty() {
             wanted.push(self.urdf.join(package).join(rest));
         }
-        let mut seen = HashSet::new();
-        wanted.retain(|file| seen.insert(file.clone()));
-        wanted
+        each_once(&wanted)
     }
 }
 

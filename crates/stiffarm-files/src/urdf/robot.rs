@@ -1,6 +1,7 @@
 //! The links and joints of a URDF, as far as kinematics and collisions need them.
 //!
-//! What says nothing of either, such as `visual`, `inertial` or `transmission`, is not looked at; its faults are none here.
+//! What says nothing of either, such as `visual`, `inertial` or `transmission`, is not looked at; its faults are none
+//! here.
 
 use super::angles::in_degrees;
 use super::source::{Element, Source};

@@ -78,8 +78,8 @@ pub fn doubted_axes(joints: &[&str]) -> Vec<Finding> {
     let gripper_names = joints.iter().filter(|name| is_arm && is_grippers(name));
     let sentence = |name: &str| {
         format!(
-            "By its name {name} is a joint of a gripper, and no axis of the arm: write the cell again, up to the flange \
-             (`stiffarm init --urdf … --tip LINK`), or take the joint out of [robot]."
+            "By its name {name} is a joint of a gripper, and no axis of the arm: write the cell again, up to the \
+             flange (`stiffarm init --urdf … --tip LINK`), or take the joint out of [robot]."
         )
     };
     gripper_names.map(|name| Finding::caution(codes::URDF_GRIPPER, *name, sentence(name))).collect()

@@ -29,9 +29,9 @@ pub fn load_states_figure(states: &LoadStates) -> Figure {
         "load-states",
         "Displacement beyond proportion to the load",
         format!(
-            "Displacement less its share in proportion to the load, in the order the loads were taken: zero at the largest \
-             load, and everywhere for an arm that is a spring. A loop is hysteresis, a bow a joint that stiffens or softens, \
-             an offset near zero load lost motion. One component scatters by {:.3} mm.{}",
+            "Displacement less its share in proportion to the load, in the order the loads were taken: zero at the \
+             largest load, and everywhere for an arm that is a spring. A loop is hysteresis, a bow a joint that \
+             stiffens or softens, an offset near zero load lost motion. One component scatters by {:.3} mm.{}",
             1e3 * states.scatter_m,
             if states.postures.len() > MOST {
                 format!(" The {MOST} widest loops of {} postures.", states.postures.len())

@@ -156,7 +156,8 @@ fn sections(sections: &[Section], prefix: &str, level: usize) -> String {
         let id = escape(&format!("{prefix}-{}", section.id));
         let half = if is_short(&section.blocks) { " half" } else { "" };
         format!(
-            "<section class=\"block{half}\" id=\"{id}\" aria-labelledby=\"{id}-h\">\n<h{level} id=\"{id}-h\">{}</h{level}>\n{}</section>\n",
+            "<section class=\"block{half}\" id=\"{id}\" aria-labelledby=\"{id}-h\">\n<h{level} \
+             id=\"{id}-h\">{}</h{level}>\n{}</section>\n",
             escape(&section.title),
             blocks(&section.blocks, &id)
         )
@@ -242,8 +243,10 @@ fn data(figure: &Figure) -> String {
         return String::new();
     }
     let mut out = format!(
-        "<details class=\"data\"><summary>Data of this figure</summary><div class=\"table\" tabindex=\"0\" role=\"group\" aria-label=\"Data: {title}\">\n\
-         <table><thead><tr><th scope=\"col\">panel</th><th scope=\"col\">series</th><th scope=\"col\">x</th><th scope=\"col\">y</th><th scope=\"col\">± or value</th></tr></thead><tbody>\n"
+        "<details class=\"data\"><summary>Data of this figure</summary><div class=\"table\" tabindex=\"0\" \
+         role=\"group\" aria-label=\"Data: {title}\">\n\
+         <table><thead><tr><th scope=\"col\">panel</th><th scope=\"col\">series</th><th scope=\"col\">x</th><th \
+         scope=\"col\">y</th><th scope=\"col\">± or value</th></tr></thead><tbody>\n"
     );
     let mut left = MOST_ROWS;
     for panel in &figure.panels {
@@ -252,7 +255,8 @@ fn data(figure: &Figure) -> String {
         for series in &panel.series {
             for i in 0..series.x.len().min(series.y.len()).min(left) {
                 out += &format!(
-                    "<tr><td>{}</td><td>{}</td><td class=\"r\">{}</td><td class=\"r\">{}</td><td class=\"r\">{}</td></tr>\n",
+                    "<tr><td>{}</td><td>{}</td><td class=\"r\">{}</td><td class=\"r\">{}</td><td \
+                     class=\"r\">{}</td></tr>\n",
                     escape(&heading),
                     escape(&series.label),
                     escape(&place(&panel.x, series.x[i])),
@@ -327,7 +331,8 @@ fn findings(findings: &[Finding]) -> String {
             Severity::Note => ("note", "i", "Note"),
         };
         format!(
-            "<li class=\"{class}\"><span class=\"sign\" aria-hidden=\"true\">{sign}</span> <span><b>{word}:</b> {}</span></li>\n",
+            "<li class=\"{class}\"><span class=\"sign\" aria-hidden=\"true\">{sign}</span> <span><b>{word}:</b> \
+             {}</span></li>\n",
             prose(&finding.sentence)
         )
     });

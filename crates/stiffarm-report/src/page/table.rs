@@ -1,6 +1,6 @@
 //! Tables of a page.
 
-use super::words::text;
+use super::words;
 use crate::figure::svg::escape;
 use crate::tell::{DataTable, Text};
 
@@ -27,8 +27,8 @@ pub(super) fn table(data: &DataTable) -> String {
         let cells = row.iter().enumerate().map(|(c, cell)| {
             let class = class(c);
             match c {
-                0 => format!("<th scope=\"row\"{}>{}</th>", short(cell), text(cell)),
-                _ => format!("<td{class}>{}</td>", text(cell)),
+                0 => format!("<th scope=\"row\"{}>{}</th>", short(cell), words::cell(cell)),
+                _ => format!("<td{class}>{}</td>", words::cell(cell)),
             }
         });
         format!("<tr>{}</tr>\n", cells.collect::<String>())
@@ -36,8 +36,8 @@ pub(super) fn table(data: &DataTable) -> String {
     let few = if data.rows.len() <= FEW_ROWS { " few" } else { "" };
     let wide = if is_wide(data) { " wide" } else { "" };
     format!(
-        "<p class=\"caption{wide}\">{0}</p><div class=\"table{few}{wide}\" tabindex=\"0\" role=\"group\" aria-label=\"{0}\">\
-         <table aria-label=\"{0}\">\n<thead><tr>{headings}</tr></thead>\n<tbody>\n{1}</tbody></table></div>",
+        "<p class=\"caption{wide}\">{0}</p><div class=\"table{few}{wide}\" tabindex=\"0\" role=\"group\" \
+         aria-label=\"{0}\"><table aria-label=\"{0}\">\n<thead><tr>{headings}</tr></thead>\n<tbody>\n{1}</tbody></table></div>",
         escape(&data.caption),
         rows.collect::<String>()
     )

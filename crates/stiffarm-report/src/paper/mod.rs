@@ -80,7 +80,7 @@ impl PaperOptions {
         let is_known = |c: char| c.is_alphanumeric() || " -_.".contains(c);
         let family = &self.font_family;
         if !family.chars().all(is_known) || family.chars().count() > FAMILY_LENGTH {
-            let message = format!("{} is no font family.", visible(family));
+            let message = format!("{} is not a font family.", visible(family));
             return Err(Error::invalid(message).hint("give the name of one family, for example Times New Roman"));
         }
         if self.formats.is_empty() {

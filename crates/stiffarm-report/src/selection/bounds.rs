@@ -31,8 +31,8 @@ pub fn count_figure(index: Index, points: &[CountPoint]) -> Figure {
     Figure::one(
         "count",
         "How many postures",
-        "Best value found for each number of postures, with the bound that no plan of as many goes below. Where the line \
-         flattens, one more posture is hardly worth its time.",
+        "Best value found for each number of postures, with the bound that no plan of as many goes below. Where the \
+         line flattens, one more posture is hardly worth its time.",
         Panel::new(
             "",
             Axis::linear("number of postures", ""),

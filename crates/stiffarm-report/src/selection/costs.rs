@@ -11,8 +11,8 @@ pub fn price_figure(prices: &[LimitPrice]) -> Figure {
     bars(
         "prices",
         "What each limit costs",
-        "How much worse the index is with the limit than in the best plan found without it. Each bar is a search of its own: a \
-         few tenths of a per cent may be its luck.",
+        "How much worse the index is with the limit than in the best plan found without it. Each bar is a search of \
+         its own: a few tenths of a per cent may be its luck.",
         ("", names.map(String::from).collect()),
         "cost",
         vec![("cost of the limit", y)],

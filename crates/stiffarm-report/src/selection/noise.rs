@@ -23,8 +23,8 @@ pub fn deviation_by_noise_figure(joints: &[String], groups: &[GroupSimulation], 
         id: "deviation-by-noise".into(),
         title: format!("Simulated deviation of the joint stiffness at {levels}"),
         caption: format!(
-            "Mean of |k̂ − k|/k over {runs} runs with its standard error (markers), closed form (dashed). Hollow: median \
-             where the relative standard error passes 10 %; the median of a normal error is 0.85 of its mean.",
+            "Mean of |k̂ − k|/k over {runs} runs with its standard error (markers), closed form (dashed). Hollow: \
+             median where the relative standard error passes 10 %; the median of a normal error is 0.85 of its mean.",
         ),
         columns: 3,
         panels: joints.iter().enumerate().map(panel).collect(),

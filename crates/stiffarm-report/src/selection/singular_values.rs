@@ -36,15 +36,15 @@ pub fn singular_values_figure(groups: &[&GroupEvaluation], noise_std_m: Option<f
     let (y, caption) = if scaled {
         (
             Axis::log("singular value of Ψ·diag(1/k)", "mm"),
-            "How far all readings together move where a combination of joints gives way by its whole compliance. The last \
-             value belongs to the combination that is measured worst: the farther it lies above the noise, the surer the \
-             stiffness.",
+            "How far all readings together move where a combination of joints gives way by its whole compliance. The \
+             last value belongs to the combination that is measured worst: the farther it lies above the noise, the \
+             surer the stiffness.",
         )
     } else {
         (
             Axis::log("singular value of Ψ", "N·m²/rad"),
-            "The last value belongs to the combination of joint compliances that is measured worst. The flatter the line, the \
-             smaller cond(Ψ).",
+            "The last value belongs to the combination of joint compliances that is measured worst. The flatter the \
+             line, the smaller cond(Ψ).",
         )
     };
     Figure::one(

@@ -48,8 +48,9 @@ pub fn measured_figure(study: &MeasuredStudy) -> Figure {
         id: "measured-choices".into(),
         title: "What chosen postures predict on a measured robot".into(),
         caption: format!(
-            "{}: RMS error of a displacement component at the {} postures outside a pool of {}, mean over {} random splits \
-             with its standard error, against the number of postures chosen from the pool and the way of choosing.",
+            "{}: RMS error of a displacement component at the {} postures outside a pool of {}, mean over {} random \
+             splits with its standard error, against the number of postures chosen from the pool and the way of \
+             choosing.",
             study.robot,
             study.posture_count - study.pool_count,
             study.pool_count,
@@ -64,8 +65,8 @@ pub fn measured_figure(study: &MeasuredStudy) -> Figure {
 pub fn measured_table(study: &MeasuredStudy) -> Table {
     let mut table = Table::new(
         "measured-choices",
-        "Error at the postures outside the pool: mean over the splits, its standard error, and the share of splits in which \
-         the choice predicts better than chance.",
+        "Error at the postures outside the pool: mean over the splits, its standard error, and the share of splits in \
+         which the choice predicts better than chance.",
         [
             "postures",
             "chosen by",

@@ -20,8 +20,6 @@ use stiffarm::work::predict::{PrincipalAxis, TipBand};
 pub(super) const TIP_STIFFNESS: Quantity = Quantity::new("N/µm", 1e-6, Form::Significant(3));
 /// Force at work \[N\].
 pub(super) const FORCE: Quantity = Quantity::new("N", 1.0, Form::Significant(3));
-/// Where a tip or a workpiece is, from m.
-pub(super) const POSITION: Quantity = Quantity::new("mm", 1e3, Form::Decimals(1));
 /// A component of a direction.
 const DIRECTION: Quantity = Quantity::new("", 1.0, Form::Decimals(3));
 /// Most postures of a path that one steps through.
@@ -206,7 +204,7 @@ fn ellipsoid(group: usize, posture: usize, point: &WorkPoint) -> Option<Ellipsoi
         return None;
     }
     let micro = principal.map(|axis| match axis.stiffness_n_per_m {
-        Some(k) => format!("{} N/µm", digits(1e-6 * k)),
+        Some(k) => Number::new(k).of(TIP_STIFFNESS).text(),
         None => "rigid".to_string(),
     });
     Some(Ellipsoid {
@@ -220,11 +218,6 @@ fn ellipsoid(group: usize, posture: usize, point: &WorkPoint) -> Option<Ellipsoi
             micro.join(", ")
         ),
     })
-}
-
-fn digits(value: f64) -> String {
-    let number = Number::computed(value).significant(3);
-    number.text()
 }
 
 /// Where the tip gives way: name and principal axes.

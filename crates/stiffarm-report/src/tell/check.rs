@@ -10,7 +10,7 @@ use stiffarm::model::cell::{Cell, LimitKind, LimitedPoints, Measure, MeasuringTi
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::check::CellCheck;
-use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::units::{rad_to_shortest_deg, rounded, with_minus};
 
 impl<O> Telling<O> for CellCheck {
     fn told(&self, _options: &O, context: &Given<'_>) -> Result<Told> {
@@ -208,7 +208,7 @@ fn load(load: &Load) -> String {
 
 /// A force \[N\] with the digits that kilograms of a weight leave.
 fn force(newton: f64) -> String {
-    ((newton * 1e3).round() / 1e3).to_string()
+    with_minus(rounded(newton, 3).to_string())
 }
 
 fn wrench(wrench: &Wrench, axes: Axes) -> String {

@@ -18,7 +18,7 @@ impl<O> Telling<O> for Compensated {
         let result = &self.compensation;
         let count = result.points.len();
         let done = Text::new(format!(
-            "The path of {count} points was changed so that the loaded tool follows the path that is wanted."
+            "The path of {count} points was changed so that the loaded tool follows the nominal path."
         ));
         let verdict = [done.then(how_found(&self.postures)), conclusion(result), next(result)];
         let order = largest_first(result.points.iter().map(|p| p.correction_size_m));
@@ -42,15 +42,15 @@ impl<O> Telling<O> for Compensated {
 }
 
 fn conclusion(result: &Compensation) -> Text {
-    let mm = |length: f64| Number::new(length).mm().decimals(3);
-    let text = Text::new("Without it the tool bends away by ")
+    let mm = |length: f64| Number::new(length).of(Quantity::LENGTH);
+    let text = Text::new("Without correction the tool bends away by ")
         .number(mm(result.uncompensated_rms_m))
         .words(" (RMS), at most ")
         .number(mm(result.uncompensated_max_m));
     let Some(beyond) = result.beyond_uncertainty else {
         return text.words("; nothing says how much of that the correction takes away on the real arm.");
     };
-    let text = text.words("; with it ").number(Number::new(result.error_rms_m).mm().decimals(3));
+    let text = text.words("; with it ").number(Number::new(result.error_rms_m).of(Quantity::LENGTH));
     let text = match result.expected_factor {
         Some(factor) if factor < 1.0 => text
             .words(" (RMS) are to be expected, ")
@@ -131,7 +131,7 @@ fn cell_section(context: &Given<'_>, result: &Compensation) -> Result<Section> {
     };
     work.section(
         context,
-        "The path that is wanted; in colour, how the tool would bend away from it without correction; thin, what is \
+        "The nominal path; in colour, how the tool would bend away from it without correction; thin, what is \
          commanded instead. The slider exaggerates both. Where the tip bends least and most, an ellipsoid shows how it \
          gives way.",
     )
@@ -170,11 +170,12 @@ fn band_section(result: &Compensation) -> Option<Section> {
         Text::new("By the model itself nothing is left (below 10⁻⁶ mm): ")
     } else {
         Text::new("By the model itself ")
-            .number(Number::new(result.residual_max_m).mm().significant(2))
+            .number(Number::new(result.residual_max_m).of(Quantity::LENGTH.digits(2)))
             .words(" are left at most: ")
     };
     let text = model.words(format!(
-        "what the real arm leaves is the uncertainty of the deflection, most of it from {}, and whatever the model leaves out.",
+        "what the real arm leaves is the uncertainty of the deflection, most of it from {}, and whatever the model \
+         leaves out.",
         dominant(band.size_m)
     ));
     let blocks = vec![Block::Text(text), Block::Table(table)];

@@ -17,7 +17,8 @@ impl Telling<CoverageOptions> for Coverage {
         let promised = options.fit.confidence;
         let off = (coverage.coverage - promised) / coverage.standard_error.max(f64::MIN_POSITIVE);
         let done = Text::new(format!(
-            "{} experiments were simulated with the cell\u{2019}s noise alone and identified, the truth being the cell\u{2019}s prior.",
+            "{} experiments were simulated with the cell\u{2019}s noise alone and identified, the truth being the \
+             cell\u{2019}s prior.",
             coverage.experiments
         ));
         let conclusion = Text::new("The intervals held the truth in ")

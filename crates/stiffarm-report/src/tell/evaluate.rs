@@ -1,7 +1,7 @@
 //! What `evaluate` says: indices and expected errors of given postures.
 
 use super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
-use crate::tell::{DataTable, Depth, Form, Given, Number, Quantity, Telling, Text, Told, counted, shown};
+use crate::tell::{DataTable, Depth, Given, Number, Quantity, Telling, Text, Told, counted, shown};
 use stiffarm::Result;
 use stiffarm::findings::{codes, list, visible};
 use stiffarm::model::posture::PostureGroup;
@@ -23,7 +23,8 @@ impl Telling<EvaluatedOptions> for Evaluated {
                 counted(groups[0].evaluation.posture_count, "posture")
             )),
             count => Text::new(format!(
-                "{count} groups of postures were evaluated: what each can tell of the joint stiffness, before anything is measured."
+                "{count} groups of postures were evaluated: what each can tell of the joint stiffness, before anything \
+                 is measured."
             )),
         };
         let best = best(&groups);
@@ -40,9 +41,9 @@ impl Telling<EvaluatedOptions> for Evaluated {
             Some(_) if is_outside(result) => Text::new("Do not drive there as they are: ")
                 .code("stiffarm select --initial")
                 .words(" moves the postures inside the limits of the cell."),
-            Some(_) => Text::new("Measure it, or let ")
+            Some(_) => Text::new("Measure at these postures, or let ")
                 .code("stiffarm select")
-                .words(" find out how much better another plan of as many postures could be."),
+                .words(" find a better plan of as many postures."),
         };
         let shown: Vec<PostureGroup> =
             result.groups.iter().filter(|group| !group.postures.is_empty()).map(EvaluatedGroup::group).collect();
@@ -88,11 +89,11 @@ fn best(groups: &[Worth<'_>]) -> Option<usize> {
 
 fn conclusion(result: &Evaluated, groups: &[Worth<'_>], best: Option<usize>) -> Text {
     let Some(g) = best else {
-        let joints = groups.iter().flat_map(|group| &group.evaluation.undetermined_joints);
-        let mut names = shown(joints);
-        names.dedup();
-        return match groups.len() {
-            1 => Text::new("It cannot determine ").strong(list(&names)).words("."),
+        return match groups {
+            [group] => {
+                let joints = shown(&group.evaluation.undetermined_joints);
+                Text::new("It cannot determine ").strong(list(&joints)).words(".")
+            }
             _ => Text::new("No group determines every joint."),
         };
     };
@@ -115,7 +116,7 @@ fn conclusion(result: &Evaluated, groups: &[Worth<'_>], best: Option<usize>) -> 
         .words(format!(
             "{begin} joint stiffness can be expected with a relative standard error (RMS over the joints) of "
         ))
-        .number(error.percent().significant(3));
+        .number(error.of(Quantity::PERCENT.digits(3)));
     text.words(" by noise alone.").then(least_sure(group.evaluation, &result.joints))
 }
 
@@ -131,9 +132,7 @@ fn key(result: &Evaluated, groups: &[Worth<'_>]) -> DataTable {
     let left_out: Vec<_> = left_out.map(|f| visible(&f.subject)).collect();
     let which = if left_out.is_empty() { "every joint".to_string() } else { format!("all but {}", list(&left_out)) };
     DataTable::of(caption, "group", names)
-        .numbers("postures", Quantity::new("", 1.0, Form::Decimals(0)), |g| {
-            Some(Number::count(groups[g].evaluation.posture_count))
-        })
+        .numbers("postures", Quantity::COUNT, |g| Some(Number::count(groups[g].evaluation.posture_count)))
         .numbers("expected error", percent, |g| Some(Number::new(indices(g).expected_error)))
         .numbers("worst joint", percent, |g| Some(Number::new(indices(g).worst_joint)))
         .numbers("one posture lost", percent, |g| Some(Number::new(indices(g).drop_one)))

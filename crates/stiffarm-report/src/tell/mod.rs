@@ -1,9 +1,9 @@
 //! What a saved result says: verdict, findings, tables, pictures as data. Nothing here knows where it is shown.
 //!
 //! One file or folder per command holds what is said of its results: verdict and tables, units and digits of numbers; a
-//! finding brings its sentence and weight along. The command renders a [`Told`] for the terminal and [`crate::report`] for the page, so
-//! that both say the same. A telling is a function of the saved result and its cell, which is why a page that is
-//! made later says what the terminal said.
+//! finding brings its sentence and weight along. The command renders a [`Told`] for the terminal and [`crate::report`]
+//! for the page, so that both say the same. A telling is a function of the saved result and its cell, which is why a
+//! page that is made later says what the terminal said.
 
 mod arrows;
 mod at_work;
@@ -36,7 +36,7 @@ mod zones;
 
 use context::with_stopped;
 pub(crate) use context::{cell_line, quoted};
-pub use number::{Form, Number, Quantity, significant};
+pub use number::{Form, Number, Quantity};
 pub(crate) use stiffarm::findings::shown;
 pub use table::DataTable;
 pub use text::{Piece, Text, counted};
@@ -53,7 +53,7 @@ use stiffarm::ask::measure::{Judgement, MeasureOptions};
 use stiffarm::ask::predict::{PredictOptions, Predicted};
 use stiffarm::ask::route::{DriveOptions, Routed};
 use stiffarm::ask::validate::{Options as ValidateOptions, Validated};
-use stiffarm::ask::zones::Asked as AskedZones;
+use stiffarm::ask::zones::ZonesResultOptions;
 use stiffarm::estimate::coverage::Coverage;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::measure::registration::RegistrationRecord;
@@ -122,7 +122,7 @@ const TELLERS: &[(&str, Teller)] = &[
     ("simulate", simulate::summary),
     ("study", study::summary),
     ("validate", of_saved::<Validated, ValidateOptions>),
-    ("zones", of_saved::<Zones, AskedZones>),
+    ("zones", of_saved::<Zones, ZonesResultOptions>),
 ];
 
 /// Tells a saved result.

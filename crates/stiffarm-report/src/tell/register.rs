@@ -19,7 +19,7 @@ impl<O> Telling<O> for RegistrationRecord {
         let registration = self;
         let mm = |length: f64| Number::new(length).of(Quantity::LENGTH);
         let done = Text::new(format!(
-            "The tracker was registered to the robot's base by {} points that both know.",
+            "The tracker was registered to the robot's base by {} points given in both frames.",
             registration.pairs.len()
         ));
         let conclusion = Text::new("The points agree within ")

@@ -12,8 +12,8 @@ impl<O> Telling<O> for MeasuredStudy {
     fn told(&self, _options: &O, context: &Given<'_>) -> Result<Told> {
         let study = self;
         let done = Text::new(format!(
-            "{} measured postures of {} were split {} times into a pool of {} and {} to be predicted; postures were chosen from \
-         the pool by chance and by index, and predicted the others.",
+            "{} measured postures of {} were split {} times into a pool of {} and {} to be predicted; postures were \
+         chosen from the pool by chance and by index, and predicted the others.",
             study.posture_count,
             visible(&study.robot),
             study.split_count,
@@ -79,10 +79,10 @@ impl<O> Telling<O> for MeasuredStudy {
         let how = Text::new("The measured displacements have an RMS of ")
         .number(Number::new(study.displacement_rms_m).of(Quantity::LENGTH))
         .words(
-            ". An index knows angles and wrenches but no reading. Joint stiffness, or the mixed model with its sizes, is \
-             identified from the chosen postures alone and predicts the others. The index prediction takes the pool's own \
-             postures for the work to be done. Splits share postures: standard errors are those of the mean over splits, \
-             not over robots.",
+            ". An index knows angles and wrenches but no reading. Joint stiffness, or the mixed model with its sizes, \
+             is identified from the chosen postures alone and predicts the others. The index prediction takes the \
+             pool's own postures for the work to be done. Splits share postures: standard errors are those of the mean \
+             over splits, not over robots.",
         );
         let mut blocks = vec![Block::Figure(measured_figure(study)), Block::Text(how)];
         if !notes.is_empty() {

@@ -26,8 +26,8 @@ pub(super) struct Worth<'a> {
 /// Unit and digits of an index.
 pub fn index_quantity(index: Index) -> Quantity {
     let (unit, factor) = index.shown_in();
-    // No plan is better in practice by what a fourth digit of an error says, nor by a third of what stands on sizes that are
-    // expected.
+    // No plan is better in practice by what a fourth digit of an error says, nor by a third of what stands on sizes
+    // that are expected.
     let digits = match index {
         Index::Prediction => 2,
         _ if unit == "%" => 3,
@@ -41,7 +41,8 @@ pub(super) fn index_number(index: Index, value: impl Into<Option<f64>>) -> Numbe
     Number::new(value).of(index_quantity(index))
 }
 
-/// Which joint will be least sure, as sentences: by the ± that `identify` is expected to print, else by the noise alone.
+/// Which joint will be least sure, as sentences: by the ± that `identify` is expected to print, else by the noise
+/// alone.
 pub(super) fn least_sure(evaluation: &GroupEvaluation, joints: &[String]) -> Text {
     let errors = &evaluation.relative_standard_error;
     let forecast = evaluation.forecast.as_ref().map(|forecast| &forecast.total);
@@ -56,10 +57,9 @@ pub(super) fn least_sure(evaluation: &GroupEvaluation, joints: &[String]) -> Tex
         Some(_) => (format!(" Least sure will be {name}: "), " in what identify prints, systematic errors included."),
         None => (format!(" By noise alone {name} is least sure, with a standard error of "), "."),
     };
-    let number = Number::new(error).percent();
     let number = match forecast {
-        Some(_) => number.significant(2).plus_minus(),
-        None => number.significant(3),
+        Some(_) => Number::new(error).of(Quantity::PERCENT).plus_minus(),
+        None => Number::new(error).of(Quantity::PERCENT.digits(3)),
     };
     Text::new(begin).number(number).words(end)
 }
@@ -81,7 +81,8 @@ pub(super) fn joint_names(joints: &[String], evaluation: &GroupEvaluation) -> Ve
 }
 
 /// Expected errors joint by joint, singular values, correlations, the parts of the novel index, and all indices.
-/// `characteristic_length_m` is that of the options; `bounds` are relative standard errors that no plan of as many postures goes below.
+/// `characteristic_length_m` is that of the options; `bounds` are relative standard errors that no plan of as many
+/// postures goes below.
 pub(super) fn worth_sections(
     context: &Given<'_>,
     characteristic_length_m: Option<f64>,
@@ -167,8 +168,8 @@ pub(super) fn joint_table(joints: &[String], groups: &[Worth<'_>], bounds: &[Joi
     let forecast = groups.iter().find_map(|g| g.evaluation.forecast.as_ref());
     let caption = match forecast {
         Some(forecast) => format!(
-            "Relative standard error of the joint stiffness by noise alone, and the ± at {} % that identify will print, \
-             systematic errors included",
+            "Relative standard error of the joint stiffness by noise alone, and the ± at {} % that identify will \
+             print, systematic errors included",
             level(forecast.confidence)
         ),
         None => "Relative standard error of the joint stiffness by noise alone".to_string(),
@@ -192,10 +193,9 @@ pub(super) fn joint_table(joints: &[String], groups: &[Worth<'_>], bounds: &[Joi
         });
     }
     let bound = |j: usize| bounds.get(j).filter(|joint| joint.bound > 0.0);
-    let share = Quantity::new("%", 100.0, Form::Decimals(1));
     table = table.numbers("no plan below", errors, |j| Some(Number::new(bound(j)?.bound))).numbers(
         "of what is possible",
-        share,
+        Quantity::SHARE,
         |j| Some(Number::new(bound(j)?.efficiency)),
     );
     for group in groups {
@@ -260,7 +260,7 @@ fn loose(bounds: &[JointEfficiency]) -> Option<Text> {
 /// The length that makes rotations and translations comparable, or why there is none.
 pub(super) fn length_in_words(context: &Given<'_>, length_m: Option<f64>) -> Option<Text> {
     if let Some(length) = length_m {
-        let number = Number::new(length).times(1e3).unit("mm");
+        let number = Number::new(length).of(Quantity::PLACE);
         let stands = |cell: &Cell| cell.characteristic_length.is_some();
         let computed = if context.cell.is_some_and(|cell| !stands(cell)) {
             ", computed: robot.characteristic_length_mm is not set."
@@ -268,7 +268,7 @@ pub(super) fn length_in_words(context: &Given<'_>, length_m: Option<f64>) -> Opt
             "."
         };
         let said = Text::new("The characteristic length of k(J_N) is ");
-        return Some(said.number(number.decimals(1)).words(computed));
+        return Some(said.number(number).words(computed));
     }
     let (_, missing) = with_length(context.cell?.clone());
     missing.map(|why| format!("No characteristic length: {}", visible(&why)).into())

@@ -2,17 +2,17 @@
 
 use super::map::RANGE;
 use super::worth::length_in_words;
-use crate::tell::{Block, DataTable, Given, Number, Section, Telling, Text, Told, counted};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, counted};
 use crate::zones::zones_figure;
 use stiffarm::Result;
-use stiffarm::ask::zones::Asked;
+use stiffarm::ask::zones::ZonesResultOptions;
 use stiffarm::findings::{list, visible};
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::zones::Zones;
-use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::units::{rad_to_shortest_deg, rounded, with_minus};
 
-impl Telling<Asked> for Zones {
-    fn told(&self, options: &Asked, context: &Given<'_>) -> Result<Told> {
+impl Telling<ZonesResultOptions> for Zones {
+    fn told(&self, options: &ZonesResultOptions, context: &Given<'_>) -> Result<Told> {
         let mut zones = self.clone();
         for joint in &mut zones.joints {
             *joint = visible(joint).into_owned();
@@ -22,15 +22,15 @@ impl Telling<Asked> for Zones {
         let held = held.filter_map(|(j, q)| Some(format!("q{} = {}", j + 1, degrees((*q)?))));
         let held: Vec<String> = held.collect();
         let done = Text::new(format!(
-        "Dexterity and the influence of K_C, what the load adds to the stiffness, were mapped at {} postures: {horizontal} \
-         {}, {vertical} {}, with {}; ",
-        zones.postures,
-        ends(&zones.q2),
-        ends(&zones.q3),
-        list(&held)
-    ))
-    .number(Number::count(zones.within_limits))
-    .words(" of them meet the limits of the cell.");
+            "Dexterity and the influence of K_C, what the load adds to the stiffness, were mapped at {} postures: \
+         {horizontal} {}, {vertical} {}, with {}; ",
+            zones.postures,
+            ends(&zones.q2),
+            ends(&zones.q3),
+            list(&held)
+        ))
+        .number(Number::count(zones.within_limits))
+        .words(" of them meet the limits of the cell.");
         let angle = |angle: f64| Number::degrees(angle).decimals(0).unit("°");
         let conclusion = match &zones.best {
             Some(best) => Text::new(format!("The best zone is {horizontal} from "))
@@ -44,9 +44,9 @@ impl Telling<Asked> for Zones {
                 .words(": dexterity 1/k(J_N) up to ")
                 .number(Number::new(best.inverse_condition).significant(3))
                 .words(", K_C changes the translation by ")
-                .number(Number::new(best.translation_deviation).percent().significant(2))
+                .number(Number::new(best.translation_deviation).of(Quantity::PERCENT))
                 .words(" there."),
-            None => Text::new("No posture of the map is both dexterous and little touched by K_C."),
+            None => Text::new("No posture of the map is both dexterous and little affected by K_C."),
         };
         let next = match &zones.best {
             Some(_) => Text::new("Place measuring postures there, as Dumas et al. do, or let ")
@@ -70,17 +70,12 @@ impl Telling<Asked> for Zones {
         let rows = [
             ("dexterity 1/k(J_N)", zones.inverse_condition_range, best.map(|best| best.inverse_condition), 1.0),
             (
-                "translation with against without K_C [%]",
+                "change of translation by K_C [%]",
                 zones.translation_range,
                 best.map(|best| best.translation_deviation),
                 100.0,
             ),
-            (
-                "rotation with against without K_C [%]",
-                zones.rotation_range,
-                best.map(|best| best.rotation_deviation),
-                100.0,
-            ),
+            ("change of rotation by K_C [%]", zones.rotation_range, best.map(|best| best.rotation_deviation), 100.0),
         ];
         for (name, range, best, factor) in rows {
             let of = |value: Option<f64>| {
@@ -118,8 +113,7 @@ impl Telling<Asked> for Zones {
 
 /// An angle \[rad\] in degrees, without digits nobody set.
 fn degrees(angle: f64) -> String {
-    let hundredths = (rad_to_shortest_deg(angle) * 100.0).round() / 100.0;
-    format!("{}°", hundredths + 0.0)
+    format!("{}°", with_minus(rounded(rad_to_shortest_deg(angle), 2).to_string()))
 }
 
 /// From where to where the angles of a map go.

@@ -7,7 +7,7 @@ use crate::estimate::diagnosed::doubts;
 use crate::estimate::identify::{Fit, IdentifyOptions};
 use crate::estimate::next_posture::{NextPosture, next_posture, planned_errors};
 use crate::estimate::setup;
-use crate::estimate::standing::{SoFar, Standing, is_better, standing};
+use crate::estimate::standing::{InterimEstimate, Standing, is_better, standing};
 use crate::findings::{Finding, Severity, codes, each_once};
 use crate::measure::prepare;
 use crate::measure::reduction::ReduceOptions;
@@ -41,8 +41,8 @@ const STEP_DEG: f64 = 0.01;
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 #[serde(default)]
 pub struct MeasureOptions {
-    /// Good enough, at 95 % with all errors together: `2%` for every joint's stiffness known to 2 %, or `0.05mm` for
-    /// the deflection at each of the cell's tasks predicted to 0.05 mm
+    /// When it is enough, at 95 % with all errors together: `2%` means that every joint's stiffness is known to 2 %,
+    /// `0.05mm` that the deflection at each of the cell's tasks is predicted to 0.05 mm
     #[cfg_attr(feature = "clap", arg(long, value_name = "2%|0.05mm", value_parser = goal))]
     pub until: Option<Goal>,
     /// Do not search for a posture that would help more than the next planned one
@@ -180,8 +180,8 @@ impl Judgement {
     }
 }
 
-/// What `measurements` are worth beside a plan; `measurements` are the error of a table in which no posture is complete yet
-/// where there is none.
+/// What `measurements` are worth beside a plan; `measurements` are the error of a table in which no posture is complete
+/// yet where there is none.
 ///
 /// # Errors
 /// Readings that cannot be read or hold something wrong, a goal at tasks that the cell does not have, stopped.
@@ -222,7 +222,7 @@ pub fn judge(
         ..Judgement::not_yet(plan, &left)
     };
     let fit = Fit::new(cell, measured, &IdentifyOptions::default())?;
-    let judged = SoFar::new(&fit).and_then(|so_far| {
+    let judged = InterimEstimate::new(&fit).and_then(|so_far| {
         let standing = standing(&so_far, &left, options.until.and_then(Goal::stiffness))?;
         Ok((standing, so_far))
     });
@@ -260,7 +260,7 @@ pub fn judge(
 
 /// What `identify` would say against the readings so far. What the postures that are `left` may still bring is no
 /// finding yet.
-fn of_fit(fit: &Fit, so_far: &SoFar<'_>, left: usize) -> Result<Vec<Finding>> {
+fn of_fit(fit: &Fit, so_far: &InterimEstimate<'_>, left: usize) -> Result<Vec<Finding>> {
     let mut estimates = fit.identification()?.estimates.clone();
     estimates.joints = so_far.joints()?;
     let joints = estimates.findings().into_iter();
@@ -277,7 +277,7 @@ fn of_fit(fit: &Fit, so_far: &SoFar<'_>, left: usize) -> Result<Vec<Finding>> {
 ///
 /// # Errors
 /// The cell has no tasks, or tasks with different tips.
-fn deflection(fit: &Fit, so_far: &SoFar<'_>, goal: f64) -> Result<DeflectionStanding> {
+fn deflection(fit: &Fit, so_far: &InterimEstimate<'_>, goal: f64) -> Result<DeflectionStanding> {
     let mut cell = fit.cell().clone();
     let (tip, tasks) = tasks(&cell)?;
     cell.work.tip = Some(tip);

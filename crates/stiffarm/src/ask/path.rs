@@ -23,7 +23,7 @@ const TURNS: usize = 72;
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 #[serde(default)]
 pub struct PathOptions {
-    /// Axes of the forces in the path, where it has no column axes, and of --force-n
+    /// Axes of --force-n, and of the forces of a path without a column `axes`
     #[cfg_attr(feature = "clap", arg(long, value_name = "AXES", value_parser = choice(AXES)))]
     pub axes: Option<ForceAxes>,
     /// Force on the robot's tip [N] where the path has none [default: the cell's [work]]
@@ -44,8 +44,8 @@ pub struct PathOptions {
     /// Largest change of a joint from one point to the next [deg]; more is a jump
     #[cfg_attr(feature = "clap", arg(long, value_name = "X", default_value_t = 30.0, value_parser = number("step_deg")))]
     pub max_step_deg: f64,
-    /// How far features of the path that have no tolerance in the cell may come out beside where they should be [mm]: says
-    /// of each whether it does
+    /// Tolerance of those features of the path to which the cell gives none [mm]: how far each may come out beside where
+    /// it should be
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = number("mm")))]
     pub tolerance_mm: Option<f64>,
@@ -74,7 +74,7 @@ impl Default for PathOptions {
 
 /// The postures of a path with their loads.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Followed {
+pub struct FollowedPath {
     /// Postures with their loads, point by point.
     pub postures: Vec<LoadedPosture>,
     /// How they were found.
@@ -150,12 +150,12 @@ impl PathOptions {
         predictor: &IdentifiedCompliance,
         points: &[PathPoint],
         control: Control<'_>,
-    ) -> Result<Followed> {
+    ) -> Result<FollowedPath> {
         let options = self.posture_options(cell)?;
         let arm = LoadedArm::new(cell, predictor)?;
         let inverse = InverseKinematics::new(&cell.setup.robot);
         let (postures, summary) = posture_path(&arm, &inverse, points, &options, control)?;
-        Ok(Followed { postures, summary })
+        Ok(FollowedPath { postures, summary })
     }
 }
 

@@ -25,7 +25,7 @@ pub struct DriveOptions {
     /// written before then has other angles
     #[cfg_attr(feature = "clap", arg(long))]
     pub equivalents: bool,
-    /// With it: other turns only. A wrist the other way round has the same joint axes, but an arm that gives way
+    /// With --equivalents: other turns only. A wrist the other way round has the same joint axes, but an arm that gives way
     /// beyond them bends otherwise
     #[cfg_attr(feature = "clap", arg(long, requires = "equivalents"))]
     pub keep_wrist: bool,
@@ -125,8 +125,9 @@ fn remarks(cell: &Cell, stops: &[Posture], route: &Route) -> Result<Vec<Finding>
         findings.push(Finding::caution(
             codes::MOVES_NOT_CHECKED,
             "moves",
-            "the cell has no shapes, so nothing says whether the arm touches something on the way. Give [[robot.shape]], \
-             [[tool.shape]] and [[obstacle]] (docs/shapes.md), or drive each move slowly the first time.",
+            "the cell has no shapes, so nothing says whether the arm touches something on the way. Give \
+             [[robot.shape]], [[tool.shape]] and [[obstacle]] (docs/shapes.md), or drive each move slowly the first \
+             time.",
         ));
     }
     if cell.route.joint_speeds.is_none() {

@@ -7,7 +7,8 @@ use std::collections::BTreeSet;
 /// Options by name, each with those that are not taken beside it.
 pub type NotWith = &'static [(&'static str, &'static [&'static str])];
 
-/// The fields of some options that are not as they are by default; what stands under a unit of time is named without it.
+/// The fields of some options that are not as they are by default; what stands under a unit of time is named without
+/// it.
 ///
 /// # Errors
 /// Options that JSON cannot hold.

@@ -73,7 +73,8 @@ fn doubt(finding: &Finding) -> Finding {
     // What to do about it stands with the identification.
     let first = said.split_once(". ").map_or(said, |(first, _)| first);
     let sentence = format!(
-        "The stiffness cannot be used as it is, its readings have a serious fault ({first}): correct them and identify again."
+        "The stiffness cannot be used as it is, its readings have a serious fault ({first}): correct them and identify \
+         again."
     );
     Finding::serious(codes::STIFFNESS_DOUBTFUL, "stiffness", sentence)
 }
@@ -100,8 +101,8 @@ pub(crate) fn open_springs<'a>(springs: impl Iterator<Item = &'a JointEstimate>)
     };
     add(&negative, codes::STIFFNESS_DOUBTFUL, Severity::Serious, &|names| {
         format!(
-            "The stiffness cannot be used as it is: the compliance of {names} came out negative beyond what noise explains, \
-             a fault of sign or model. Find it and identify again."
+            "The stiffness cannot be used as it is: the compliance of {names} came out negative beyond what noise \
+             explains, a fault of sign or model. Find it and identify again."
         )
     });
     add(&open, "stiffness-open", Severity::Caution, &|names| {

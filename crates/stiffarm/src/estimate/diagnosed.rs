@@ -8,8 +8,8 @@ use crate::error::Result;
 use crate::findings::{Finding, codes};
 use crate::measure::screening::Screening;
 
-/// What the residuals say. What speaks against the axes alone has its answer in the mixed model, where it predicts; what
-/// follows from a set-up that is rejected is no finding of its own.
+/// What the residuals say. What speaks against the axes alone has its answer in the mixed model, where it predicts;
+/// what follows from a set-up that is rejected is no finding of its own.
 ///
 /// # Errors
 /// As [`diagnose`].

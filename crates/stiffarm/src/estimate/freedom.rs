@@ -36,8 +36,8 @@ impl SizeDoubt {
         let mut slope = DVector::zeros(1 + self.classes.len());
         slope[0] = f;
         for (c, (class, mean)) in self.classes.iter().zip(&self.means).enumerate() {
-            // ∂(ℓᵀCℓ)/∂ln λ = ℓᵀC P⁻¹ Cℓ over the class, with P its prior covariance: diagonal in units of the prior's roots
-            // but for the mean, which adds 1 to every entry of it.
+            // ∂(ℓᵀCℓ)/∂ln λ = ℓᵀC P⁻¹ Cℓ over the class, with P its prior covariance: diagonal in units of the prior's
+            // roots but for the mean, which adds 1 to every entry of it.
             let part = |i: usize| match self.prior[i] {
                 prior if prior > 0.0 => with[i] / prior.sqrt(),
                 _ => 0.0,

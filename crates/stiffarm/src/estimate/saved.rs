@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 /// Stands for the cell's prior stiffness where a file name could stand.
 pub const PRIOR: &str = "prior";
 
-/// Share of the flange's distance from the base by which the flanges of two robots are apart at least: no calibration of one
-/// robot moves it as far.
+/// Share of the flange's distance from the base by which the flanges of two robots are apart at least: no calibration
+/// of one robot moves it as far.
 const OTHER_ROBOT: f64 = 0.02;
 
 /// What later commands calculate with: all that they take from the result of an
@@ -87,8 +87,8 @@ impl Sealed {
             let apart = (cell_flange - Vector3::from(flange)).norm();
             if apart > OTHER_ROBOT * cell_flange.norm() {
                 let message = format!(
-                    "The stiffness belongs to another robot than {}: with every joint at half a radian its flange is {} from \
-                     this one's.",
+                    "The stiffness belongs to another robot than {}: with every joint at half a radian its flange is \
+                     {} from this one's.",
                     robot.name(),
                     length(apart)
                 );

@@ -67,7 +67,7 @@ pub struct Standing {
 }
 
 /// What the readings behind a fit tell, as `identify` prints it by default.
-pub struct SoFar<'f> {
+pub struct InterimEstimate<'f> {
     fit: &'f Fit,
     /// Systematic errors if the axes alone gave way.
     axes: SystematicErrors,
@@ -79,7 +79,7 @@ pub struct SoFar<'f> {
     now: Option<Vec<Option<f64>>>,
 }
 
-impl<'f> SoFar<'f> {
+impl<'f> InterimEstimate<'f> {
     /// Of a fit.
     ///
     /// # Errors
@@ -100,7 +100,7 @@ impl<'f> SoFar<'f> {
             let errors = systematic_errors_with(fit, Some(&mixed), off)?;
             Ok((mixed, errors))
         };
-        let mut out = SoFar { fit, axes, mixed: mixed.map(with_errors).transpose()?, diagnosis, now: None };
+        let mut out = InterimEstimate { fit, axes, mixed: mixed.map(with_errors).transpose()?, diagnosis, now: None };
         if out.is_mixed() {
             out.now = out.of_axes::<Vec<f64>>(&[])?;
         }
@@ -164,7 +164,8 @@ impl<'f> SoFar<'f> {
         }
     }
 
-    /// Of `left` postures those that are missing until the mixed model, which `identify` takes by default, can be fitted.
+    /// Of `left` postures those that are missing until the mixed model, which `identify` takes by default, can be
+    /// fitted.
     pub fn missing_postures(&self, left: usize) -> usize {
         match ElasticChoice::or_default(None, self.fit.options()) {
             ElasticChoice::Mixed => {
@@ -178,8 +179,8 @@ impl<'f> SoFar<'f> {
     /// Says that a goal counts as not reached while postures are missing.
     pub(crate) fn too_few(&self, left: usize) -> Option<Finding> {
         let sentence = format!(
-            "Fewer than {FEWEST_POSTURES} postures do not show what gives way beyond the joint axes: until then ± holds only if \
-             nothing does, and the goal counts as not reached."
+            "Fewer than {FEWEST_POSTURES} postures do not show what gives way beyond the joint axes: until then ± \
+             holds only if nothing does, and the goal counts as not reached."
         );
         (self.missing_postures(left) > 0).then(|| Finding::note("too-few-postures", "goal", sentence))
     }
@@ -190,7 +191,7 @@ impl<'f> SoFar<'f> {
 ///
 /// # Errors
 /// A decomposition that fails; stopped.
-pub fn standing<Q: AsRef<[f64]>>(so_far: &SoFar<'_>, planned: &[Q], goal: Option<f64>) -> Result<Standing> {
+pub fn standing<Q: AsRef<[f64]>>(so_far: &InterimEstimate<'_>, planned: &[Q], goal: Option<f64>) -> Result<Standing> {
     let (fit, systematic) = (so_far.fit, so_far.systematic());
     let identification = fit.identification()?;
     let expected = |count: usize| so_far.expected(&planned[..count]);
@@ -274,8 +275,8 @@ fn out_of_reach(systematic: &SystematicErrors, confidence: f64, goal: f64) -> Re
         return Ok(None);
     };
     let sentence = format!(
-        "The force is known to {} (one standard uncertainty{}), which alone leaves ± {} of every stiffness: no number of \
-         postures reaches ± {}. Declare uncertainty.force_scale_percent where it is known better, or ask for less.",
+        "The force is known to {} (one standard uncertainty{}), which alone leaves ± {} of every stiffness: no number \
+         of postures reaches ± {}. Declare uncertainty.force_scale_percent where it is known better, or ask for less.",
         percent(scale.size),
         if scale.declared { "" } else { ", assumed" },
         percent(quantile * scale.size),

@@ -1,5 +1,5 @@
-//! Codes of findings that somebody looks for: whoever makes such a finding, and whoever asks for it, names it here. A code
-//! that nothing asks for stands where its finding is made; those of the screening are rows of `screening::Cause`.
+//! Codes of findings that somebody looks for: whoever makes such a finding, and whoever asks for it, names it here. A
+//! code that nothing asks for stands where its finding is made; those of the screening are rows of `screening::Cause`.
 
 /// Code of the finding about names and values that stand in the first row of a group alone.
 pub const CARRIED_DOWN: &str = "carried-down";

@@ -3,7 +3,7 @@
 pub mod codes;
 
 pub use crate::error::{is_hidden, visible};
-use crate::units::m_to_mm;
+use crate::units::{m_to_mm, rounded};
 use serde::{Deserialize, Serialize};
 
 /// How much a finding matters.
@@ -99,7 +99,7 @@ pub fn length(metres: f64) -> String {
 
 /// A time \[s\] in minutes, to a tenth of one.
 pub fn minutes(seconds: f64) -> String {
-    let minutes = (seconds / 6.0).round() / 10.0;
+    let minutes = rounded(seconds / 60.0, 1);
     let unit = if minutes == 1.0 { "minute" } else { "minutes" };
     format!("{minutes} {unit}")
 }
@@ -122,12 +122,12 @@ pub(crate) fn probability(p: f64) -> String {
     }
 }
 
-/// Findings of several parts of a result, each once.
-pub(crate) fn each_once<'a>(all: impl IntoIterator<Item = &'a Finding>) -> Vec<Finding> {
-    let mut out: Vec<Finding> = Vec::new();
-    for finding in all {
-        if !out.contains(finding) {
-            out.push(finding.clone());
+/// Each of these once, in their order: findings of several parts of a result, or names that need not stand together.
+pub fn each_once<'a, T: PartialEq + Clone + 'a>(all: impl IntoIterator<Item = &'a T>) -> Vec<T> {
+    let mut out: Vec<T> = Vec::new();
+    for one in all {
+        if !out.contains(one) {
+            out.push(one.clone());
         }
     }
     out

@@ -1,7 +1,7 @@
 //! What an experiment measured, ready to be identified from.
 
 use crate::error::{Code, Error, Result};
-use crate::findings::{Finding, Severity, codes};
+use crate::findings::{Finding, Severity, codes, each_once};
 use crate::measure::pending::{not_measured_yet, nothing_measured};
 use crate::measure::reduction::stations;
 use crate::measure::reduction::{ReduceOptions, Reduction, reduce_series};
@@ -121,11 +121,12 @@ impl Measured {
 
 /// Refuses names that are not among those of measured postures, `posture_names`.
 pub(crate) fn check_names<'a>(names: &[String], posture_names: impl Iterator<Item = &'a str>) -> Result<()> {
-    let mut posture_names: Vec<&str> = posture_names.collect();
+    let posture_names: Vec<&str> = posture_names.collect();
     let Some(name) = names.iter().find(|name| !posture_names.contains(&name.as_str())) else {
         return Ok(());
     };
-    posture_names.dedup();
+    // The states of a posture need not stand together.
+    let posture_names = each_once(&posture_names);
     Err(Error::new(Code::UnknownName, format!("The measurements have no posture \"{name}\"."))
         .hint(format!("measured postures: {}", posture_names.join(", "))))
 }

@@ -131,8 +131,8 @@ pub(crate) struct Effect {
 }
 
 impl Effect {
-    /// True for a compliance that cannot be negative: those of a class scatter about a common mean, which is of their own
-    /// size.
+    /// True for a compliance that cannot be negative: those of a class scatter about a common mean, which is of their
+    /// own size.
     pub(crate) fn is_positive(&self) -> bool {
         match self.term {
             ExtraTerm::Spring { row, column, .. } => row == column,
@@ -162,9 +162,9 @@ impl ElasticSizing {
     pub const ALL: [ElasticSizing; 2] = [ElasticSizing::Alike, ElasticSizing::ByJoint];
 }
 
-/// The random effects that data are held against, class by class, those that cannot be negative first in their class: the
-/// entries of [`effects`], and what an arm is made of: bearings that tilt as their joint gives way (`compliance` of each
-/// joint \[rad/(N·m)\], in units of the geometric mean), a base that tilts a tenth of the stiffest joint, and even
+/// The random effects that data are held against, class by class, those that cannot be negative first in their class:
+/// the entries of [`effects`], and what an arm is made of: bearings that tilt as their joint gives way (`compliance` of
+/// each joint \[rad/(N·m)\], in units of the geometric mean), a base that tilts a tenth of the stiffest joint, and even
 /// beams along each row of the robot. What they are in units of was counted on arms of a structural code
 /// (bench/structural_arms.py). What a drawing knows of them is a class of its own, the last.
 pub(crate) fn fitted(

@@ -212,6 +212,7 @@ fn no_time(point: &PathPoint) -> Error {
     let what = if point.rapid { "the rapid move to" } else { "the move to" };
     let message = format!("The log counts time, and {what} point {} has no feed.", point.name);
     point.at(Error::new(Code::MissingKey, message).hint(
-        "give the log the column along_mm, the way of the tip from the first point, in place of time_s; or give the feed",
+        "give the log the column along_mm, the way of the tip from the first point, in place of time_s; or give the \
+         feed",
     ))
 }

@@ -203,8 +203,8 @@ pub fn study(cell: &Cell, initial: &PostureGroup, options: &StudyOptions, contro
         findings.push(Finding::caution(
             "unknown-limits",
             "robot.limits_deg",
-            "The machine's limits are not known and ±360° stand in: compare the postures with the machine before driving \
-             them.",
+            "The machine's limits are not known and ±360° stand in: compare the postures with the machine before \
+             driving them.",
         ));
     }
     let selections: Vec<Result<Selection>> = in_order(&indices, |(_, (index, _))| {

@@ -251,9 +251,9 @@ fn paper_order(study: &Study) -> Option<Finding> {
         if held { Severity::Note } else { Severity::Caution },
         INITIAL_GROUP,
         format!(
-            "The paper's ordering of the groups {} here: the paper finds Group 3 (novel) better than Group 1 and Group 2 \
-             (classical); from this Group 1 the mean expected deviations are {} (Group 1), {} (Group 2), {} (Group 3), \
-             so Group 3 is {} Group 1 and {} Group 2.",
+            "The paper's ordering of the groups {} here: the paper finds Group 3 (novel) better than Group 1 and Group \
+             2 (classical); from this Group 1 the mean expected deviations are {} (Group 1), {} (Group 2), {} (Group \
+             3), so Group 3 is {} Group 1 and {} Group 2.",
             if held { "holds" } else { "does not hold" },
             show(start),
             show(classical),

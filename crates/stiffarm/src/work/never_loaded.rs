@@ -13,8 +13,8 @@ use nalgebra::Vector3;
 /// Points of a path that are looked at, evenly along it.
 const POINTS: usize = 100;
 
-/// Says where the error of the shifts (m) of `points` under their loads comes mostly from directions in which no reading
-/// has loaded the arm.
+/// Says where the error of the shifts (m) of `points` under their loads comes mostly from directions in which no
+/// reading has loaded the arm.
 ///
 /// # Errors
 /// As [`never_loaded`].

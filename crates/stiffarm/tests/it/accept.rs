@@ -1,4 +1,5 @@
-//! A constraint of the caller's own on the postures of a plan.
+//! A constraint of the caller's own holds for every posture of a plan as it is driven, and is named where it accepts
+//! none.
 
 use crate::common::prelude::*;
 use std::sync::LazyLock;
@@ -18,8 +19,8 @@ fn planned(accept: Option<Accept>) -> stiffarm::Result<Planned<Plan>> {
 
 /// The postures and the value of the plan without a constraint.
 static FREE: LazyLock<(Vec<Posture>, f64)> = LazyLock::new(|| {
-    let found = planned(None).unwrap();
-    (found.postures, found.result.selection.value)
+    let free = planned(None).unwrap();
+    (free.postures, free.result.selection.value)
 });
 
 /// The wrist turned away from the cabinet: what limits of a cell cannot say.
@@ -29,35 +30,35 @@ fn away(q: &[f64]) -> bool {
 
 #[test]
 fn every_posture_of_a_plan_is_accepted_as_it_is_driven() {
-    let found = planned(Some(Accept::new(away))).unwrap();
-    assert_eq!(found.postures.len(), 6);
-    assert!(found.postures.iter().all(|p| away(&p.q)));
+    let accepted = planned(Some(Accept::new(away))).unwrap();
+    assert_eq!(accepted.postures.len(), 6);
+    assert!(accepted.postures.iter().all(|p| away(&p.q)));
     // The free plan is not: the constraint costs something here.
     let (free, best) = &*FREE;
     assert!(!free.iter().all(|p| away(&p.q)));
-    let own = found.result.selection.value;
-    assert!(own > *best && own < 3.0 * best, "{own} {best}");
+    let value = accepted.result.selection.value;
+    assert!(value > *best && value < 3.0 * best, "{value} {best}");
 }
 
 #[test]
 fn the_same_seed_gives_the_same_accepted_plan() {
-    let found = || planned(Some(Accept::new(away))).unwrap().postures;
-    assert_eq!(found(), found());
+    let postures = || planned(Some(Accept::new(away))).unwrap().postures;
+    assert_eq!(postures(), postures());
 }
 
 #[test]
 fn a_constraint_that_accepts_everything_changes_nothing_but_the_turns() {
     let all = planned(Some(Accept::new(|_| true)));
-    let (own, best) = (all.unwrap().result.selection.value, FREE.1);
+    let (value, best) = (all.unwrap().result.selection.value, FREE.1);
     // Angles that are rounded elsewhere change it in the fifth digit.
-    assert!((own / best - 1.0).abs() < 1e-3, "{own} {best}");
+    assert!((value / best - 1.0).abs() < 1e-3, "{value} {best}");
 }
 
 #[test]
 fn a_constraint_that_accepts_nothing_is_named() {
     let error = planned(Some(Accept::new(|_| false)));
-    let error = error.map(|found| found.postures).unwrap_err();
+    let error = error.map(|plan| plan.postures).unwrap_err();
     assert_eq!(error.code(), Code::InvalidValue);
     assert_eq!(error.place().key.as_deref(), Some("accept"));
-    assert!(error.message().contains("None of"), "{error}");
+    insta::assert_snapshot!(error, @"accept: None of 53977 random postures inside bounds and limits is accepted by your own constraint.");
 }

@@ -1,6 +1,7 @@
 //! `check` names what is wrong with a cell, each fault by its own reason, and
 //! agrees with what an evaluation of many postures finds.
 
+use crate::common::cases::{sentences, shown};
 use crate::common::prelude::*;
 use stiffarm::findings::codes;
 use stiffarm::plan::check::{CellCheck, SAMPLES, check};
@@ -16,19 +17,22 @@ fn comau_with(from: &str, to: &str) -> Cell {
     parse_cell(&text.replace(from, to), "cell.toml").unwrap()
 }
 
-fn found<'a>(check: &'a CellCheck, code: &str) -> Vec<&'a Finding> {
+fn of_code<'a>(check: &'a CellCheck, code: &str) -> Vec<&'a Finding> {
     check.findings.iter().filter(|f| f.code == code).collect()
 }
 
-/// The one finding of this code, whose sentence holds `words`.
-fn the(check: &CellCheck, code: &str, words: &str) -> Finding {
-    match found(check, code).as_slice() {
-        [finding] => {
-            assert!(finding.sentence.contains(words), "{}", finding.sentence);
-            (*finding).clone()
-        }
-        other => panic!("{code}: {other:#?} among {:#?}", check.findings),
+/// The one finding of this code.
+#[track_caller]
+fn the<'a>(check: &'a CellCheck, code: &str) -> &'a Finding {
+    match of_code(check, code)[..] {
+        [finding] => finding,
+        _ => panic!("not one {code} among {:#?}", check.findings),
     }
+}
+
+/// What is said of a cell with something in it that is wrong.
+fn said(what: &str, finding: &Finding) -> String {
+    format!("» {what}\n{}\n", sentences([finding]))
 }
 
 /// Joints that no sampled posture determines, by check and by evaluation.
@@ -46,7 +50,7 @@ fn the_built_in_cells_are_usable() {
         let checked = check(&builtin::cell(name).unwrap()).unwrap();
         assert!(!checked.is_serious(), "{name}: {:#?}", checked.findings);
         assert!(checked.joints.iter().all(|j| j.determined), "{name}");
-        assert_eq!(found(&checked, "suspicious-unit").len(), 0, "{name}: {:#?}", checked.findings);
+        assert_eq!(of_code(&checked, "suspicious-unit").len(), 0, "{name}: {:#?}", checked.findings);
         assert_eq!(checked.postures_sampled, SAMPLES as usize);
     }
     let checked = check(&comau()).unwrap();
@@ -54,7 +58,7 @@ fn the_built_in_cells_are_usable() {
     // 27 % of random postures meet the default cell's limits.
     let share = checked.postures_within_limits as f64 / f64::from(SAMPLES);
     assert!((0.2..0.35).contains(&share), "{share}");
-    the(&checked, "one-reading", "One reading");
+    insta::assert_snapshot!(the(&checked, "one-reading").sentence, @"One reading is counted per displacement, as the paper does. A displacement is the difference of a loaded and an unloaded reading: unless the variance is already that of a displacement, give 2.");
     let joint = &checked.joints[1];
     assert!(joint.largest_torque_nm.unwrap() > 500.0 && joint.largest_displacement_m.unwrap() > 1e-4);
 }
@@ -67,18 +71,29 @@ fn joints_that_no_posture_determines() {
         cell.limits.rope_length = None;
     });
     let anchored = comau_with("anchor_mm = [1800, 0, 0]", "anchor_mm = [0, 0, 1000]");
-    for (cell, joint, words) in [
-        (&on_axis, "joint 6", "the loading point lies on its axis"),
-        (&hanging, "joint 1", "the load is parallel to its axis"),
-        (&anchored, "joint 1", "the rope's anchor lies on its axis"),
+    let mut report = String::new();
+    for (cell, joint, what) in [
+        (&on_axis, "joint 6", "loading point on axis 6"),
+        (&hanging, "joint 1", "weight"),
+        (&anchored, "joint 1", "anchor on axis 1"),
     ] {
         let checked = check(cell).unwrap();
-        let finding = the(&checked, codes::JOINT_LEFT_OUT, words);
-        assert_eq!(finding.subject, joint);
-        assert_eq!(finding.severity, Severity::Caution);
+        let finding = the(&checked, codes::JOINT_LEFT_OUT);
+        assert_eq!((&*finding.subject, finding.severity), (joint, Severity::Caution), "{what}");
+        report += &said(what, finding);
         let (checked, evaluated) = undetermined(cell);
-        assert_eq!((&checked[..], &evaluated), (&[joint.to_string()][..], &checked));
+        assert_eq!((&checked[..], &evaluated), (&[joint.to_string()][..], &checked), "{what}");
     }
+    insta::assert_snapshot!(report, @"
+    » loading point on axis 6
+    [joint-left-out] joint 6: No posture within the bounds determines joint 6 under the load of this cell: the loading point lies on its axis, so that the load has no lever; move the loading point off the axis. Plans and what they promise leave it out, as if it were rigid.
+
+    » weight
+    [joint-left-out] joint 1: No posture within the bounds determines joint 1 under the load of this cell: the load is parallel to its axis in every posture (a purely vertical load on a floor-mounted robot does that to joint 1); pull sideways. Plans and what they promise leave it out, as if it were rigid.
+
+    » anchor on axis 1
+    [joint-left-out] joint 1: No posture within the bounds determines joint 1 under the load of this cell: the rope's anchor lies on its axis, so that the force passes through the axis; move the anchor. Plans and what they promise leave it out, as if it were rigid.
+    ");
     // Hanging from a wall, the same weight excites every joint.
     let mut cell = hanging;
     cell.setup.load = Load::Weight { magnitude: 500.0, direction: Vector3::x() };
@@ -90,14 +105,13 @@ fn reflectors_on_the_last_axis() {
     let mut cell = comau();
     cell.setup.tool.measuring_points[1].position = Vector3::new(0.0, 0.0, 0.2);
     let checked = check(&cell).unwrap();
-    let finding = the(&checked, "blind-point", "lies on the axis of joint 6");
-    assert_eq!(finding.subject, "tool.measuring_point[2].position_mm");
+    insta::assert_snapshot!(sentences([the(&checked, "blind-point")]), @r#"[blind-point] tool.measuring_point[2].position_mm: Measuring point "2" lies on the axis of joint 6 and tells nothing about it; the other points do."#);
     assert!(!checked.is_serious());
     cell.setup.tool.measuring_points.truncate(2);
     cell.setup.tool.measuring_points[0].position = Vector3::new(0.0, 0.0, 0.3);
     let checked = check(&cell).unwrap();
-    the(&checked, codes::JOINT_LEFT_OUT, "every measuring point lies on its axis");
-    assert_eq!(found(&checked, "blind-point").len(), 0);
+    insta::assert_snapshot!(sentences([the(&checked, codes::JOINT_LEFT_OUT)]), @"[joint-left-out] joint 6: No posture within the bounds determines joint 6 under the load of this cell: every measuring point lies on its axis and stays where it is; put a reflector beside the axis. Plans and what they promise leave it out, as if it were rigid.");
+    assert_eq!(of_code(&checked, "blind-point").len(), 0);
 }
 
 #[test]
@@ -108,14 +122,20 @@ fn a_load_of_nothing_and_a_moment_about_nothing() {
     let constant = |force, moment| Load::Constant { wrench: Wrench { force, moment }, axes: Axes::Tool };
     cell.setup.load = constant(zero, zero);
     let checked = check(&cell).unwrap();
-    let dark = found(&checked, "undetermined-joint");
+    let dark = of_code(&checked, "undetermined-joint");
     assert_eq!(dark.len(), 6);
-    assert!(dark.iter().all(|f| f.sentence.contains("the load is zero")));
+    insta::assert_snapshot!(sentences(dark), @"
+    [undetermined-joint] joint 1: With this cell no posture within the bounds determines joint 1: the load is zero.
+    [undetermined-joint] joint 2: With this cell no posture within the bounds determines joint 2: the load is zero.
+    [undetermined-joint] joint 3: With this cell no posture within the bounds determines joint 3: the load is zero.
+    [undetermined-joint] joint 4: With this cell no posture within the bounds determines joint 4: the load is zero.
+    [undetermined-joint] joint 5: With this cell no posture within the bounds determines joint 5: the load is zero.
+    [undetermined-joint] joint 6: With this cell no posture within the bounds determines joint 6: the load is zero.
+    ");
     // A pure moment across the last axis, turning with the tool.
     cell.setup.load = constant(zero, Vector3::new(100.0, 0.0, 0.0));
     let checked = check(&cell).unwrap();
-    let finding = the(&checked, codes::JOINT_LEFT_OUT, "no moment about its axis");
-    assert_eq!(finding.subject, "joint 6");
+    insta::assert_snapshot!(sentences([the(&checked, codes::JOINT_LEFT_OUT)]), @"[joint-left-out] joint 6: No posture within the bounds determines joint 6 under the load of this cell: the load has no moment about its axis. Plans and what they promise leave it out, as if it were rigid.");
 }
 
 #[test]
@@ -124,15 +144,18 @@ fn measured_forces_on_the_last_axis_are_a_caution() {
     assert!(check(&cell).unwrap().joints.iter().all(|j| j.largest_torque_nm.is_none()));
     cell.setup.tool.loading_point = Vector3::new(0.0, 0.0, 0.3);
     let checked = check(&cell).unwrap();
-    let finding = the(&checked, "undetermined-joint", "no force at the loading point");
-    assert_eq!((finding.subject.as_str(), finding.severity), ("joint 6", Severity::Caution));
+    let finding = the(&checked, "undetermined-joint");
+    assert_eq!(finding.severity, Severity::Caution);
+    insta::assert_snapshot!(sentences([finding]), @"[undetermined-joint] joint 6: With this cell no force at the loading point determines joint 6: the loading point lies on its axis, so that the load has no lever; move the loading point off the axis.");
 }
 
 #[test]
 fn a_joint_that_drowns_in_the_noise() {
     let cell = comau_with("loading_point_mm = [200, 0, 250]", "loading_point_mm = [2, 0, 250]");
-    let finding = the(&check(&cell).unwrap(), "weak-joint", "moves no measuring point");
-    assert_eq!((finding.subject.as_str(), finding.severity), ("joint 6", Severity::Caution));
+    let checked = check(&cell).unwrap();
+    let finding = the(&checked, "weak-joint");
+    assert_eq!(finding.severity, Severity::Caution);
+    insta::assert_snapshot!(sentences([finding]), @"[weak-joint] joint 6: By the prior stiffness joint 6 moves no measuring point by more than 0.0010 mm, and the noise of a displacement is 0.0096 mm: its stiffness will be uncertain. Pull harder, or lengthen the lever.");
 }
 
 #[test]
@@ -140,32 +163,31 @@ fn limits_that_nothing_or_little_meets() {
     let cell = comau_with("box_min_mm = [900, -1900, 300]", "box_min_mm = [2990, -1900, 2990]");
     let checked = check(&cell).unwrap();
     assert_eq!(checked.postures_within_limits, 0);
-    the(&checked, "unreachable-limits", "violated most often: the box for tool points and flange");
+    insta::assert_snapshot!(the(&checked, "unreachable-limits").sentence, @"Of 256 postures spread over the bounds none meet every limit; violated most often: the box for tool points and flange (100 %), the keep-out cylinder about axis 1 (29 %), the length of rope or cylinder (16 %). Without the box for tool points and flange 149 postures would do. Check the limits' frame (robot base) and unit (mm).");
     assert!(checked.is_serious());
     // The load is looked at all the same.
     assert!(checked.joints.iter().all(|j| j.determined));
     let cell = comau_with("wrist_height_mm = 300", "wrist_height_mm = 2700");
-    let checked = check(&cell).unwrap();
-    the(&checked, "cramped-limits", "Of 256 postures");
+    insta::assert_snapshot!(the(&check(&cell).unwrap(), "cramped-limits").sentence, @"Of 256 postures spread over the bounds 3 meet every limit; violated most often: the lowest height of the wrist centre (82 %), the box for tool points and flange (72 %), the keep-out cylinder about axis 1 (29 %).");
     let unlimited = check(&builtin::cell("comau-reference").unwrap()).unwrap();
-    the(&unlimited, "no-limits", "no limits");
+    insta::assert_snapshot!(the(&unlimited, "no-limits").sentence, @"There are no limits on where the tool may be: a selection may bring it below the floor, into the robot's own column or onto the load's anchor.");
 }
 
-/// A line of the file, what it should not be, the key that is named and words about it.
+/// A line of the file, what it should not be, and the key that is named.
 const SLIPS: &str = r#"
-loading_point_mm = [200, 0, 250] | loading_point_mm = [0.2, 0, 0.25] | tool.loading_point_mm | in metres?
-position_mm = [0, 150, 200] | position_mm = [0, 150000, 200000] | tool.measuring_point[2].position_mm | 250 m from the flange: is it in mm?
-position_mm = [-150, 0, 200] | position_mm = [150, 0, 200] | tool.measuring_point[3].position_mm | "1" and "3" are the same place
-anchor_mm = [1800, 0, 0] | anchor_mm = [1.8, 0, 0] | load.anchor_mm | in metres?
-anchor_mm = [1800, 0, 0] | anchor_mm = [180000, 0, 0] | load.anchor_mm | 180 m
-magnitude_n = 500 | magnitude_n = 0.5 | load.magnitude_n | too little
-magnitude_n = 500 | magnitude_n = 5000 | load.magnitude_n | 165 kg
-variance_mm2 = 9.23e-5 | variance_mm2 = 9.6 | noise | its square in mm²
-variance_mm2 = 9.23e-5 | variance_mm2 = 9e-11 | noise | its square in mm²
-[950000, | [950, | stiffness.prior_nm_per_rad | joint 1 is 9.500e2 N·m/rad
-characteristic_length_mm = 773 | characteristic_length_mm = 0.773 | robot.characteristic_length_mm | in mm?
-keep_out_radius_mm = 900 | keep_out_radius_mm = 0.9 | limits.keep_out_radius_mm | 0.90 mm
-rope_length_mm = [800, 3400] | rope_length_mm = [0.8, 3.4] | limits.rope_length_mm | 3.40 mm
+loading_point_mm = [200, 0, 250] | loading_point_mm = [0.2, 0, 0.25] | tool.loading_point_mm
+position_mm = [0, 150, 200] | position_mm = [0, 150000, 200000] | tool.measuring_point[2].position_mm
+position_mm = [-150, 0, 200] | position_mm = [150, 0, 200] | tool.measuring_point[3].position_mm
+anchor_mm = [1800, 0, 0] | anchor_mm = [1.8, 0, 0] | load.anchor_mm
+anchor_mm = [1800, 0, 0] | anchor_mm = [180000, 0, 0] | load.anchor_mm
+magnitude_n = 500 | magnitude_n = 0.5 | load.magnitude_n
+magnitude_n = 500 | magnitude_n = 5000 | load.magnitude_n
+variance_mm2 = 9.23e-5 | variance_mm2 = 9.6 | noise
+variance_mm2 = 9.23e-5 | variance_mm2 = 9e-11 | noise
+[950000, | [950, | stiffness.prior_nm_per_rad
+characteristic_length_mm = 773 | characteristic_length_mm = 0.773 | robot.characteristic_length_mm
+keep_out_radius_mm = 900 | keep_out_radius_mm = 0.9 | limits.keep_out_radius_mm
+rope_length_mm = [800, 3400] | rope_length_mm = [0.8, 3.4] | limits.rope_length_mm
 "#;
 
 #[test]
@@ -173,13 +195,16 @@ fn slips_of_the_unit() {
     let elastic = "[elastic]\nshift_std_m_per_n = 9e-5\nturn_std_rad_per_nm = 1.4e-7\n\
                    coupling_std_rad_per_n = 7.6e-8\n[noise]";
     let mut slips = table(SLIPS);
-    slips.push(["[noise]", elastic, "elastic.shift_std_m_per_n", "millimetres"]);
-    for [from, to, key, words] in slips {
+    slips.push(["[noise]", elastic, "elastic.shift_std_m_per_n"]);
+    let mut report = String::new();
+    for [from, to, key] in slips {
         let checked = check(&comau_with(from, to)).unwrap();
-        let finding = the(&checked, "suspicious-unit", words);
+        let finding = the(&checked, "suspicious-unit");
         assert_eq!(finding.subject, key, "{to}");
         assert!(finding.severity >= Severity::Caution, "{to}");
+        report += &said(&shown("", to), finding);
     }
+    insta::assert_snapshot!("slips_of_the_unit", report);
 }
 
 /// What is possible and cannot be meant for this robot ends `check` with exit code 1.
@@ -189,17 +214,17 @@ fn work_that_cannot_be_meant_is_serious() {
         let cut = "[work.milling]\nteeth = 4\ndiameter_mm = 20\naxial_depth_mm = 5\nradial_depth_mm = 10\n\
                    feed_per_tooth_mm = 0.05\ndirection = \"down\"\nk_tc_n_per_mm2 = 800\nk_rc_n_per_mm2 = 300\n";
         let key = line.split(' ').next().unwrap();
-        let kept = cut.lines().filter(|l| !l.starts_with(key));
-        format!("{}\n{line}\n", kept.collect::<Vec<_>>().join("\n"))
+        let others = cut.lines().filter(|l| !l.starts_with(key));
+        format!("{}\n{line}\n", others.collect::<Vec<_>>().join("\n"))
     };
     let task =
         |force: &str| format!("[[task]]\nq_deg = [0, 0, -90, 0, 30, 0]\nforce_n = {force}\ntip_mm = [0, 0, 300]\n");
     let cases = [
-        (task("[200000, 0, 0]"), "task[1].force_n", "2.0000e5 N"),
-        ("[work.force]\nforce_n = [0, 0, 20000]\naxes = \"base\"\n".to_string(), "work.force", "weighs 1618 N"),
-        (cut("k_tc_n_per_mm2 = 0.8"), "work.milling.k_tc_n_per_mm2", "0.8 N/mm²"),
-        (cut("axial_depth_mm = 400"), "work.milling.axial_depth_mm", "400 mm"),
-        ("[work]\nworkpiece_mm = [1.2, 0, 0.8]\n".to_string(), "work.workpiece_mm", "1.442 mm from the base's origin"),
+        (task("[200000, 0, 0]"), "task[1].force_n"),
+        ("[work.force]\nforce_n = [0, 0, 20000]\naxes = \"base\"\n".to_string(), "work.force"),
+        (cut("k_tc_n_per_mm2 = 0.8"), "work.milling.k_tc_n_per_mm2"),
+        (cut("axial_depth_mm = 400"), "work.milling.axial_depth_mm"),
+        ("[work]\nworkpiece_mm = [1.2, 0, 0.8]\n".to_string(), "work.workpiece_mm"),
     ];
     let text = builtin::cell_text("comau").unwrap();
     // Tasks and work of the built-in cell make room.
@@ -207,13 +232,15 @@ fn work_that_cannot_be_meant_is_serious() {
     let before = |work: &str| parse_cell(&format!("{}\n{work}", &text[..end]), "cell.toml").unwrap();
     assert!(!check(&before(&cut("teeth = 4"))).unwrap().is_serious());
     assert!(!check(&before(&task("[300, 0, 0]"))).unwrap().is_serious());
-    for (work, subject, words) in cases {
+    let mut report = String::new();
+    for (work, subject) in cases {
         let checked = check(&before(&work)).unwrap();
         let serious = |f: &&Finding| f.severity == Severity::Serious && f.subject == subject;
         let finding = checked.findings.iter().find(serious);
         let finding = finding.unwrap_or_else(|| panic!("{work}: {:#?}", checked.findings));
-        assert!(finding.sentence.contains(words), "{}", finding.sentence);
+        report += &said(&shown("", &work), finding);
     }
+    insta::assert_snapshot!("work_that_cannot_be_meant", report);
     let noisy = comau_with("posture_common_mm = 0", "posture_common_mm = 100");
     let noisy = check(&noisy).unwrap();
     assert!(noisy.is_serious(), "{:#?}", noisy.findings);
@@ -227,8 +254,11 @@ fn a_box_in_metres_is_named_beside_what_it_does() {
     );
     let checked = check(&cell).unwrap();
     assert_eq!(checked.findings[0].severity, Severity::Serious);
-    the(&checked, "unreachable-limits", "Of 256 postures spread over the bounds none meet every limit");
-    the(&checked, "suspicious-unit", "3.80 mm long: is it in metres?");
+    let findings = ["unreachable-limits", "suspicious-unit"].map(|code| the(&checked, code));
+    insta::assert_snapshot!(sentences(findings), @"
+    [unreachable-limits] limits: Of 256 postures spread over the bounds none meet every limit; violated most often: the box for tool points and flange (100 %), the keep-out cylinder about axis 1 (29 %), the length of rope or cylinder (16 %). Without the box for tool points and flange 149 postures would do. Check the limits' frame (robot base) and unit (mm).
+    [suspicious-unit] limits.box_max_mm: The box is only 3.80 mm long: is it in metres? The unit is mm.
+    ");
 }
 
 /// The nose of a spindle has a flat end, as the pictures draw it: 100 mm before a table are 100 mm.
@@ -254,8 +284,8 @@ fn a_spindle_is_judged_as_it_is_drawn() {
     );
     let cell = parse_cell(&(text.to_string() + &table), "cell.toml").unwrap();
     let named = cell.posture_margins().unwrap().named(&q).unwrap();
-    let own = named.iter().find(|m| m.point == "spindle and new table").unwrap();
-    let apart = own.margin + cell.scene.clearance();
+    let margin = named.iter().find(|m| m.point == "spindle and new table").unwrap();
+    let apart = margin.margin + cell.scene.clearance();
     assert!((apart - 0.1).abs() < 1e-9, "{apart}");
 }
 
@@ -272,7 +302,7 @@ fn a_fence_before_the_tracker_is_blamed_not_the_box() {
     let cell = parse_cell(&(text.to_string() + &fence), "cell.toml").unwrap();
     let checked = check(&cell).unwrap();
     assert_eq!(checked.postures_within_limits, 0);
-    the(&checked, "unreachable-limits", "violated most often: the tracker's line of sight (100 %)");
+    insta::assert_snapshot!(the(&checked, "unreachable-limits").sentence, @"Of 256 postures spread over the bounds none meet every limit; violated most often: the tracker's line of sight (100 %), the reflectors' acceptance angle (83 %), the box for tool points and flange (72 %). Without the tracker's line of sight and the joints' torque 17 postures would do. Check the limits' frame (robot base) and unit (mm).");
 }
 
 #[test]
@@ -283,11 +313,7 @@ fn shapes_too_large_are_named_with_the_way_to_leave_them_out() {
     assert!(apart.contains(torques));
     let text = apart.replace(torques, "[9000, 16000, 12000, 3000, 2500, 1200]");
     let checked = check(&parse_cell(&text, "cell.toml").unwrap()).unwrap();
-    let most = "violated most often: the distance between shapes (85 %, most often link 2 and base)";
-    the(&checked, "unreachable-limits", most);
-    let way = "Without the distance between shapes 19 postures would do. Shapes drawn too large may be left out: \
-               `ignore` in [clearance] names their pairs.";
-    the(&checked, "unreachable-limits", way);
+    insta::assert_snapshot!(the(&checked, "unreachable-limits").sentence, @"Of 256 postures spread over the bounds none meet every limit; violated most often: the distance between shapes (85 %, most often link 2 and base), the reflectors' acceptance angle (78 %), the box for tool points and flange (72 %). Without the distance between shapes 19 postures would do. Shapes drawn too large may be left out: `ignore` in [clearance] names their pairs. Check the limits' frame (robot base) and unit (mm).");
 }
 
 #[test]
@@ -297,7 +323,7 @@ fn bounds_in_radians() {
         *bounds = bounds.map(f64::to_radians);
     }
     let checked = check(&cell).unwrap();
-    assert!(found(&checked, "suspicious-unit").iter().any(|f| f.subject == "bounds.q_deg"));
+    assert!(of_code(&checked, "suspicious-unit").iter().any(|f| f.subject == "bounds.q_deg"));
 }
 
 #[test]
@@ -307,9 +333,11 @@ fn what_is_missing_or_contradicts() {
     cell.setup.tool.has_sensor = true;
     cell.noise.readings_per_displacement = 2;
     let checked = check(&cell).unwrap();
-    the(&checked, "no-prior", "no prior joint stiffness");
-    the(&checked, "sensor-compliance", "its compliance is not given");
-    assert_eq!(found(&checked, "one-reading").len(), 0);
+    insta::assert_snapshot!(sentences(["no-prior", "sensor-compliance"].map(|code| the(&checked, code))), @"
+    [no-prior] stiffness.prior_nm_per_rad: There is no prior joint stiffness: expected errors, the indices built on them and the simulation are not available. Orders of magnitude suffice.
+    [sensor-compliance] tool.series_compliance: A force sensor sits between flange and reflectors, but its compliance is not given: what the sensor yields is taken for the joints' (10 to 20 % on the wrist joints for a usual sensor).
+    ");
+    assert_eq!(of_code(&checked, "one-reading").len(), 0);
     assert!(checked.joints.iter().all(|j| j.largest_displacement_m.is_none()));
 
     let mut q = vec![0.0; 6];
@@ -318,13 +346,14 @@ fn what_is_missing_or_contradicts() {
     cell.validation = vec![Posture { name: "V9".to_string(), q }];
     cell.bounds[0][1] = 4.0;
     let checked = check(&cell).unwrap();
-    the(&checked, "validation-outside-machine-limits", "V9 has joint 2 at 171.88733853924697°");
-    let finding = the(&checked, "bounds-outside-machine-limits", "joint 1");
-    assert_eq!(finding.subject, "bounds.q_deg[1]");
+    let outside = ["validation-outside-machine-limits", "bounds-outside-machine-limits"];
+    insta::assert_snapshot!(sentences(outside.map(|code| the(&checked, code))), @"
+    [validation-outside-machine-limits] validation.posture: Validation posture V9 has joint 2 at 171.88733853924697°, outside the machine's limits, -75° to 95°.
+    [bounds-outside-machine-limits] bounds.q_deg[1]: The bounds of joint 1 reach beyond the machine's limits.
+    ");
     cell.validation[0].q[1] = cell.setup.robot.joints()[1].limits[1];
     let on_limit = check(&cell).unwrap();
-    let finding = the(&on_limit, "on-machine-limit", "Posture V9 has joint 2 on");
-    assert_eq!(finding.subject, "validation.posture");
+    insta::assert_snapshot!(sentences([the(&on_limit, "on-machine-limit")]), @"[on-machine-limit] validation.posture: Posture V9 has joint 2 on the machine's limit, 95°, which the robot may refuse to reach: keep postures, and bounds.q_deg, a degree before it.");
     let order: Vec<Severity> = checked.findings.iter().map(|f| f.severity).collect();
     assert!(order.is_sorted_by(|a, b| a >= b), "{order:?}");
 }
@@ -341,21 +370,24 @@ fn limits_of_a_full_turn_that_are_given_are_no_unknown_ones() {
     let rows = "dh_modified = [[0, 0, 300, 0], [-90, 0, 0, 0], [0, 500, 0, 0], [-90, 0, 450, 0], [90, 0, 0, 0], [-90, 0, 80, 0]]\n";
     let from = "catalogue = \"comau-nj165-3.0\"\n";
     let unknown = comau_with(from, rows);
-    the(&check(&unknown).unwrap(), "unknown-limits", "-360°");
+    insta::assert_snapshot!(the(&check(&unknown).unwrap(), "unknown-limits").sentence, @"The machine's limits are not known: -360° to 360° stand in for them. Give robot.limits_deg, or bounds that the machine can reach, before a plan is driven.");
     let limits = format!("{rows}limits_deg = [{}]\n", ["[-360, 360]"; 6].join(", "));
-    let known = comau_with(from, &limits);
-    assert!(found(&check(&known).unwrap(), "unknown-limits").is_empty());
+    let limited = comau_with(from, &limits);
+    assert!(of_code(&check(&limited).unwrap(), "unknown-limits").is_empty());
 }
 
 #[test]
 fn two_stories_of_one_noise_are_told() {
     let tracker = |range: f64, angle: f64| {
-        let own = format!("[tracker]\nrange_um = {range}\nangle_urad = {angle}\n\n[noise]\n");
-        check(&comau_with("[noise]\n", &own)).unwrap()
+        let table = format!("[tracker]\nrange_um = {range}\nangle_urad = {angle}\n\n[noise]\n");
+        check(&comau_with("[noise]\n", &table)).unwrap()
     };
     for (range, angle) in [(10.0, 3.0), (5.0, 1.0), (7.0, 5.0)] {
-        assert!(found(&tracker(range, angle), "two-noises").is_empty());
+        assert!(of_code(&tracker(range, angle), "two-noises").is_empty());
     }
-    the(&tracker(40.0, 20.0), "two-noises", "[tracker] by 0.040 mm at 2 m");
-    the(&tracker(0.5, 0.2), "two-noises", "0.4 µm at 2 m");
+    let checks = [tracker(40.0, 20.0), tracker(0.5, 0.2)];
+    insta::assert_snapshot!(sentences(checks.iter().map(|checked| the(checked, "two-noises"))), @"
+    [two-noises] noise: [noise] has a reading scatter by 9.6 µm along an axis, [tracker] by 0.040 mm at 2 m and 0.165 mm at 10 m: plans, forecasts and simulated readings count with [noise], `--weights tracker` with [tracker].
+    [two-noises] noise: [noise] has a reading scatter by 9.6 µm along an axis, [tracker] by 0.4 µm at 2 m and 1.7 µm at 10 m: plans, forecasts and simulated readings count with [noise], `--weights tracker` with [tracker].
+    ");
 }

@@ -1,5 +1,4 @@
-//! Commands that make up for the deflection: that the loaded tip arrives, and
-//! what is left when the truth differs from the model.
+//! The loaded tip arrives where it is commanded to, and what is left when the truth differs from the model is told.
 
 use crate::common::prelude::*;
 use crate::common::random_group;
@@ -61,13 +60,13 @@ fn the_loaded_tip_arrives_and_the_mirror_correction_converges_to_the_same() {
     let mut dice = Dice::new(3);
     for q in random_group() {
         let wrench = load(&mut dice, 900.0, 80.0);
-        let found = command(&arm, &q, &wrench).unwrap();
-        let (shift, turn) = gap(&found.nominal, &found.loaded);
+        let commanded = command(&arm, &q, &wrench).unwrap();
+        let (shift, turn) = gap(&commanded.nominal, &commanded.loaded);
         assert!(shift < 1e-14 && turn < 1e-14, "{shift:e} m, {turn:e} rad");
         let bent = arm.deflect(&q, &wrench).unwrap();
         assert!(bent.displacement.fixed_rows::<3>(0).norm() > 1e-4);
         let mirrored = mirrored(&arm, &q, &wrench, 8);
-        for (ours, other) in found.q.iter().zip(&mirrored) {
+        for (ours, other) in commanded.q.iter().zip(&mirrored) {
             assert!((ours - other).abs() < 1e-11);
         }
     }
@@ -102,8 +101,8 @@ fn arrives_for_any_arm_and_with_all_that_gives_way_beyond_the_joints() {
         if beyond && least(2) > 100.0 * least(0) {
             continue;
         }
-        let found = command(&arm, &q, &wrench).unwrap();
-        let (shift, turn) = gap(&found.nominal, &found.loaded);
+        let commanded = command(&arm, &q, &wrench).unwrap();
+        let (shift, turn) = gap(&commanded.nominal, &commanded.loaded);
         most = most.max(shift).max(turn);
         assert!(shift < 1e-11 && turn < 1e-11, "round {round}: {shift:e} m, {turn:e} rad");
     }
@@ -180,8 +179,8 @@ fn with_noise_only_the_path_error_falls_fiftyfold() {
     let mut factors = Vec::new();
     for _ in 0..50 {
         let measured = measured(&cell, &truth, &group, &mut dice);
-        let found = identify(&cell, &measured, &IdentifyOptions::default()).unwrap();
-        let model = IdentifiedCompliance::from_identification(&cell, &found).unwrap();
+        let identification = identify(&cell, &measured, &IdentifyOptions::default()).unwrap();
+        let model = IdentifiedCompliance::from_identification(&cell, &identification).unwrap();
         let work = work(&cell, &mut dice, 30);
         let (before, after) = errors(&cell, &truth, &model, &work);
         factors.push(before / after);
@@ -212,8 +211,8 @@ fn with_other_elements_in_the_truth_the_factor_falls_and_the_diagnosis_says_so()
     let group: Vec<Vec<f64>> = random_group().into_iter().chain(group1()).collect();
     let measured = measured(&cell, &truth, &group, &mut dice);
     let options = IdentifyOptions::default();
-    let found = identify(&cell, &measured, &options).unwrap();
-    let model = IdentifiedCompliance::from_identification(&cell, &found).unwrap();
+    let identification = identify(&cell, &measured, &options).unwrap();
+    let model = IdentifiedCompliance::from_identification(&cell, &identification).unwrap();
     let (before, after) = errors(&cell, &truth, &model, &work(&cell, &mut dice, 60));
     println!("factor {:.1}", before / after);
     assert!(before / after < 30.0 && before / after > 1.0);
@@ -250,7 +249,7 @@ fn limits_are_respected_and_named() {
     };
     let error = run(&q).unwrap_err();
     assert_eq!(error.place().line, Some(8));
-    assert!(error.message().contains("Point 7") && error.message().contains("joint 2"));
+    insta::assert_snapshot!(error.message(), @"Point 7: the command would move joint 2 to 19.9740°, outside the machine's limits, 20° to 360°.");
     q[1] += if high { -0.02 } else { 0.02 };
     assert!(run(&q).is_ok());
 }
@@ -261,16 +260,16 @@ fn warns_where_a_correction_is_less_than_its_uncertainty_or_beyond_the_data() {
     let mut dice = Dice::new(19);
     let group = random_group();
     let measured = measured(&cell, &prior(&cell), &group, &mut dice);
-    let found = identify(&cell, &measured, &IdentifyOptions::default()).unwrap();
-    let mut model = IdentifiedCompliance::from_identification(&cell, &found).unwrap();
+    let identification = identify(&cell, &measured, &IdentifyOptions::default()).unwrap();
+    let mut model = IdentifiedCompliance::from_identification(&cell, &identification).unwrap();
     let work = work(&cell, &mut dice, 10);
     let run = |model: &IdentifiedCompliance, options: CompensateOptions| {
-        let found = compensate(&cell, model, &work, &options, Control::default()).unwrap();
+        let compensation = compensate(&cell, model, &work, &options, Control::default()).unwrap();
         // The work's random postures may leave the cell's limits, and its tip is that of the cell: other matters.
-        let codes = found.findings.iter().map(|f| f.code.clone());
+        let codes = compensation.findings.iter().map(|f| f.code.clone());
         let other = |code: &String| ["forbidden", "tip-assumed"].contains(&code.as_str());
         let codes: Vec<String> = codes.filter(|code| !other(code)).collect();
-        (found, codes)
+        (compensation, codes)
     };
     let (sure, codes) = run(&model, CompensateOptions::default());
     assert_eq!(codes, ["correction-beyond-uncertainty"]);

@@ -1,15 +1,15 @@
-//! The coverage of intervals, in runs small enough for every day, and the table
-//! that the library embeds.
+//! Intervals cover as often as they say, in runs small enough for every day, and as the table that the library embeds
+//! says.
 //!
 //! Seeds are fixed, so a failure is a change in behaviour and not bad luck.
 
 #[path = "../../examples/coverage/page.rs"]
 mod page;
 
+use crate::common::cases::refusals;
 use crate::common::prelude::*;
 use crate::common::random_group;
 use crate::common::runs::{fewest, wider};
-use stiffarm::error::Result;
 use stiffarm::estimate::coverage::{
     Coverage, CoverageCase, ErrorModel, Intervals, Outliers, Record, Truth, coverage, measured, records,
 };
@@ -39,17 +39,17 @@ fn count(cell: &Cell, postures: &[Posture], case: &CoverageCase) -> Coverage {
 }
 
 /// Every joint and all joints together within so many standard errors of 95 %.
-fn assert_exact(found: &Coverage, what: &str) {
-    let z = (found.coverage - 0.95) / found.standard_error;
-    println!("{what}: {:.2} %, z = {z:.2}", 100.0 * found.coverage);
-    assert!(z.abs() < 4.0, "{what}: {} (z = {z})", found.coverage);
-    let single = (0.95 * 0.05 / found.experiments as f64).sqrt();
-    for joint in &found.joints {
+fn assert_exact(counted: &Coverage, what: &str) {
+    let z = (counted.coverage - 0.95) / counted.standard_error;
+    println!("{what}: {:.2} %, z = {z:.2}", 100.0 * counted.coverage);
+    assert!(z.abs() < 4.0, "{what}: {} (z = {z})", counted.coverage);
+    let single = (0.95 * 0.05 / counted.experiments as f64).sqrt();
+    for joint in &counted.joints {
         let z = (joint.coverage - 0.95) / single;
         assert!(z.abs() < 4.5, "{what}, {}: {}", joint.name, joint.coverage);
     }
     // The joints of an experiment share its estimated noise.
-    assert!(found.standard_error > 0.99 * single / 6f64.sqrt() && found.standard_error < single);
+    assert!(counted.standard_error > 0.99 * single / 6f64.sqrt() && counted.standard_error < single);
 }
 
 #[test]
@@ -58,23 +58,23 @@ fn exact_intervals_cover_at_3_6_12_and_66_degrees_of_freedom() {
     for (number, points, dof) in [(3, 1, 3), (4, 1, 6), (6, 1, 12), (6, 4, 66)] {
         let (cell, postures) = (cell(points), postures(number));
         let ordinary = case(Estimator::Ordinary, experiments);
-        let found = count(&cell, &postures, &ordinary);
-        assert_eq!(found.degrees_of_freedom, Some(dof));
-        assert_exact(&found, &format!("ordinary, {dof}"));
+        let counted = count(&cell, &postures, &ordinary);
+        assert_eq!(counted.degrees_of_freedom, Some(dof));
+        assert_exact(&counted, &format!("ordinary, {dof}"));
 
-        let mut known = ordinary.clone();
-        known.options.noise = NoiseSource::Known;
-        let found = count(&cell, &postures, &known);
-        assert_eq!(found.degrees_of_freedom, None);
-        assert_exact(&found, &format!("known, {dof}"));
+        let mut known_noise = ordinary.clone();
+        known_noise.options.noise = NoiseSource::Known;
+        let counted = count(&cell, &postures, &known_noise);
+        assert_eq!(counted.degrees_of_freedom, None);
+        assert_exact(&counted, &format!("stated, {dof}"));
 
         let mut repeats = ordinary.clone();
         repeats.options.noise = NoiseSource::Repeats;
         repeats.options.scatter =
             Some(ReadingScatter { reading_std_m: cell.noise.reading_variance.sqrt(), degrees_of_freedom: dof });
-        let found = count(&cell, &postures, &repeats);
-        assert_eq!(found.degrees_of_freedom, Some(dof));
-        assert_exact(&found, &format!("repeats, {dof}"));
+        let counted = count(&cell, &postures, &repeats);
+        assert_eq!(counted.degrees_of_freedom, Some(dof));
+        assert_exact(&counted, &format!("repeats, {dof}"));
 
         // The cell knows of a shift, and three loads share an unloaded reading.
         let mut weighted = case(Estimator::Weighted, experiments);
@@ -83,7 +83,7 @@ fn exact_intervals_cover_at_3_6_12_and_66_degrees_of_freedom() {
         informed.noise.posture_common_std = informed.noise.displacement_std();
         assert_exact(&count(&informed, &postures, &weighted), &format!("weighted, {dof}"));
         weighted.options.noise = NoiseSource::Known;
-        assert_exact(&count(&informed, &postures, &weighted), &format!("weighted and known, {dof}"));
+        assert_exact(&count(&informed, &postures, &weighted), &format!("weighted and stated, {dof}"));
         let mut three = case(Estimator::Weighted, experiments);
         three.world.load_states = vec![0.4, 1.0, -0.7];
         assert_exact(&count(&cell, &postures, &three), &format!("three loads, {dof}"));
@@ -99,21 +99,21 @@ fn the_two_variance_model_covers_whatever_the_shift() {
                 let mut case = case(Estimator::TwoVariance, runs(400) as usize);
                 case.world.common_ratio = common_ratio;
                 case.world.load_states = load_states;
-                let found = count(&cell(4), &postures, &case);
-                assert_eq!(found.degrees_of_freedom, Some(3 * number - 6));
+                let counted = count(&cell(4), &postures, &case);
+                assert_eq!(counted.degrees_of_freedom, Some(3 * number - 6));
                 println!(
                     "{number} postures, τ/σ = {common_ratio}: {:.2} ± {:.2} %",
-                    100.0 * found.coverage,
-                    100.0 * found.standard_error
+                    100.0 * counted.coverage,
+                    100.0 * counted.standard_error
                 );
                 assert!(
-                    found.coverage > 0.94 - 3.0 * found.standard_error,
+                    counted.coverage > 0.94 - 3.0 * counted.standard_error,
                     "{number} postures, τ/σ = {common_ratio}: {}",
-                    found.coverage
+                    counted.coverage
                 );
                 // Careful, but not by any width.
-                let slack = slack(found.standard_error, runs(400), 4000);
-                assert!(found.coverage < 0.985 + slack, "{}", found.coverage);
+                let slack = slack(counted.standard_error, runs(400), 4000);
+                assert!(counted.coverage < 0.985 + slack, "{}", counted.coverage);
             }
         }
     }
@@ -157,7 +157,7 @@ fn the_prior_helps_where_it_is_true_and_harms_where_not() {
         count(&noisy, &postures, &case)
     };
     let (drawn, off) = (with(Truth::Drawn), with(Truth::Off(2.0)));
-    let slack = |found: &Coverage| slack(found.standard_error, runs(200), 2000);
+    let slack = |counted: &Coverage| slack(counted.standard_error, runs(200), 2000);
     assert!(drawn.coverage > 0.94 - slack(&drawn), "{}", drawn.coverage);
     assert!(
         off.coverage < drawn.coverage - 0.02 + slack(&off).max(slack(&drawn)),
@@ -193,11 +193,11 @@ fn a_bootstrap_is_counted_like_the_others() {
     let mut case = case(Estimator::Ordinary, runs(20) as usize);
     case.resamples = Some(200);
     case.world.common_ratio = 1.0;
-    let found = count(&cell(4), &postures(12), &case);
-    assert_eq!(found.degrees_of_freedom, Some(30));
+    let counted = count(&cell(4), &postures(12), &case);
+    assert_eq!(counted.degrees_of_freedom, Some(30));
     // Between the half that no interval could miss and what it cannot exceed.
-    let slack = slack(found.standard_error, runs(20), 60);
-    assert!((0.75 - slack..0.99 + slack).contains(&found.coverage), "{}", found.coverage);
+    let slack = slack(counted.standard_error, runs(20), 60);
+    assert!((0.75 - slack..0.99 + slack).contains(&counted.coverage), "{}", counted.coverage);
     case.resamples = Some(10);
     let few = coverage(&cell(4), &postures(12), &case, Control::default()).unwrap_err();
     assert_eq!(few.code(), Code::InvalidValue);
@@ -211,8 +211,8 @@ fn counts_do_not_depend_on_threads_or_on_later_experiments() {
     let mut bootstrap = case(Estimator::Ordinary, 12);
     bootstrap.resamples = Some(200);
     let with = |threads: usize, case: &CoverageCase| {
-        let found = on_threads(threads, || count(&cell(4), &postures, case));
-        serde_json::to_string(&found).unwrap()
+        let counted = on_threads(threads, || count(&cell(4), &postures, case));
+        serde_json::to_string(&counted).unwrap()
     };
     for case in [&plain, &bootstrap] {
         let one = with(1, case);
@@ -223,8 +223,8 @@ fn counts_do_not_depend_on_threads_or_on_later_experiments() {
     // Counts of more experiments contain those of fewer.
     let held = |experiments| {
         let case = CoverageCase { experiments, ..plain.clone() };
-        let found = count(&cell(4), &postures, &case);
-        (found.joints[0].coverage * experiments as f64).round() as i64
+        let counted = count(&cell(4), &postures, &case);
+        (counted.joints[0].coverage * experiments as f64).round() as i64
     };
     let (first, both) = (held(250), held(251));
     assert!((0..=1).contains(&(both - first)));
@@ -233,47 +233,40 @@ fn counts_do_not_depend_on_threads_or_on_later_experiments() {
 #[test]
 fn cases_that_make_no_sense_are_refused() {
     let cell = cell(4);
-    let fails = |cell: &Cell, postures: &[Posture], case: &CoverageCase| -> Code {
-        let found: Result<Coverage> = coverage(cell, postures, case, Control::default());
-        found.unwrap_err().code()
-    };
-    let good = case(Estimator::Ordinary, 10);
     let six = numbered(random_group());
-    let refused = |code: Code, change: &dyn Fn(&mut CoverageCase)| {
-        assert_eq!(fails(&cell, &six, &changed(good.clone(), change)), code);
-    };
-    let invalid = |change: &dyn Fn(&mut CoverageCase)| refused(Code::InvalidValue, change);
-    invalid(&|c| c.experiments = 0);
-    invalid(&|c| c.world.load_states.clear());
-    invalid(&|c| c.world.load_states = vec![1.0, 0.0]);
-    invalid(&|c| c.world.common_ratio = f64::NAN);
-    invalid(&|c| c.world.lost_motion_rad = -1.0);
-    invalid(&|c| c.world.stiffness_factors = vec![0.0; 6]);
-    refused(Code::Dimension, &|c| {
-        c.world.stiffness_factors = vec![1.0];
-    });
-    refused(Code::Conflict, &|c| c.world.truth = Truth::Drawn);
-    refused(Code::MissingKey, &|c| c.world.tracker_errors = true);
-    refused(Code::TooFewData, &|c| {
-        c.options.noise = NoiseSource::Repeats;
-    });
-    refused(Code::Conflict, &|c| {
-        c.world.load_states = vec![0.5, 1.0];
-        c.world.model_errors.force_scale = 0.01;
-    });
+    let good = case(Estimator::Ordinary, 10);
+    let stop = || true;
+    let of =
+        |cell: &Cell, postures: &[Posture], case: &CoverageCase| coverage(cell, postures, case, Control::default());
+    let with = |change: fn(&mut CoverageCase)| of(&cell, &six, &changed(good.clone(), change));
     // One posture with one point has three rows: the joints are named.
     let mut single = cell.clone();
     single.setup.tool.measuring_points.truncate(1);
-    let error = coverage(&single, &six[..1], &good, Control::default()).unwrap_err();
-    assert_eq!(error.code(), Code::NotIdentifiable);
-    assert!(error.to_string().contains("joint 6"), "{error}");
-    let mut blank = cell.clone();
-    blank.prior = None;
-    assert_eq!(fails(&blank, &six, &good), Code::MissingKey);
-    let stop = || true;
-    let control = stopped_by(&stop);
-    let stopped = coverage(&cell, &six, &good, control).unwrap_err();
-    assert_eq!(stopped.code(), Code::Interrupted);
+    let blank = Cell { prior: None, ..cell.clone() };
+    let rows = [
+        ("no experiment", Code::InvalidValue, with(|c| c.experiments = 0)),
+        ("no load", Code::InvalidValue, with(|c| c.world.load_states.clear())),
+        ("a load of nothing", Code::InvalidValue, with(|c| c.world.load_states = vec![1.0, 0.0])),
+        ("a shift that is no number", Code::InvalidValue, with(|c| c.world.common_ratio = f64::NAN)),
+        ("negative lost motion", Code::InvalidValue, with(|c| c.world.lost_motion_rad = -1.0)),
+        ("joints without stiffness", Code::InvalidValue, with(|c| c.world.stiffness_factors = vec![0.0; 6])),
+        ("a factor of one joint of six", Code::Dimension, with(|c| c.world.stiffness_factors = vec![1.0])),
+        ("a drawn truth without a prior in the fit", Code::Conflict, with(|c| c.world.truth = Truth::Drawn)),
+        ("errors of no tracker", Code::MissingKey, with(|c| c.world.tracker_errors = true)),
+        ("repeats of none", Code::TooFewData, with(|c| c.options.noise = NoiseSource::Repeats)),
+        (
+            "model errors in load states",
+            Code::Conflict,
+            with(|c| {
+                c.world.load_states = vec![0.5, 1.0];
+                c.world.model_errors.force_scale = 0.01;
+            }),
+        ),
+        ("three rows", Code::NotIdentifiable, of(&single, &six[..1], &good)),
+        ("a cell without prior", Code::MissingKey, of(&blank, &six, &good)),
+        ("a stop at once", Code::Interrupted, coverage(&cell, &six, &good, stopped_by(&stop))),
+    ];
+    insta::assert_snapshot!("coverage_refusals", refusals(rows));
 }
 
 #[test]
@@ -287,8 +280,8 @@ fn the_table_holds_what_is_promised() {
     let of = |table: &str| -> Vec<&Record> { records().iter().filter(|r| r.table == table).collect() };
     let exact = of(page::EXACT);
     for dof in [3, 6, 12, 66] {
-        let own = exact.iter().filter(|r| r.degrees_of_freedom == Some(dof));
-        assert!(own.count() >= 3, "{dof}");
+        let rows = exact.iter().filter(|r| r.degrees_of_freedom == Some(dof));
+        assert!(rows.count() >= 3, "{dof}");
     }
     for r in exact {
         assert!(r.experiments >= 50_000);
@@ -301,8 +294,8 @@ fn the_table_holds_what_is_promised() {
     }
     for (number, ratio) in [(6, 0), (6, 1), (6, 3), (12, 0), (12, 1), (12, 3)] {
         let ends = format!("τ/σ = {ratio}");
-        let own = two.iter().filter(|r| r.postures == number && r.situation.ends_with(&ends));
-        assert!(own.count() >= 2, "{number} {ratio}");
+        let rows = two.iter().filter(|r| r.postures == number && r.situation.ends_with(&ends));
+        assert!(rows.count() >= 2, "{number} {ratio}");
     }
 }
 
@@ -310,27 +303,27 @@ fn the_table_holds_what_is_promised() {
 fn the_nearest_row_not_above_speaks_and_none_below_the_table() {
     for intervals in [Intervals::Huber, Intervals::NonNegative, Intervals::Prior, Intervals::Bootstrap] {
         let rows: Vec<&Record> = records().iter().filter(|r| r.intervals == Some(intervals) && !r.adverse).collect();
-        let mut known: Vec<usize> = rows.iter().filter_map(|r| r.degrees_of_freedom).collect();
-        known.sort_unstable();
-        assert!(known.len() >= 2 && known.len() == rows.len(), "{intervals:?}");
-        let smallest = known[0];
+        let mut degrees: Vec<usize> = rows.iter().filter_map(|r| r.degrees_of_freedom).collect();
+        degrees.sort_unstable();
+        assert!(degrees.len() >= 2 && degrees.len() == rows.len(), "{intervals:?}");
+        let smallest = degrees[0];
         assert!(measured(intervals, 0).is_none());
         assert!(measured(intervals, smallest - 1).is_none());
-        for pair in known.windows(2) {
+        for pair in degrees.windows(2) {
             assert!(pair[0] < pair[1], "one row for each number of degrees");
             for dof in [pair[0], pair[1] - 1] {
-                let found = measured(intervals, dof).unwrap();
-                assert_eq!(found.degrees_of_freedom, pair[0]);
+                let nearest = measured(intervals, dof).unwrap();
+                assert_eq!(nearest.degrees_of_freedom, pair[0]);
                 let row = rows.iter().find(|r| r.degrees_of_freedom == Some(pair[0])).unwrap();
                 assert_eq!(
-                    (found.coverage, found.standard_error, found.experiments),
+                    (nearest.coverage, nearest.standard_error, nearest.experiments),
                     (row.coverage, row.standard_error, row.experiments)
                 );
-                assert!(!found.adverse.is_empty());
+                assert!(!nearest.adverse.is_empty());
             }
         }
         let far = measured(intervals, 10_000).unwrap();
-        assert_eq!(far.degrees_of_freedom, *known.last().unwrap());
+        assert_eq!(far.degrees_of_freedom, *degrees.last().unwrap());
     }
     for estimator in Estimator::ALL {
         assert_eq!(Intervals::of(estimator).is_none(), estimator.is_exact());
@@ -341,9 +334,9 @@ fn the_nearest_row_not_above_speaks_and_none_below_the_table() {
 fn one_experiment_is_no_certainty() {
     let cell = cell(4);
     // Agresti and Coull: of five experiments three are as found.
-    let found = count(&cell, &postures(8), &case(Estimator::Ordinary, 1));
+    let counted = count(&cell, &postures(8), &case(Estimator::Ordinary, 1));
     let expected = (0.6 * 0.4 / 5.0_f64).sqrt();
-    assert!((found.standard_error / expected - 1.0).abs() < 1e-12);
+    assert!((counted.standard_error / expected - 1.0).abs() < 1e-12);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The condition number k(J_N) and its derivatives.
+//! Derivatives of the condition number k(J_N) are those of differences, and it is not told where there is none.
 
 use crate::common::differences::slope;
 use crate::common::prelude::*;

@@ -1,6 +1,7 @@
-//! What a newcomer meets first: loads that pass a joint by, too few postures or
-//! points, numbers that are none. Everything is answered or refused by name.
+//! What a newcomer meets first (loads that pass a joint by, too few postures or points, numbers that are none) is
+//! answered or refused by name.
 
+use crate::common::cases::refusals;
 use crate::common::prelude::*;
 use stiffarm::estimate::validate::Model as Deflection;
 use stiffarm::plan::characteristic_length::characteristic_length;
@@ -14,32 +15,32 @@ fn exact_measurements(cell: &Cell, postures: &[Vec<f64>]) -> Vec<MeasuredPosture
     simulate_measurements(&quiet, &numbered(postures.to_vec()), truth, Deflection::Linear, 1, 0).unwrap()
 }
 
-fn assert_only_classical(found: &GroupEvaluation) {
+fn assert_only_classical(evaluation: &GroupEvaluation) {
     for index in Index::ALL {
-        let is_there = found.indices.get(index).is_some();
+        let is_there = evaluation.indices.get(index).is_some();
         assert_eq!(is_there, index == Index::Classical, "{index:?}");
     }
 }
 
 /// Asserts that every way to a result names `joints` and shows nothing for them.
 fn assert_undetermined(cell: &Cell, postures: &[Vec<f64>], joints: &[&str]) {
-    let found = evaluate(cell, "blind", postures).unwrap();
-    assert_eq!(found.undetermined_joints, joints);
-    assert_only_classical(&found);
+    let evaluation = evaluate(cell, "blind", postures).unwrap();
+    assert_eq!(evaluation.undetermined_joints, joints);
+    assert_only_classical(&evaluation);
     let blind = |name: &String| joints.contains(&name.as_str());
     let names = cell.setup.robot.spring_names();
     for (j, name) in names.iter().enumerate() {
-        assert_eq!(found.relative_standard_error[j].is_none(), blind(name), "{name}");
-        assert_eq!(found.expected_deviation[j].is_none(), blind(name), "{name}");
+        assert_eq!(evaluation.relative_standard_error[j].is_none(), blind(name), "{name}");
+        assert_eq!(evaluation.expected_deviation[j].is_none(), blind(name), "{name}");
     }
-    let expected: Vec<f64> = found.expected_deviation.iter().flatten().copied().collect();
+    let expected: Vec<f64> = evaluation.expected_deviation.iter().flatten().copied().collect();
     let measured = exact_measurements(cell, postures);
-    let found = identify(cell, measured, &IdentifyOptions::default());
-    let found = found.unwrap().estimates;
-    assert_eq!(found.undetermined_joints, joints);
-    assert!(!found.is_complete() && found.stiffness().is_none());
-    assert_eq!((found.condition, found.scaled_condition), (None, None));
-    for (joint, truth) in found.joints.iter().zip(cell.require_prior().unwrap()) {
+    let estimates = identify(cell, measured, &IdentifyOptions::default());
+    let estimates = estimates.unwrap().estimates;
+    assert_eq!(estimates.undetermined_joints, joints);
+    assert!(!estimates.is_complete() && estimates.stiffness().is_none());
+    assert_eq!((estimates.condition, estimates.scaled_condition), (None, None));
+    for (joint, truth) in estimates.joints.iter().zip(cell.require_prior().unwrap()) {
         if blind(&joint.name) {
             assert_eq!(joint.verdict, Verdict::Undetermined);
             assert!(joint.stiffness.is_none() && joint.compliance.is_none());
@@ -58,8 +59,8 @@ fn assert_undetermined(cell: &Cell, postures: &[Vec<f64>], joints: &[&str]) {
     assert_eq!(named, joints);
     assert!(!simulated.joints.iter().any(blind));
     let levels = &simulated.groups[0].levels;
-    let own = levels.iter().find(|level| level.variance_factor == 1.0);
-    assert!(relative_error(&own.unwrap().expected_deviation, &expected) < 1e-9);
+    let nominal = levels.iter().find(|level| level.variance_factor == 1.0);
+    assert!(relative_error(&nominal.unwrap().expected_deviation, &expected) < 1e-9);
 }
 
 /// Every number in a JSON text.
@@ -78,11 +79,17 @@ fn load_through_the_axis_of_joint_6_leaves_joint_6_undetermined() {
     cell.setup.tool.loading_point = Vector3::new(0.0, 0.0, 0.25);
     assert_undetermined(&cell, &group1(), &["joint 6"]);
     // No choice of postures helps.
-    for index in [Index::ExpectedError, Index::Novel] {
-        let error = local(&cell, index, &group1()).unwrap_err();
-        assert_eq!(error.code(), Code::NotIdentifiable, "{error}");
-        assert!(error.message().contains("joint 6"), "{error}");
-    }
+    let rows = [("expected error", Index::ExpectedError), ("novel", Index::Novel)]
+        .map(|(what, index)| (what, Code::NotIdentifiable, local(&cell, index, &group1())));
+    insta::assert_snapshot!(refusals(rows), @"
+    » expected error
+    [not-identifiable] 6 postures with this load cannot determine joint 6.
+      hint: add postures that differ, or measuring points, or move the load off the joint's axis
+
+    » novel
+    [not-identifiable] 6 postures with this load cannot determine joint 6.
+      hint: add postures that differ, or measuring points, or move the load off the joint's axis
+    ");
 }
 
 #[test]
@@ -100,16 +107,16 @@ fn equal_postures_with_one_point_name_what_they_cannot_tell() {
     let mut cell = reference_cell();
     cell.setup.tool.measuring_points.truncate(1);
     let postures = vec![group1()[0].clone(); 6];
-    let found = evaluate(&cell, "equal", &postures).unwrap();
-    let undetermined_joints = &found.undetermined_joints;
+    let evaluation = evaluate(&cell, "equal", &postures).unwrap();
+    let undetermined_joints = &evaluation.undetermined_joints;
     assert!(undetermined_joints.len() >= 3, "{undetermined_joints:?}");
-    assert_only_classical(&found);
+    assert_only_classical(&evaluation);
     let measured = exact_measurements(&cell, &postures);
     let result = identify(&cell, &measured, &IdentifyOptions::default()).unwrap();
-    assert_eq!(result.estimates.undetermined_joints, found.undetermined_joints);
+    assert_eq!(result.estimates.undetermined_joints, evaluation.undetermined_joints);
     assert_eq!(result.estimates.degrees_of_freedom, 18 - 3);
     // Rounding must not pose as information anywhere in what is shown.
-    for json in [serde_json::to_value(&found).unwrap(), serde_json::to_value(&result).unwrap()] {
+    for json in [serde_json::to_value(&evaluation).unwrap(), serde_json::to_value(&result).unwrap()] {
         let mut numbers = Vec::new();
         all_numbers(&json, &mut numbers);
         assert!(numbers.len() > 6);
@@ -122,12 +129,12 @@ fn one_posture_with_one_point_is_answered() {
     let mut cell = reference_cell();
     cell.setup.tool.measuring_points.truncate(1);
     let one = group1()[..1].to_vec();
-    let found = evaluate(&cell, "one", &one).unwrap();
-    assert!(!found.undetermined_joints.is_empty());
-    assert!(found.indices.classical.is_some() && found.indices.condition.is_none());
+    let evaluation = evaluate(&cell, "one", &one).unwrap();
+    assert!(!evaluation.undetermined_joints.is_empty());
+    assert!(evaluation.indices.classical.is_some() && evaluation.indices.condition.is_none());
     let result = identify(&cell, exact_measurements(&cell, &one), &IdentifyOptions::default()).unwrap();
     assert_eq!((result.estimates.rows, result.estimates.degrees_of_freedom, result.residual_std_m), (3, 0, None));
-    assert_eq!(result.estimates.undetermined_joints, found.undetermined_joints);
+    assert_eq!(result.estimates.undetermined_joints, evaluation.undetermined_joints);
     let error = local(&cell, Index::D, &one).unwrap_err();
     assert_eq!(error.code(), Code::NotIdentifiable);
     // The classical index asks nothing of Ψ.
@@ -141,67 +148,95 @@ fn one_posture_with_one_point_is_answered() {
     model.prior.truncate(1);
     model.measuring_points.truncate(1);
     model.coupling = DMatrix::identity(1, 1);
-    let found = evaluate(&model.cell(), "one joint", &[vec![0.4]]).unwrap();
-    assert!(found.undetermined_joints.is_empty());
-    assert!((found.indices.condition.unwrap() - 1.0).abs() < 1e-12);
+    let evaluation = evaluate(&model.cell(), "one joint", &[vec![0.4]]).unwrap();
+    assert!(evaluation.undetermined_joints.is_empty());
+    assert!((evaluation.indices.condition.unwrap() - 1.0).abs() < 1e-12);
 }
 
 #[test]
-fn angles_and_numbers_that_are_not_finite_are_errors() {
+fn an_angle_that_is_not_finite_is_refused_by_all_that_take_it() {
     let cell = reference_cell();
-    let truth = cell.require_prior().unwrap().to_vec();
-    let options = IdentifyOptions::default();
-    let identified =
-        |measured: &[MeasuredPosture], options: &IdentifyOptions| identify(&cell, measured, options).unwrap_err();
+    let truth = cell.require_prior().unwrap();
     let exact = exact_measurements(&cell, &group1());
-    let control = Control::default();
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        let mut postures = group1();
-        postures[2][4] = bad;
-        let refused = |error: Error| {
-            assert_eq!(error.code(), Code::NotFinite, "{error}");
-            assert!(error.message().contains("joint 5"), "{error}");
-        };
-        refused(evaluate(&cell, "", &postures).unwrap_err());
-        refused(observation_matrix(&cell.setup, &postures, Rows::Translations).unwrap_err());
-        refused(PostureTerms::new(&cell.setup, &postures[2], None).unwrap_err());
-        refused(local(&cell, Index::Classical, &postures).unwrap_err());
-        let found = equilibrium(&cell.setup, &postures[2], &truth, None);
-        refused(found.map(|_| ()).unwrap_err());
+        let postures = changed(group1(), |postures| postures[2][4] = bad);
+        let q = &postures[2];
         let group = PostureGroup::from_angles("", postures.clone());
-        refused(simulate(&cell, &[group], &Default::default(), control).unwrap_err());
-        let named = numbered(postures);
-        let exactly = Deflection::Equilibrium;
-        refused(simulate_measurements(&cell, &named, &truth, exactly, 1, 0).unwrap_err());
-        let mut measured = exact.clone();
-        measured[2].posture.q[4] = bad;
-        refused(identified(&measured, &options));
+        let named = numbered(postures.clone());
+        let measured = changed(exact.clone(), |measured| measured[2].posture.q[4] = bad);
+        let rows: [(&str, stiffarm::Result<()>); 8] = [
+            ("evaluate", evaluate(&cell, "", &postures).map(drop)),
+            ("observation_matrix", observation_matrix(&cell.setup, &postures, Rows::Translations).map(drop)),
+            ("PostureTerms", PostureTerms::new(&cell.setup, q, None).map(drop)),
+            ("select_from", local(&cell, Index::Classical, &postures).map(drop)),
+            ("equilibrium", equilibrium(&cell.setup, q, truth, None).map(drop)),
+            ("simulate", simulate(&cell, &[group], &Default::default(), Control::default()).map(drop)),
+            (
+                "simulate_measurements",
+                simulate_measurements(&cell, &named, truth, Deflection::Equilibrium, 1, 0).map(drop),
+            ),
+            ("identify", identify(&cell, &measured, &IdentifyOptions::default()).map(drop)),
+        ];
+        for (what, refused) in rows {
+            let error = refused.unwrap_err();
+            assert_eq!(error.code(), Code::NotFinite, "{what}, {bad}");
+            assert_eq!(error.message(), "The angle of joint 5 is not a finite number.", "{what}, {bad}");
+        }
+    }
+}
 
-        let mut measured = exact.clone();
-        measured[0].displacements[0].value.y = bad;
-        assert_eq!(identified(&measured, &options).code(), Code::NotFinite);
-        measured[0].displacements[0].value.y = 0.0;
-        measured[0].wrench = Some(Wrench::force(Vector3::new(bad, 0.0, 0.0)));
-        assert_eq!(identified(&measured, &options).code(), Code::NotFinite);
-
+#[test]
+fn numbers_that_are_none_or_do_not_fit_are_refused() {
+    let cell = reference_cell();
+    let exact = exact_measurements(&cell, &group1());
+    let options = IdentifyOptions::default();
+    let identified = |measured: &[MeasuredPosture]| identify(&cell, measured, &options).map(drop);
+    let sure = |confidence| {
+        let options = with(|o: &mut IdentifyOptions| o.confidence = confidence);
+        identify(&cell, &exact, &options).map(drop)
+    };
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let moved = changed(exact.clone(), |m| m[0].displacements[0].value.y = bad);
+        let pulled = changed(exact.clone(), |m| m[0].wrench = Some(Wrench::force(Vector3::new(bad, 0.0, 0.0))));
+        for measured in [moved, pulled] {
+            assert_eq!(identified(&measured).unwrap_err().code(), Code::NotFinite, "{bad}");
+        }
         let stiffness = [1e6, 1e6, bad, 1e6, 1e6, 1e6];
         let error = joint_compliance(&cell.setup.robot, &stiffness).unwrap_err();
-        assert_eq!(error.code(), Code::InvalidValue);
+        assert_eq!(error.code(), Code::InvalidValue, "{bad}");
         assert!(error_bound(bad, 0.0, 0.0).is_err() && error_bound(2.0, bad, 0.0).is_err());
     }
     // Eq. (19) says where it bounds nothing; no condition number is below one.
     let lost = error_bound(100.0, 1e-3, 0.0).unwrap();
     assert!(lost.bound.is_none() && (lost.validity - 10.0).abs() < 1e-12);
     assert!(error_bound(0.5, 0.0, 0.0).is_err());
-    let error = evaluate(&cell, "", &[vec![0.0; 5]]).unwrap_err();
-    assert_eq!(error.code(), Code::Dimension);
-    let error = evaluate::<Vec<f64>>(&cell, "", &[]).unwrap_err();
-    assert_eq!(error.code(), Code::TooFewData);
-    assert_eq!(identified(&[], &options).code(), Code::TooFewData);
-    for confidence in [0.0, 1.0, f64::NAN] {
-        let options = with(|o: &mut IdentifyOptions| o.confidence = confidence);
-        assert_eq!(identified(&exact, &options).code(), Code::InvalidValue);
-    }
+    let rows = [
+        ("five angles of six", Code::Dimension, evaluate(&cell, "", &[vec![0.0; 5]]).map(drop)),
+        ("no posture", Code::TooFewData, evaluate::<Vec<f64>>(&cell, "", &[]).map(drop)),
+        ("nothing measured", Code::TooFewData, identified(&[])),
+        ("no confidence", Code::InvalidValue, sure(0.0)),
+        ("certainty", Code::InvalidValue, sure(1.0)),
+        ("a confidence that is no number", Code::InvalidValue, sure(f64::NAN)),
+    ];
+    insta::assert_snapshot!(refusals(rows), @r#"
+    » five angles of six
+    [dimension] 5 angles for the 6 joints of COMAU NJ 165-3.0.
+
+    » no posture
+    [too-few-data] The group "" has no postures.
+
+    » nothing measured
+    [too-few-data] There are no displacements to identify from.
+
+    » no confidence
+    [invalid-value] The confidence must lie between 0.01 and 0.999999.
+
+    » certainty
+    [invalid-value] The confidence must lie between 0.01 and 0.999999.
+
+    » a confidence that is no number
+    [invalid-value] The confidence must lie between 0.01 and 0.999999.
+    "#);
 }
 
 #[test]
@@ -211,7 +246,10 @@ fn a_load_that_buckles_the_arm_is_said_so() {
     let truth = cell.require_prior().unwrap().to_vec();
     let error = equilibrium(&cell.setup, &group1()[0], &truth, None).map(|_| ()).unwrap_err();
     assert_eq!(error.code(), Code::InvalidValue);
-    assert!(error.message().contains("equilibrium"), "{error}");
+    insta::assert_snapshot!(error, @"
+    The loaded arm has no stable equilibrium near this posture.
+      hint: check the load's magnitude and the unit of the joint stiffness (N·m/rad)
+    ");
 }
 
 #[test]
@@ -220,15 +258,33 @@ fn short_chains_have_no_condition_number_and_say_so() {
     let model = dice.model(5, 0, false, false);
     let cell = model.cell();
     let postures = dice.postures(5, 6);
-    let found = evaluate(&cell, "", &postures).unwrap();
-    assert!(found.k_jn.iter().all(Option::is_none));
-    assert_eq!((found.indices.classical, found.indices.novel, found.indices.scaled), (None, None, None));
-    assert!(found.indices.condition.is_some() && found.indices.expected_error.is_some());
-    for index in [Index::Classical, Index::Novel, Index::Scaled] {
-        let error = IndexFunction::new(&cell, index, 6).map(|_| ()).unwrap_err();
-        assert_eq!(error.code(), Code::Unsupported);
-    }
-    assert_eq!(characteristic_length(&cell).unwrap_err().code(), Code::Unsupported);
+    let evaluation = evaluate(&cell, "", &postures).unwrap();
+    assert!(evaluation.k_jn.iter().all(Option::is_none));
+    assert_eq!((evaluation.indices.classical, evaluation.indices.novel, evaluation.indices.scaled), (None, None, None));
+    assert!(evaluation.indices.condition.is_some() && evaluation.indices.expected_error.is_some());
+    let function = |index| IndexFunction::new(&cell, index, 6).map(drop);
+    let rows = [
+        ("classical", Code::Unsupported, function(Index::Classical)),
+        ("novel", Code::Unsupported, function(Index::Novel)),
+        ("scaled", Code::Unsupported, function(Index::Scaled)),
+        ("characteristic length", Code::Unsupported, characteristic_length(&cell).map(drop)),
+    ];
+    insta::assert_snapshot!(refusals(rows), @"
+    » classical
+    [unsupported] k(J_N) needs at least 6 joints, and random has 5.
+      hint: choose an index without dexterity: expected_error, scaled_condition, d
+
+    » novel
+    [unsupported] k(J_N) needs at least 6 joints, and random has 5.
+      hint: choose an index without dexterity: expected_error, scaled_condition, d
+
+    » scaled
+    [unsupported] k(J_N) needs at least 6 joints, and random has 5.
+      hint: choose an index without dexterity: expected_error, scaled_condition, d
+
+    » characteristic length
+    [unsupported] k(J_N) needs at least 6 joints, and random has 5.
+    ");
 }
 
 #[test]

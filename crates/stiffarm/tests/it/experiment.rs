@@ -1,5 +1,6 @@
 //! A simulated experiment, undone by hand, gives what the model says.
 
+use crate::common::cases::refusals;
 use crate::common::prelude::*;
 use crate::common::readings::{postures, take};
 use stiffarm::model::measurement::{PostureReadings, Role, StateReadings};
@@ -13,13 +14,13 @@ fn cell_with_sensor() -> Cell {
 }
 
 fn state(posture: &PostureReadings, name: &str) -> StateReadings {
-    let found = posture.states.iter().find(|s| s.state == name);
-    found.unwrap_or_else(|| panic!("no state {name}")).clone()
+    let state = posture.states.iter().find(|s| s.state == name);
+    state.unwrap_or_else(|| panic!("no state {name}")).clone()
 }
 
 fn position(state: &StateReadings, target: &ReadingTarget) -> Vector3<f64> {
-    let own = state.readings.iter().filter(|r| r.target == *target);
-    let all: Vec<_> = own.map(|r| r.position).collect();
+    let readings = state.readings.iter().filter(|r| r.target == *target);
+    let all: Vec<_> = readings.map(|r| r.position).collect();
     all.iter().sum::<Vector3<f64>>() / all.len() as f64
 }
 
@@ -350,21 +351,17 @@ fn the_force_is_written_as_asked() {
 fn what_cannot_be_simulated_is_refused() {
     let cell = reference_cell();
     let truth = cell.prior.clone().unwrap();
-    let refused = |cell: &Cell, change: fn(&mut Experiment)| {
-        let refused = experiment(cell, &postures(), &truth, &with(change), 1, 0);
-        refused.unwrap_err().to_string()
-    };
-    let mut measured = cell.clone();
-    measured.setup.load = Load::Measured;
-    let messages = [
-        refused(&measured, |_| ()),
-        refused(&cell, |e| e.states = Vec::new()),
-        refused(&cell, |e| e.servo_deflection = Some(vec![1e-7; 5])),
-        refused(&cell, |e| e.tracker_noise = TrackerNoise::RangeAndAngle),
-        refused(&cell, |e| e.posture_common_std = f64::NAN),
-        refused(&cell, |e| e.drift = Vector3::new(0.0, f64::NAN, 0.0)),
+    let of = |cell: &Cell, change: fn(&mut Experiment)| experiment(cell, &postures(), &truth, &with(change), 1, 0);
+    let measured = changed(cell.clone(), |cell| cell.setup.load = Load::Measured);
+    let rows = [
+        ("a measured load", Code::MissingKey, of(&measured, |_| ())),
+        ("no state", Code::InvalidValue, of(&cell, |e| e.states = Vec::new())),
+        ("servo give of five joints", Code::InvalidValue, of(&cell, |e| e.servo_deflection = Some(vec![1e-7; 5]))),
+        ("a tracker without accuracy", Code::MissingKey, of(&cell, |e| e.tracker_noise = TrackerNoise::RangeAndAngle)),
+        ("a shift that is no number", Code::InvalidValue, of(&cell, |e| e.posture_common_std = f64::NAN)),
+        ("a drift that is no number", Code::InvalidValue, of(&cell, |e| e.drift = Vector3::new(0.0, f64::NAN, 0.0))),
     ];
-    insta::assert_snapshot!("experiment_refusals", messages.join("\n"));
+    insta::assert_snapshot!("experiment_refusals", refusals(rows));
 }
 
 #[test]

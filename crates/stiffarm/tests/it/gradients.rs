@@ -44,7 +44,7 @@ impl<'a> Reference<'a> {
         let rows = self.blocks[0].nrows();
         let covariance = self.model.posture_covariance() / self.model.sigma.powi(2);
         let inverse = covariance.cholesky().unwrap().l().try_inverse().unwrap();
-        let kept: Vec<DMatrix<Dual64>> = self
+        let rest: Vec<DMatrix<Dual64>> = self
             .blocks
             .iter()
             .enumerate()
@@ -60,7 +60,7 @@ impl<'a> Reference<'a> {
                 })
             })
             .collect();
-        DMatrix::from_fn(rows * kept.len(), self.model.joint_count(), |i, j| kept[i / rows][(i % rows, j)])
+        DMatrix::from_fn(rows * rest.len(), self.model.joint_count(), |i, j| rest[i / rows][(i % rows, j)])
     }
 
     /// ln of the RMS relative standard error without a posture.
@@ -129,10 +129,10 @@ impl<'a> Reference<'a> {
             Index::Prediction => unreachable!(),
             // √det(ΨᵀΨ) is the product of R's diagonal.
             Index::D | Index::O1 => {
-                let own = index == Index::D;
-                let inverse = inverse_r(&self.stacked(own, own, None));
+                let is_d = index == Index::D;
+                let inverse = inverse_r(&self.stacked(is_d, is_d, None));
                 let mean = (0..inverse.nrows()).fold(zero, |s, j| s + inverse[(j, j)].ln()) / n;
-                let unit = if own { ln_sigma } else { Dual64::from(0.5 * (self.blocks.len() as f64).ln()) };
+                let unit = if is_d { ln_sigma } else { Dual64::from(0.5 * (self.blocks.len() as f64).ln()) };
                 (mean + unit, dexterity)
             }
         }
@@ -272,10 +272,10 @@ fn the_smoothed_index_is_the_log_sum_exp_of_its_parts() {
             let (model, postures) = random_case(&mut dice, n, case % 4, case % 3 == 1, case % 2 == 1);
             let cell = model.cell();
             // The first posture is given, the others are free.
-            let (given, free) = postures.split_at(1);
+            let (measured, free) = postures.split_at(1);
             let flat = free.concat();
             let p = 25.0;
-            let mut function = IndexFunction::with_given(&cell, index, POSTURES - 1, given).unwrap();
+            let mut function = IndexFunction::with_given(&cell, index, POSTURES - 1, measured).unwrap();
             let mut gradient = vec![0.0; flat.len()];
             let smoothed = function.smoothed(&flat, p, &mut gradient);
             function.set_sharpness(Some(p));

@@ -1,4 +1,4 @@
-//! All that an identification says, in one call.
+//! One call says all of an identification, or names what a stop left out.
 
 use crate::common::prelude::*;
 use std::sync::Arc;
@@ -53,8 +53,8 @@ fn a_stop_before_the_systematic_errors_goes_along_with_the_stiffness() {
     let readings = simulated_readings(&cell, &group.postures, 1).unwrap();
     let measured = prepare(&cell, readings, &ReduceOptions::default()).unwrap();
     let stop = Arc::new(AtomicBool::new(false));
-    let asked = Arc::clone(&stop);
-    let watch = Watch::new(move || asked.load(Ordering::Relaxed), |_, _, _| ());
+    let flag = Arc::clone(&stop);
+    let watch = Watch::new(move || flag.load(Ordering::Relaxed), |_, _, _| ());
     let fit = Fit::watched(&cell, &measured, &Default::default(), watch).unwrap();
     fit.identification().unwrap();
     stop.store(true, Ordering::Relaxed);
@@ -82,9 +82,9 @@ fn the_first_interval_holds_all_errors_and_the_parts_have_names() {
     let alone = &fit.identification().unwrap().estimates.joints;
     let systematic = all.systematic_errors.as_ref().unwrap();
     for (j, joint) in all.identification.estimates.joints.iter().enumerate() {
-        let (own, total) = (&systematic.uncertainty[j], systematic.total[j].unwrap());
+        let (uncertainty, total) = (&systematic.uncertainty[j], systematic.total[j].unwrap());
         assert_eq!(joint.interval_holds, IntervalHolds::AllErrors);
-        assert_eq!((joint.interval, joint.half_width), (own.interval_nm_per_rad, own.total));
+        assert_eq!((joint.interval, joint.half_width), (uncertainty.interval_nm_per_rad, uncertainty.total));
         assert_eq!(joint.standard_error, Some(joint.stiffness.unwrap() * total));
         assert_eq!(joint.readings_interval, alone[j].interval);
         assert_eq!(joint.readings_standard_error, alone[j].standard_error);

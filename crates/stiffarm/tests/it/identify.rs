@@ -1,8 +1,7 @@
-//! Identification beyond the plain case: joints that cannot be told apart,
-//! extra springs, the next posture.
+//! Joints that cannot be told apart are answered by their sum, and further springs in the truth are found.
 
 use crate::common::prelude::*;
-use stiffarm::estimate::identify::Identification;
+use stiffarm::estimate::identify::{EstimableCombination, Identification};
 
 /// Postures in which only joints 1 and 2 move and the wrist stays as given.
 fn two_joints_move(wrist_deg: [f64; 3]) -> Vec<Posture> {
@@ -17,20 +16,19 @@ fn answer(cell: &Cell, postures: &[Posture], stream: usize) -> Identification {
     identify(cell, &measured, &IdentifyOptions::default()).unwrap()
 }
 
+/// The combination of joints 4 and 6 that the data determine.
+fn sum_of_both(identification: &Identification) -> Option<&EstimableCombination> {
+    identification.estimates.combinations.iter().find(|c| c.unknowns == ["joint 6", "joint 4"])
+}
+
 #[test]
 fn joints_on_one_axis_are_answered_by_their_sum() {
     let cell = reference_cell();
     // With q5 = 0 the axes of joints 4 and 6 are one line.
-    let found = answer(&cell, &two_joints_move([0.0; 3]), 0);
-    assert_eq!(found.estimates.undetermined_joints, ["joint 4", "joint 6"]);
-    assert!(!found.estimates.is_complete());
-    let sum = found
-        .estimates
-        .combinations
-        .iter()
-        .find(|c| c.unknowns.len() == 2 && c.unknowns.contains(&"joint 4".to_string()))
-        .expect("the sum of both compliances is determined");
-    assert!(sum.unknowns.contains(&"joint 6".to_string()));
+    let identification = answer(&cell, &two_joints_move([0.0; 3]), 0);
+    assert_eq!(identification.estimates.undetermined_joints, ["joint 4", "joint 6"]);
+    assert!(!identification.estimates.is_complete());
+    let sum = sum_of_both(&identification).expect("the sum of both compliances is determined");
     assert!(sum.coefficients.iter().all(|c| (c - 1.0).abs() < 1e-6), "{sum:?}");
     let prior = cell.require_prior().unwrap();
     let truth = 1.0 / prior[3] + 1.0 / prior[5];
@@ -45,19 +43,14 @@ fn joints_nearly_on_one_axis_get_no_negative_stiffness() {
     let postures = two_joints_move([0.0, 0.02, 0.0]);
     let mut summed = 0;
     for stream in 0..40 {
-        let found = answer(&cell, &postures, stream);
-        for joint in &found.estimates.joints {
+        let identification = answer(&cell, &postures, stream);
+        for joint in &identification.estimates.joints {
             if joint.verdict != Verdict::SignOrModelFault {
                 assert!(joint.stiffness.is_none_or(|k| k > 0.0), "{joint:?}");
             }
         }
-        assert!(!found.estimates.is_complete());
-        summed +=
-            usize::from(
-                found.estimates.combinations.iter().any(|c| {
-                    c.unknowns.contains(&"joint 4".to_string()) && c.unknowns.contains(&"joint 6".to_string())
-                }),
-            );
+        assert!(!identification.estimates.is_complete());
+        summed += usize::from(sum_of_both(&identification).is_some());
     }
     assert_eq!(summed, 40);
 }
@@ -135,15 +128,15 @@ fn further_springs_in_the_truth_are_found_and_judged_by_postures_left_out() {
     let measured = measured_with(&cell, &postures, &extra, &values, 0);
     let plain = IdentifyOptions::default();
     let with = changed(plain.clone(), |o| o.extra = extra);
-    let found = identify(&cell, &measured, &with).unwrap();
-    let tilt = &found.estimates.extra_springs[0];
+    let identification = identify(&cell, &measured, &with).unwrap();
+    let tilt = &identification.estimates.extra_springs[0];
     assert_eq!(tilt.name, "tilt of joint 3");
     let [low, high] = tilt.interval.map(|v| v.unwrap());
     assert!(low < 2e6 && 2e6 < high, "{tilt:?}");
-    let lost = &found.estimates.lost_motion[0];
+    let lost = &identification.estimates.lost_motion[0];
     let [low, high] = lost.interval.map(|v| v.unwrap());
     assert!(low < 3e-5 && 3e-5 < high && low > 1e-5, "{lost:?}");
-    for (joint, truth) in found.estimates.joints.iter().zip(cell.require_prior().unwrap()) {
+    for (joint, truth) in identification.estimates.joints.iter().zip(cell.require_prior().unwrap()) {
         let error = (joint.stiffness.unwrap() - truth) / joint.standard_error.unwrap();
         assert!(error.abs() < 4.5, "{joint:?}");
     }

@@ -1,4 +1,4 @@
-//! The load as a variable of a search.
+//! A load that a search moves gives the values of the moved cell, and derivatives of differences.
 
 use crate::common::differences::assert_gradient;
 use crate::common::prelude::*;

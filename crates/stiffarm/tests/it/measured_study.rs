@@ -1,6 +1,7 @@
-//! The study on measured readings: on a simulated arm, where nothing of the postures to be
-//! predicted may reach the model, and on the measured FANUC.
+//! The study on measured readings predicts a simulated arm to its noise, and the measured FANUC, and nothing of the
+//! postures to be predicted reaches the model.
 
+use crate::common::cases::refusals;
 use crate::common::prelude::*;
 use stiffarm::study::{Choice, MeasuredStudy, MeasuredStudyOptions, measured_study};
 
@@ -103,16 +104,17 @@ fn an_arm_of_joint_springs_is_predicted_to_its_noise() {
 #[test]
 fn what_cannot_be_split_is_said() {
     let (cell, measured) = simulated();
-    let refused = |change: &dyn Fn(&mut MeasuredStudyOptions)| {
-        let mut options = options();
-        change(&mut options);
-        measured_study(&cell, &measured, &options, Control::default()).unwrap_err().code()
+    let with = |change: fn(&mut MeasuredStudyOptions)| {
+        measured_study(&cell, &measured, &changed(options(), change), Control::default())
     };
-    assert_eq!(refused(&|o| o.pool = Some(13)), Code::TooFewData);
-    assert_eq!(refused(&|o| o.counts = vec![10]), Code::TooFewData);
-    assert_eq!(refused(&|o| o.counts = vec![0, 4]), Code::InvalidValue);
-    assert_eq!(refused(&|o| o.splits = 0), Code::InvalidValue);
-    assert_eq!(refused(&|o| o.size_factor = f64::NAN), Code::InvalidValue);
+    let rows = [
+        ("a pool of all that were measured", Code::TooFewData, with(|o| o.pool = Some(13))),
+        ("a choice of more than the pool", Code::TooFewData, with(|o| o.counts = vec![10])),
+        ("a choice of none", Code::InvalidValue, with(|o| o.counts = vec![0, 4])),
+        ("no split", Code::InvalidValue, with(|o| o.splits = 0)),
+        ("sizes that are no numbers", Code::InvalidValue, with(|o| o.size_factor = f64::NAN)),
+    ];
+    insta::assert_snapshot!("split_refusals", refusals(rows));
 }
 
 /// The order that an independent study found (docs/measured.md holds 100 splits).

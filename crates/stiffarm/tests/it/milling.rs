@@ -1,5 +1,4 @@
-//! Mean milling loads: against the sum of all teeth over a turn, against cases
-//! done by hand, and their signs.
+//! Mean milling loads are the sum of all teeth over a turn, and those of cases done by hand, with their signs.
 
 use crate::common::prelude::*;
 use nalgebra::Rotation3;
@@ -50,10 +49,10 @@ fn brute_force(milling: &Milling, angles: usize, slices: usize, lag: f64) -> Tip
                 let tangential = (k.k_tc * chip + k.k_te) * slice;
                 let radial = (k.k_rc * chip + k.k_re) * slice;
                 let axial = (k.k_ac * chip + k.k_ae) * slice;
-                let own = -motion * tangential - outwards * radial + Vector3::z() * axial;
+                let cut = -motion * tangential - outwards * radial + Vector3::z() * axial;
                 let at = outwards * radius - Vector3::z() * height;
-                force += own;
-                moment += at.cross(&own);
+                force += cut;
+                moment += at.cross(&cut);
             }
         }
     }
@@ -61,14 +60,14 @@ fn brute_force(milling: &Milling, angles: usize, slices: usize, lag: f64) -> Tip
 }
 
 #[track_caller]
-fn assert_near(found: &TipLoad, expected: &TipLoad, tolerance: f64) {
-    let force = (found.force - expected.force).norm();
-    let moment = (found.moment - expected.moment).norm();
+fn assert_near(load: &TipLoad, expected: &TipLoad, tolerance: f64) {
+    let force = (load.force - expected.force).norm();
+    let moment = (load.moment - expected.moment).norm();
     assert!(
         force <= tolerance * expected.force.norm() && moment <= tolerance * expected.moment.norm(),
-        "{found:?} is not {expected:?}"
+        "{load:?} is not {expected:?}"
     );
-    assert_eq!(found.axes, expected.axes);
+    assert_eq!(load.axes, expected.axes);
 }
 
 #[test]
@@ -147,9 +146,9 @@ fn the_table_of_the_guide() {
         milling.coefficients.k_re = 20e3;
         milling.coefficients.k_ae = 0.0;
         let load = milling.mean_load();
-        let found = load.force.iter().chain(load.moment.iter());
-        for (found, expected) in found.zip(expected) {
-            assert!((found - expected).abs() <= 0.005, "{load:?}");
+        let components = load.force.iter().chain(load.moment.iter());
+        for (component, expected) in components.zip(expected) {
+            assert!((component - expected).abs() <= 0.005, "{load:?}");
         }
     }
 }

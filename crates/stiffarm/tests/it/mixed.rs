@@ -1,5 +1,5 @@
-//! The mixed elastic model against dense matrices, a published example, other
-//! formulations of its springs, and the measured robot.
+//! The mixed elastic model is that of dense matrices, of a published example and of other formulations of its springs,
+//! and predicts the measured robot.
 
 use crate::common::prelude::*;
 use crate::estimators::{dense_covariance, random_system};
@@ -87,8 +87,8 @@ proptest! {
             }
             for j in 0..9 {
                 let column = random.column(j);
-                let known = lambda[j].powi(2) * (column.transpose() * &projected * column)[(0, 0)];
-                let direct = (lambda[j] - known) * variance;
+                let explained = lambda[j].powi(2) * (column.transpose() * &projected * column)[(0, 0)];
+                let direct = (lambda[j] - explained) * variance;
                 let at = unknowns + j;
                 prop_assert!((ours[at] - u[j]).abs() < 1e-8 * (lambda[j] * variance).sqrt());
                 prop_assert!((ours_covariance[(at, at)] - direct).abs() < 1e-8 * lambda[j] * variance);
@@ -174,15 +174,15 @@ fn springs_are_symmetric_compliances() {
         let beside = |joint, row, column| ExtraTerm::Spring { joint, row, column }.twist(&terms, &p);
         // With what counts as the compliance of the axis that follows.
         let spring = |joint: Option<usize>, row: usize, column: usize| {
-            let own = beside(joint, row, column);
+            let direct = beside(joint, row, column);
             let next = joint.map_or(0, |j| j + 1);
             if row < 3 || next == 6 || (joint.is_some() && row == 5) {
-                return own;
+                return direct;
             }
             let axes = joint.map_or(Matrix3::identity(), |j| link_axes(terms.frames(), j));
             let along = |i: usize| axes.column(i - 3).dot(&terms.frames().axes()[next]);
             let twice = if row == column { 1.0 } else { 2.0 };
-            own + beside(Some(next), 5, 5) * (twice * along(row) * along(column))
+            direct + beside(Some(next), 5, 5) * (twice * along(row) * along(column))
         };
         // About axis 1 the base's turn is that axis's own.
         assert!(beside(None, 5, 5).norm() < 1e-9 * spring(None, 5, 5).norm());
@@ -268,10 +268,10 @@ fn what_cannot_be_negative_scatters_about_a_mean() {
     bend(&cell, &mut measured, 11, [1e-7, 1.5e-7, 1e-7]);
     let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
     let mixed = MixedFit::new(&fit).unwrap();
-    let found = mixed.compliance();
-    let spread = found.spread.as_ref().unwrap();
+    let estimate = mixed.compliance();
+    let spread = estimate.spread.as_ref().unwrap();
     let doubt = spread.doubt.as_ref().unwrap();
-    let count = found.values.len();
+    let count = estimate.values.len();
     let mut prior = DMatrix::from_diagonal(&doubt.prior);
     for mean in &doubt.means {
         for i in mean.clone() {
@@ -284,7 +284,7 @@ fn what_cannot_be_negative_scatters_about_a_mean() {
     let (mut psi, mut delta) = (Vec::new(), Vec::new());
     for m in &measured {
         let terms = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
-        psi.push(terms.block_with(&cell.setup.robot, &found.extra));
+        psi.push(terms.block_with(&cell.setup.robot, &estimate.extra));
         delta.extend(m.displacements.iter().flat_map(|d| d.value.data.0[0]));
     }
     let points = cell.setup.tool.point_count();
@@ -307,10 +307,10 @@ fn what_cannot_be_negative_scatters_about_a_mean() {
     let fixed = all.columns(0, 6).into_owned();
     let h = (fixed.transpose() * &inverse * &fixed).try_inverse().unwrap() * fixed.transpose() * &inverse * &delta;
     let u = &prior * all.transpose() * &inverse * (&delta - &fixed * &h);
-    let of_h = (0..6).map(|j| (h[j] - found.values[j]).abs() / h[j].abs());
-    assert!(of_h.fold(0.0, f64::max) < 1e-6, "{h} {}", found.values.rows(0, 6));
+    let of_h = (0..6).map(|j| (h[j] - estimate.values[j]).abs() / h[j].abs());
+    assert!(of_h.fold(0.0, f64::max) < 1e-6, "{h} {}", estimate.values.rows(0, 6));
     let scale = u.rows(6, count - 6).amax();
-    let off = (u.rows(6, count - 6) - found.values.rows(6, count - 6)).amax();
+    let off = (u.rows(6, count - 6) - estimate.values.rows(6, count - 6)).amax();
     assert!(off < 1e-6 * scale, "{off} of {scale}");
 }
 
@@ -321,15 +321,15 @@ fn k_reproduces_the_arm_over_the_cell() {
     bend(&cell, &mut measured, 12, [1e-7, 1.5e-7, 1e-7]);
     let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
     let mixed = MixedFit::new(&fit).unwrap();
-    let found = mixed.compliance();
+    let estimate = mixed.compliance();
     let postures = stiffarm::plan::select::random_group(&cell, StartKind::Uniform, 4000, 77, 0).unwrap();
     let (mut information, mut right) = (DMatrix::zeros(6, 6), DVector::zeros(6));
     for q in &postures {
         let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
-        let all = terms.block_with(&cell.setup.robot, &found.extra);
+        let all = terms.block_with(&cell.setup.robot, &estimate.extra);
         let axes = all.columns(0, 6).into_owned();
         information += axes.tr_mul(&axes);
-        right += axes.tr_mul(&(&all * &found.values));
+        right += axes.tr_mul(&(&all * &estimate.values));
     }
     let direct = information.try_inverse().unwrap() * right;
     // Springs by chance, as large as these: 4000 postures against 1000 leave some percent.
@@ -337,8 +337,8 @@ fn k_reproduces_the_arm_over_the_cell() {
     for (joint, h) in mixed.joints().unwrap().iter().zip(direct.iter()) {
         let ratio = joint.stiffness.unwrap() * h;
         assert!((ratio - 1.0).abs() < 0.12, "{}: {ratio}", joint.name);
-        let own = found.values[joint.name[6..].parse::<usize>().unwrap() - 1];
-        apart = apart.max((h / own - 1.0).abs());
+        let estimated = estimate.values[joint.name[6..].parse::<usize>().unwrap() - 1];
+        apart = apart.max((h / estimated - 1.0).abs());
     }
     // It is not what the model has for the joint's own axis.
     assert!(apart > 0.5, "{apart}");
@@ -383,9 +383,9 @@ fn the_data_decide_what_gives_way() {
     let (cell, measured) = simulated(3);
     let options = IdentifyOptions::default();
     let fit = Fit::new(&cell, &measured, &options).unwrap();
-    let (found, mixed) = elastic(&fit, true).unwrap();
-    assert!(found.likelihood_ratio.unwrap() < 6.0 && !found.is_better());
-    assert!(found.reasons[0].contains("do not need more than the axes"));
+    let (choice, mixed) = elastic(&fit, true).unwrap();
+    assert!(choice.likelihood_ratio.unwrap() < 6.0 && !choice.is_better());
+    insta::assert_snapshot!(choice.reasons[0], @"With joints and base that give way in all directions, a posture that took no part is missed by 0.013 mm (RMS), no less than the 0.013 mm of the joint axes alone, and the data do not need more than the axes.");
     let mixed = mixed.unwrap();
     let by_axes = &fit.identification().unwrap().estimates.joints;
     for (axis, joint) in by_axes.iter().zip(mixed.joints().unwrap()) {
@@ -396,12 +396,12 @@ fn the_data_decide_what_gives_way() {
     let (cell, mut measured) = simulated(4);
     bend(&cell, &mut measured, 9, [1e-7, 1.5e-7, 1e-7]);
     let fit = Fit::new(&cell, &measured, &options).unwrap();
-    let (found, mixed) = elastic(&fit, true).unwrap();
-    assert_eq!(found.model, ElasticChoice::Mixed, "{:?}", found.reasons);
-    assert!(found.mixed_rms_m.unwrap() < found.axes_rms_m.unwrap());
+    let (choice, mixed) = elastic(&fit, true).unwrap();
+    assert_eq!(choice.model, ElasticChoice::Mixed, "{:?}", choice.reasons);
+    assert!(choice.mixed_rms_m.unwrap() < choice.axes_rms_m.unwrap());
     let mixed = mixed.unwrap();
     let by = validate_with(&cell, mixed.compliance(), measured, Model::Linear, None).unwrap();
-    assert!(by.component_rms_m < found.mixed_rms_m.unwrap());
+    assert!(by.component_rms_m < choice.mixed_rms_m.unwrap());
 }
 
 #[test]
@@ -409,9 +409,10 @@ fn few_postures_and_other_estimators_are_refused_with_reasons() {
     let (cell, measured) = simulated(5);
     let few = measured[..3].to_vec();
     let fit = Fit::new(&cell, &few, &IdentifyOptions::default()).unwrap();
-    let (found, mixed) = elastic(&fit, false).unwrap();
-    assert_eq!(found.model, ElasticChoice::Axes);
-    assert!(mixed.is_none() && found.reasons[0].contains("Fewer than 4 postures"), "{found:?}");
+    let (choice, mixed) = elastic(&fit, false).unwrap();
+    assert_eq!(choice.model, ElasticChoice::Axes);
+    assert!(mixed.is_none());
+    insta::assert_snapshot!(choice.reasons[0], @"The joint axes alone predict. Fewer than 4 postures cannot show what gives way beyond them.");
     let mut options = IdentifyOptions::default();
     options.extra = vec![ExtraTerm::JointTilt(2)];
     let fit = Fit::new(&cell, &measured, &options).unwrap();
@@ -428,7 +429,7 @@ fn an_axis_without_positive_compliance_is_a_broad_one() {
         let (cell, all) = simulated(seed);
         let mut all = all;
         bend(&cell, &mut all, seed + 100, [4e-7, 6e-7, 4e-7]);
-        let kept = all.split_off(5);
+        let left_out = all.split_off(5);
         let fit = Fit::new(&cell, &all, &IdentifyOptions::default()).unwrap();
         let Ok(mixed) = MixedFit::new(&fit) else {
             continue;
@@ -438,17 +439,17 @@ fn an_axis_without_positive_compliance_is_a_broad_one() {
             continue;
         }
         open += 1;
-        let (found, _) = elastic(&fit, false).unwrap();
-        assert_eq!(found.model, ElasticChoice::Mixed, "{:?}", found.reasons);
+        let (choice, _) = elastic(&fit, false).unwrap();
+        assert_eq!(choice.model, ElasticChoice::Mixed, "{:?}", choice.reasons);
         assert!(predictor.spring_stiffness(&cell).contains(&None));
         let joints = mixed.joints().unwrap();
         assert!(joints.iter().any(|j| j.compliance < Some(0.0) && j.stiffness.is_none_or(|k| k < 0.0)));
-        let found = validate_with(&cell, predictor, &kept, Model::Linear, None).unwrap();
-        let band = found.band.unwrap();
+        let validation = validate_with(&cell, predictor, &left_out, Model::Linear, None).unwrap();
+        let band = validation.band.unwrap();
         inside += band.inside;
         components += band.components;
         let force = Wrench::force([100.0, -200.0, -300.0]);
-        let work = [LoadedPosture::new("a", kept[0].posture.q.clone(), force)];
+        let work = [LoadedPosture::new("a", left_out[0].posture.q.clone(), force)];
         let options = Default::default();
         let bent = predict(&cell, predictor, &work, &options, Control::default()).unwrap();
         assert!(bent.deflection_max_m < 0.1 && bent.points[0].band.is_some());
@@ -465,11 +466,11 @@ fn an_axis_without_positive_compliance_is_a_broad_one() {
 fn the_measured_robot_needs_the_mixed_model() {
     let (cell, measured) = crate::common::readings::measured_robot();
     let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
-    let (found, mixed) = elastic(&fit, true).unwrap();
-    assert_eq!(found.model, ElasticChoice::Mixed);
+    let (choice, mixed) = elastic(&fit, true).unwrap();
+    assert_eq!(choice.model, ElasticChoice::Mixed);
     let mm = |m: f64| (1e7 * m).round() / 1e4;
-    assert_eq!(mm(found.axes_rms_m.unwrap()), 0.2339);
-    let nested = mm(found.mixed_rms_m.unwrap());
+    assert_eq!(mm(choice.axes_rms_m.unwrap()), 0.2339);
+    let nested = mm(choice.mixed_rms_m.unwrap());
     assert!(nested <= 0.135, "{nested}");
     let mixed = mixed.unwrap();
     // The load is measured, so that k reproduces the measured postures: what least squares with the axes alone find, but

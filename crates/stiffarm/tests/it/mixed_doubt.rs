@@ -1,5 +1,5 @@
-//! How well the sizes of the mixed model are known, and what that does to its covariance
-//! and its degrees of freedom: against dense matrices and a published example.
+//! How well the sizes of the mixed model are known, and what that does to its covariance and degrees of freedom, is
+//! what dense matrices and a published example say.
 
 use crate::common::prelude::*;
 use crate::estimators::dense_covariance;
@@ -38,8 +38,8 @@ fn bounded(information: &DMatrix<f64>, others: usize) -> DMatrix<f64> {
     let n = information.nrows() - others;
     let inverse = information.view((0, 0), (others, others)).into_owned().try_inverse().unwrap();
     let cross = information.view((0, others), (others, n));
-    let own = information.view((others, others), (n, n)) - cross.transpose() * inverse * cross;
-    let eigen = own.symmetric_eigen();
+    let schur = information.view((others, others), (n, n)) - cross.transpose() * inverse * cross;
+    let eigen = schur.symmetric_eigen();
     let lacks = eigen.eigenvalues.map(|v| (1.0 - v).max(0.0));
     let more = &eigen.eigenvectors * DMatrix::from_diagonal(&lacks) * eigen.eigenvectors.transpose();
     let mut out = information.clone();

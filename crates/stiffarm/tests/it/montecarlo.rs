@@ -1,9 +1,10 @@
-//! Monte Carlo against closed forms.
+//! Simulated identifications meet the closed forms of their errors.
 //!
 //! Seeds are fixed and thresholds are those of tests at a total level of one
 //! in a thousand, so a failure is a change in behaviour and not bad luck.
-//! `cargo test --test montecarlo -- --nocapture` prints the largest deviations.
+//! `cargo test --workspace --test it montecarlo -- --nocapture` prints the largest deviations.
 
+use crate::common::cases::refusals;
 use crate::common::prelude::*;
 use crate::common::random_group;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -266,17 +267,25 @@ fn longer_simulations_begin_with_the_runs_of_shorter_ones() {
 fn simulation_refuses_what_it_cannot_answer() {
     let cell = reference_cell();
     let groups = [PostureGroup::from_angles("one", group1())];
-    let fails = |cell: &Cell, options: SimulationOptions| {
-        simulate(cell, &groups, &options, Control::default()).unwrap_err().code()
-    };
+    let of = |cell: &Cell, options: &SimulationOptions| simulate(cell, &groups, options, Control::default());
     let default = SimulationOptions::default;
-    assert_eq!(fails(&cell, changed(default(), |o| o.runs = 0)), Code::InvalidValue);
-    for factors in [vec![], vec![-1.0], vec![f64::NAN]] {
-        let options = changed(default(), |o| o.variance_factors = factors);
-        assert_eq!(fails(&cell, options), Code::InvalidValue);
-    }
+    let with = |change: fn(&mut SimulationOptions)| of(&cell, &changed(default(), change));
     let blank = Cell { prior: None, ..cell.clone() };
-    assert_eq!(fails(&blank, default()), Code::MissingKey);
+    let rows = [
+        ("no run", Code::InvalidValue, with(|o| o.runs = 0)),
+        ("no level", Code::InvalidValue, with(|o| o.variance_factors.clear())),
+        ("a negative level", Code::InvalidValue, with(|o| o.variance_factors = vec![-1.0])),
+        ("a level that is no number", Code::InvalidValue, with(|o| o.variance_factors = vec![f64::NAN])),
+        ("no prior", Code::MissingKey, of(&blank, &default())),
+    ];
+    insta::assert_snapshot!("simulation_refusals", refusals(rows));
+}
+
+#[test]
+fn a_stopped_simulation_keeps_its_first_runs() {
+    let cell = reference_cell();
+    let groups = [PostureGroup::from_angles("one", group1())];
+    let default = SimulationOptions::default;
     let stop = || true;
     let control = stopped_by(&stop);
     // Stopped at once it still has runs at every level: the first ones.

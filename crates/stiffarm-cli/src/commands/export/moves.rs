@@ -95,7 +95,8 @@ impl Driven {
             let checked: Vec<_> = self.checked.iter().map(|kind| kind.short()).collect();
             let checked = list(&checked);
             format!(
-                "The moves between the postures were checked against {checked} as the cell file has them, and nothing else.{first}"
+                "The moves between the postures were checked against {checked} as the cell file has them, and nothing \
+                 else.{first}"
             )
         } else {
             "The moves between the postures are straight in joint space and were not checked for collisions."

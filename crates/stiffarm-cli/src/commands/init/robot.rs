@@ -126,8 +126,8 @@ fn of_urdf(session: &Session, args: &InitArgs, from: &str) -> Result<Start> {
         }
     }
     if read.robot.suspected_coupling()?.is_some() {
-        let sentence = "The pendant may couple joint 3 to joint 2 where the URDF does not. [robot] in cell.toml says what to \
-                        look at; until it names the controller, nothing goes to one.";
+        let sentence = "The pendant may couple joint 3 to joint 2 where the URDF does not. [robot] in cell.toml says \
+                        what to look at; until it names the controller, nothing goes to one.";
         let joint = read.robot.joint_names[2].clone();
         findings.push(Finding::caution("urdf-coupling", joint, sentence));
     }

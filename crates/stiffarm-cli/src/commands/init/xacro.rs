@@ -85,8 +85,8 @@ fn refused(name: &str, said: &str, packages: &[PathBuf]) -> Error {
     let is_lookup = [LOOK_UP, "rospkg", "ackage"].iter().any(|word| said.contains(word));
     let hint = match (is_lookup, packages.is_empty()) {
         (true, true) => {
-            "$(find NAME) asks for a package: without ROS say where it is with --package-dir DIR, its folder or one that \
-             holds it"
+            "$(find NAME) asks for a package: without ROS say where it is with --package-dir DIR, its folder or one \
+             that holds it"
         }
         (true, false) => {
             "$(find NAME) asks for a package that is in no --package-dir: give the folder that holds it, too"

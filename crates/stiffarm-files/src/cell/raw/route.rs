@@ -13,8 +13,8 @@ tables! {
         /// Where the robot stands before and after, controller angles, degrees: a safe posture
         /// (default: unknown, and the drive to the first posture is the engineer's).
         start_deg: List<Deg>,
-        /// Turn of each joint beyond a posture from which it is reached, degrees, to the side to which the load turns the
-        /// joint: so lost motion is taken up before the load acts (default: postures are reached from wherever the
+        /// Turn of each joint beyond a posture from which it is reached, degrees, to the side to which the load turns
+        /// the joint: so lost motion is taken up before the load acts (default: postures are reached from wherever the
         /// robot comes). Needs start_deg.
         approach_deg: Number<Deg>,
         /// Whether the load is taken off before each move ("off", the default) or stays "on".

@@ -53,7 +53,8 @@ pub(in crate::table) fn put<'a>(table: &mut Table<'a>, sheet: &Table<'a>, growin
         );
         let error = Error::new(Code::Conflict, message).file(table.files[0]);
         return Err(error.hint(
-            "add what is missing, delete what was read twice or in between, or give the readings columns posture, state, point",
+            "add what is missing, delete what was read twice or in between, or give the readings columns posture, \
+             state, point",
         ));
     }
     // What the readings have themselves counts.

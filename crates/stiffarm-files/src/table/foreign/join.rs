@@ -20,7 +20,10 @@ pub(in crate::table) fn join<'a>(table: &mut Table<'a>, other: Table<'a>) -> Res
         if counts(&heading) && !table.headings.iter().any(|candidate| candidate.name == heading.name) {
             let message = format!("{first} has no such column.");
             let error = other.heading_error(Some(at), Code::Conflict, message);
-            return Err(error.hint("files that are read together have the same columns; ignore in [columns] of the cell file leaves columns out"));
+            return Err(error.hint(
+                "files that are read together have the same columns; ignore in [columns] of the cell \
+                file leaves columns out",
+            ));
         }
     }
     let mut places = Vec::with_capacity(table.headings.len());

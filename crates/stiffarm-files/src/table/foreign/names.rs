@@ -63,14 +63,13 @@ pub(super) fn split(table: &mut Table<'_>, pattern: &NamePattern, names: &Names<
         } else {
             table.name(&row, Column { at, unit: None })?;
             names.split(pattern, &whole.text).ok_or_else(|| {
-                    let message = format!(
-                        "\"{}\" does not fit the pattern {}.",
-                        whole.text,
-                        pattern.text()
-                    );
-                    let error = table.error(&row, at, Code::TableRow, message);
-                    error.hint("name_pattern in [columns] of the cell file says how names are split; a row that is no reading can be deleted")
-                })?
+                let message = format!("\"{}\" does not fit the pattern {}.", whole.text, pattern.text());
+                let error = table.error(&row, at, Code::TableRow, message);
+                error.hint(
+                    "name_pattern in [columns] of the cell file says how names are split; a row that is no \
+                        reading can be deleted",
+                )
+            })?
         };
         let parts = parts.into_iter().map(|text| Field { text: text.into(), column: whole.column, other: false });
         rows.push_as(&row, row.source, row.fields.iter().cloned().chain(parts));

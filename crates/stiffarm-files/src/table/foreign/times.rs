@@ -4,6 +4,7 @@ use crate::table::grid::{Field, Heading, Style, Table};
 use crate::table::naming::DATE;
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::model::cell::DateOrder;
+use stiffarm::units::rounded;
 
 /// What a cell of a workbook that holds a date or a time begins with.
 pub(in crate::table) const DATED: &str = "the time ";
@@ -17,8 +18,8 @@ const MIDNIGHT: f64 = 43200.0;
 /// The heading of days since some date, as spreadsheets count them.
 const DAYS: &str = "time_d";
 
-const HINT: &str = "times are read as 2026-11-23T14:05:12, 23.11.2026 14:05:12, 11/23/2026 2:05:12 PM, 14:05:12 or seconds; \
-                    ignore in [columns] of the cell file leaves the column out";
+const HINT: &str = "times are read as 2026-11-23T14:05:12, 23.11.2026 14:05:12, 11/23/2026 2:05:12 PM, 14:05:12 or \
+                    seconds; ignore in [columns] of the cell file leaves the column out";
 
 /// Turns the column of times into seconds since the first of them, where it is not seconds
 /// already; a column `date` beside it belongs to it.
@@ -49,7 +50,7 @@ pub(super) fn to_seconds(table: &mut Table<'_>, dates: Option<DateOrder>) -> Res
     for ((row, _), value) in stamps.iter().zip(&seconds) {
         let field = &mut table.rows.fields_mut(*row)[at];
         // To a microsecond: days in a double know no more.
-        field.text = (((value - first) * 1e6).round() / 1e6 + 0.0).to_string().into();
+        field.text = rounded(value - first, 6).to_string().into();
         field.other = false;
     }
     table.headings[at].name = "time_s".to_string();

@@ -37,10 +37,10 @@ const OTHERS: usize = 16;
 const CELLS_OF_OTHERS: usize = 100_000;
 
 /// A cell's text, or what it holds that is neither text nor number.
-type Held = std::result::Result<String, String>;
+type CellContent = std::result::Result<String, String>;
 
 /// The cells of a sheet that hold something, by row and column from 0.
-type Cells = BTreeMap<u32, BTreeMap<u32, Held>>;
+type Cells = BTreeMap<u32, BTreeMap<u32, CellContent>>;
 
 pub(super) fn first_sheet<'a>(bytes: &[u8], file: &'a str, foreign: &Columns) -> Result<Table<'a>> {
     unpacked::check(bytes).map_err(|e| e.file(file))?;
@@ -97,7 +97,8 @@ fn not_seen(table: &Table<'_>, sheet: &str, hidden: &Hidden) -> Option<Finding> 
         parts.push(format!("{} hidden {noun} ({names})", columns.len()));
     }
     let sentence = format!(
-        "The sheet \"{sheet}\" of {} has {}, which count like all others. Take the filter off and delete what is not to count.",
+        "The sheet \"{sheet}\" of {} has {}, which count like all others. Take the filter off and delete what is not \
+         to count.",
         table.files[0],
         parts.join(" and ")
     );
@@ -152,7 +153,10 @@ fn read(bytes: &[u8], foreign: &Columns) -> Result<Sheet> {
     let mut others = others.iter().take(OTHERS);
     let with_data = others.find(|name| holds_something(&mut workbook, name));
     let aside = with_data.map(|other| {
-        format!("only the first sheet, \"{first}\", is read; \"{other}\" holds data, too: move the table's sheet to the front, or name it in [columns] of the cell file: sheet = \"{other}\"")
+        format!(
+            "only the first sheet, \"{first}\", is read; \"{other}\" holds data, too: move the table's sheet to \
+            the front, or name it in [columns] of the cell file: sheet = \"{other}\""
+        )
     });
     Ok(Sheet { aside, ..first_sheet })
 }
@@ -212,8 +216,8 @@ fn fill(cells: &mut Cells, merged: &[Dimensions]) -> Result<Vec<u32>> {
 }
 
 /// What a cell holds; `None` for nothing.
-fn held(value: &DataRef<'_>) -> Option<Held> {
-    let held: Held = match value {
+fn held(value: &DataRef<'_>) -> Option<CellContent> {
+    let held: CellContent = match value {
         DataRef::Empty => return None,
         DataRef::Int(number) => Ok(number.to_string()),
         DataRef::Float(number) => Ok(number.to_string()),
@@ -336,7 +340,7 @@ fn titles(cells: &mut Cells, foreign: &Columns) -> bool {
 }
 
 /// The texts of a row.
-fn texts(row: &BTreeMap<u32, Held>) -> Vec<String> {
+fn texts(row: &BTreeMap<u32, CellContent>) -> Vec<String> {
     let texts = row.values().filter_map(|held| held.as_ref().ok());
     texts.cloned().collect()
 }

@@ -47,7 +47,8 @@ impl Comment {
                 let frame = frame.trim_start_matches(['-', ',']).to_string();
                 if *self.first.get_or_insert_with(|| frame.clone()) != frame {
                     state.builder.remark("set-up", "", begin, Severity::Caution, || {
-                        "The frame that the file names in comments (`CSYS`) is another one ({}): all points are read in one frame."
+                        "The frame that the file names in comments (`CSYS`) is another one ({}): all points are read \
+                         in one frame."
                             .to_string()
                     });
                 }

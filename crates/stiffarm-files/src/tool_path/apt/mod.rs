@@ -125,7 +125,8 @@ fn read_with(file: &ProgramFile, builder: &mut Builder<'_>, clockwise: bool) -> 
                     _ => {}
                 }
                 if word.starts_with(|c: char| c.is_ascii_digit()) || word.is_empty() {
-                    let message = "This line belongs to no statement: no word begins it, and the line before does not end with `$`.";
+                    let message = "This line belongs to no statement: no word begins it, and the line before does not \
+                        end with `$`.";
                     return Err(head.wrong(message));
                 }
                 let (mut word, mut weight) = (word, weight);
@@ -170,11 +171,13 @@ fn assume_unit(file: &ProgramFile, builder: &mut Builder<'_>) {
     let (severity, why) = match inch {
         Some(_) if in_inches => (
             Severity::Caution,
-            ", and its feeds are in inches ({}): its numbers are read as inches. `UNITS/MM` or `UNITS/INCH` at its head settles it.",
+            ", and its feeds are in inches ({}): its numbers are read as inches. `UNITS/MM` or `UNITS/INCH` at its \
+             head settles it.",
         ),
         Some(_) => (
             Severity::Caution,
-            ", and its feeds are in inches ({}) and in millimetres: its numbers are read as millimetres. `UNITS/MM` or `UNITS/INCH` at its head settles it.",
+            ", and its feeds are in inches ({}) and in millimetres: its numbers are read as millimetres. `UNITS/MM` or \
+             `UNITS/INCH` at its head settles it.",
         ),
         None => (Severity::Note, ": its numbers are read as millimetres. `UNITS/INCH` at its head says otherwise."),
     };

@@ -123,7 +123,7 @@ pub(super) fn has_code(text: &str) -> bool {
 /// The name of an operation: `TOOL PATH/NAME,TOOL,…` of NX, `OPNAME/NAME`.
 pub(super) fn feature<'a>(word: &str, rest: &'a str) -> Option<&'a str> {
     let names = match word {
-        "TOOL" => rest.trim_start().strip_prefix("PATH")?,
+        "TOOL" => rest.trim_start().split_at_checked(4).filter(|(path, _)| path.eq_ignore_ascii_case("PATH"))?.1,
         "OPNAME" => rest,
         _ => return None,
     };

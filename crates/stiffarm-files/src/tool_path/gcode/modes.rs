@@ -11,7 +11,7 @@ const FIRST_OFFSET: f64 = 54.0;
 
 /// What becomes of a block.
 #[derive(Default)]
-pub struct Fate {
+pub struct BlockOutcome {
     /// The program is over behind it.
     pub ends: bool,
     /// Its axis words are no point.
@@ -26,8 +26,8 @@ pub struct Fate {
 
 impl State<'_, '_> {
     /// Takes the words that say how a block and those behind it are meant.
-    pub(super) fn modes(&mut self, block: &Block<'_, '_>) -> Result<Fate> {
-        let mut fate = Fate::default();
+    pub(super) fn modes(&mut self, block: &Block<'_, '_>) -> Result<BlockOutcome> {
+        let mut fate = BlockOutcome::default();
         let goes = block.words.iter().any(|word| word.axis().is_some());
         let mut motion = None;
         for word in block.words.iter().filter(|word| word.is_own()) {
@@ -142,7 +142,8 @@ impl State<'_, '_> {
         let is_shift = matches!(code, 58.0 | 59.0)
             && !block.words.iter().any(|word| word.letter == b'G' && word.number.value != code);
         if let Some(axis) = block.words.iter().find(|word| word.axis().is_some()).filter(|_| is_shift) {
-            let why = "is a shift of the frame on Siemens controls and a point on others: put the offset into a block of its own.";
+            let why = "is a shift of the frame on Siemens controls and a point on others: put the offset into a block \
+                of its own.";
             return Err(block.refused(axis, why));
         }
         let offset = [code, number];

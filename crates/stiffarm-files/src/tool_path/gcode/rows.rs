@@ -1,17 +1,17 @@
 //! The table of words: what each does to where the tool is.
 //!
 //! ISO 6983-1:2009; LinuxCNC, *G-Codes*, *M-Codes* and its interpreter, 2.9; FANUC, *Series 30i Operator's Manual*;
-//! Siemens, *SINUMERIK 840D sl, Programming Guide*; Haas, *Mill Operator's Manual*. Where controls mean different things
-//! by one word, the row is the one that loses nothing.
+//! Siemens, *SINUMERIK 840D sl, Programming Guide*; Haas, *Mill Operator's Manual*. Where controls mean different
+//! things by one word, the row is the one that loses nothing.
 
 use super::effect::Effect::{self, *};
-use super::effect::{Drill, Feeds, Mode, Out, Row};
+use super::effect::{Drill, Feeds, Mode, Retract, Row};
 
 const fn row(words: &'static str, effect: Effect, does: &'static str) -> Row {
     Row { words, effect, does }
 }
 
-const fn drill(pecks: bool, dwells: bool, out: Out) -> Effect {
+const fn drill(pecks: bool, dwells: bool, out: Retract) -> Effect {
     Effect::Moves(Mode::Drill(Drill { pecks, dwells, out }))
 }
 
@@ -21,11 +21,11 @@ pub const ROWS: &[Row] = &[
     row("G1", Moves(Mode::Feed), "leads straight to the point at feed"),
     row("G2", Moves(Mode::Arc { is_left: false }), "leads on a clockwise arc or helix"),
     row("G3", Moves(Mode::Arc { is_left: true }), "leads on a counter-clockwise arc or helix"),
-    row("G81", drill(false, false, Out::Rapid), "drills"),
-    row("G82", drill(false, true, Out::Rapid), "drills and waits at the bottom"),
-    row("G83", drill(true, false, Out::Rapid), "drills in steps of Q, out of the hole after each"),
-    row("G85", drill(false, false, Out::FeedToR), "bores, out at feed"),
-    row("G89", drill(false, true, Out::Feed), "bores, waits at the bottom, out at feed"),
+    row("G81", drill(false, false, Retract::Rapid), "drills"),
+    row("G82", drill(false, true, Retract::Rapid), "drills and waits at the bottom"),
+    row("G83", drill(true, false, Retract::Rapid), "drills in steps of Q, out of the hole after each"),
+    row("G85", drill(false, false, Retract::FeedToR), "bores, out at feed"),
+    row("G89", drill(false, true, Retract::Feed), "bores, waits at the bottom, out at feed"),
     row("G98", BackToStart(true), "lets cycles come back to where they began"),
     row("G99", BackToStart(false), "lets cycles come back to R"),
     row("G80", EndsCycle, "ends a cycle"),
@@ -109,8 +109,8 @@ pub const ROWS: &[Row] = &[
     row("G43.1 G43.2 G43.3 G43.7 G43.8 G43.9 G45 G46 G48 TOFFL TOFF", Refused, "adds a length to where the points lie"),
     row("G51 G51.1 G101", Refused, "scales or mirrors the path"),
     row(
-        "G53.1 G53.2 G53.6 G54.2 G54.3 G54.4 G68 G68.1 G68.2 G68.3 G68.4 G72.1 G72.2 G92.3 G254 G268 ROTS AROTS CROT CTRANS \
-         CSCALE CMIRROR TOROT TOROTX TOROTY PAROT TCARR",
+        "G53.1 G53.2 G53.6 G54.2 G54.3 G54.4 G68 G68.1 G68.2 G68.3 G68.4 G72.1 G72.2 G92.3 G254 G268 ROTS AROTS CROT \
+         CTRANS CSCALE CMIRROR TOROT TOROTX TOROTY PAROT TCARR",
         Refused,
         "moves or turns the frame of the points",
     ),
@@ -121,7 +121,8 @@ pub const ROWS: &[Row] = &[
     row("G17.1 G18.1 G19.1 G290 G291 SUPA", Refused, "changes what axis words mean"),
     row("G65 G65.1 G66 G66.1 M97 M98 M198 CALL PCALL EXTCALL MCALL SUB ENDSUB", Refused, "calls a subprogram"),
     row(
-        "IF ELSE ENDIF GOTO GOTOF GOTOB GOTOC GOTOS CASE WHILE ENDWHILE FOR ENDFOR LOOP ENDLOOP REPEAT REPEATB UNTIL DO",
+        "IF ELSE ENDIF GOTO GOTOF GOTOB GOTOC GOTOS CASE WHILE ENDWHILE FOR ENDFOR LOOP ENDLOOP REPEAT REPEATB UNTIL \
+         DO",
         Refused,
         "lets the control decide where to go on",
     ),

@@ -72,7 +72,8 @@ fn group(effect: Effect) -> &'static str {
 /// The table as a page of the documentation.
 pub fn page() -> String {
     let mut page = "# Words of G-code\n\n\
-        Made from the table that the reader goes by. A word that is not here is refused in a block with axis words, and said as a\n\
+        Made from the table that the reader goes by. A word that is not here is refused in a block with axis words, \
+        and said as a\n\
         caution in any other. What holds for paths as a whole stands in [paths](paths.md).\n"
         .to_string();
     let mut groups: Vec<&str> = Vec::new();

@@ -39,9 +39,10 @@ impl State<'_, '_> {
                 let letter = char::from(word.letter);
                 let message = format!("The rotary axis {letter} turns, and nothing says how it carries the tool.");
                 return Err(word.place.wrong(message).hint(
-                    "say so in [work] of the cell, in the order in which the axes carry each other, from the workpiece to the \
-                     tool, with - where they carry the workpiece: rotary_axes = [\"C\", \"A\"] for a head whose C carries \
-                     its A, [\"-C\", \"-A\"] for a table whose A carries its C; `check` shows the tool axis of one pose",
+                    "say so in [work] of the cell, in the order in which the axes carry each other, from the workpiece \
+                     to the tool, with - where they carry the workpiece: rotary_axes = [\"C\", \"A\"] for a head whose \
+                     C carries its A, [\"-C\", \"-A\"] for a table whose A carries its C; `check` shows the tool axis \
+                     of one pose",
                 ));
             }
             (self.rotary[axis - 3], has_turned) = (angle, true);

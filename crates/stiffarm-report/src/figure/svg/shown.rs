@@ -1,5 +1,5 @@
-//! What the renderer decides of a figure from its data alone, so that another renderer of the same figure decides nothing
-//! a second time: colours, signs beside the colour, and extents of axes.
+//! What the renderer decides of a figure from its data alone, so that another renderer of the same figure decides
+//! nothing a second time: colours, signs beside the colour, and extents of axes.
 
 use super::plan::{ColourPlan, natural};
 use super::scale::Extent;

@@ -47,8 +47,8 @@ pub(super) fn shorten(text: &str, size: f64, limit: f64) -> String {
     out
 }
 
-/// The text in lines of at most `limit` pixels, broken at spaces, but for those of a unit in brackets that fits. A word that
-/// is wider by itself is shortened, and so is the end of the last line when
+/// The text in lines of at most `limit` pixels, broken at spaces, but for those of a unit in brackets that fits. A word
+/// that is wider by itself is shortened, and so is the end of the last line when
 /// `most` lines do not suffice.
 pub(super) fn wrap(text: &str, size: f64, limit: f64, most: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();

@@ -71,12 +71,12 @@ fn independent(cell: &Cell, estimator: Estimator) -> Text {
         Estimator::Weighted if declared > 0.0 => Text::new("The points of a posture share a shift of ")
             .number(Number::computed(declared).of(Quantity::LENGTH))
             .words(
-                " by the cell's noise, and the intervals hold that. What else they share (the size of the load, geometry) \
-                 is not in them.",
+                " by the cell's noise, and the intervals hold that. What else they share (the size of the load, \
+                 geometry) is not in them.",
             ),
         Estimator::Ordinary | Estimator::Weighted | Estimator::Huber => Text::new(
-            "The intervals take the errors of all displacements as independent. Where the points of a posture share one \
-             (load, rope, drift) they are too narrow; ",
+            "The intervals take the errors of all displacements as independent. Where the points of a posture share \
+             one (load, rope, drift) they are too narrow; ",
         )
         .code("--estimator two-variance")
         .words(" holds that."),

@@ -25,8 +25,8 @@ impl Telling<IdentifiedOptions> for ClampedIdentification {
         };
         let postures = in_order(identification.postures.iter().map(|p| p.posture.as_str()));
         let done = Text::new(format!(
-            "With the flange fixed, the stiffness of {} joints was identified from motor angles and wrenches at {} in {} \
-         ({} combinations of angles), without a tracker.{}",
+            "With the flange fixed, the stiffness of {} joints was identified from motor angles and wrenches at {} in \
+         {} ({} combinations of angles), without a tracker.{}",
             estimates.joints.len(),
             counted(postures.len(), "posture"),
             counted(identification.postures.len(), "load state"),
@@ -125,7 +125,7 @@ fn cell_section(context: &Given<'_>, identification: &ClampedIdentification) -> 
         return Ok(None);
     };
     let group = PostureGroup { name: "clamped".to_string(), postures };
-    let text = "The postures in which the flange was held, in their order. The load shown is the cell's own, not that of the \
-                fixture.";
+    let text = "The postures in which the flange was held, in their order. The load shown is the cell's own, not that \
+                of the fixture.";
     context.cell_section(&[group], text).map(Some)
 }

@@ -58,8 +58,8 @@ fn together(estimates: &Estimates) -> Vec<Finding> {
         };
         let names = list(&shown(&set.unknowns));
         let sentence = format!(
-            "These measurements hardly tell {names} apart: their columns are nearly collinear, {determined} determined. \
-             Their single values mean nothing; other postures or loads would separate them."
+            "These measurements hardly tell {names} apart: their columns are nearly collinear, {determined} \
+             determined. Their single values mean nothing; other postures or loads would separate them."
         );
         Finding::caution("nearly-collinear", names, sentence)
     });
@@ -79,7 +79,8 @@ fn stopped(not_computed: &[String]) -> Option<Finding> {
     let names: Vec<&str> = not_computed.iter().map(words).collect();
     let verb = if names.len() == 1 { "was" } else { "were" };
     let sentence = format!(
-        "The command was stopped before it was done: {} {verb} not computed. The estimates and their intervals by the scatter of the readings are complete.",
+        "The command was stopped before it was done: {} {verb} not computed. The estimates and their intervals by the \
+         scatter of the readings are complete.",
         list(&names)
     );
     (!names.is_empty()).then(|| Finding::caution("stopped", "identify", sentence))
@@ -94,8 +95,8 @@ fn no_systematic(options: &IdentifiedOptions, identified: &Identified) -> Option
     let rest =
         if identified.diagnosis.is_some() { "" } else { ", and nothing has looked for readings that do not fit" };
     let sentence = format!(
-        "Systematic errors were not examined{why}: force, geometry, registration and lost motion can make each k wrong by \
-         more than its ±{rest}."
+        "Systematic errors were not examined{why}: force, geometry, registration and lost motion can make each k wrong \
+         by more than its ±{rest}."
     );
     let code = "no-systematic-errors";
     Some(Finding::caution(code, "systematic_errors", sentence))

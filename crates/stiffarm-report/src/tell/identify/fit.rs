@@ -46,8 +46,8 @@ pub(super) fn elastic(identified: &Identified) -> Option<Section> {
         });
         let sizes: Vec<String> = sizes.collect();
         let said = Text::new(format!(
-            "Beyond the axes joints and base give way by: {}. k is the stiffness with which axes alone best reproduce this arm \
-             over the cell under its load: the one for a calculation with joint stiffnesses alone.",
+            "Beyond the axes joints and base give way by: {}. k is the stiffness with which axes alone best reproduce \
+             this arm over the cell under its load: the one for a calculation with joint stiffnesses alone.",
             sizes.join(", ")
         ));
         let both = vec![Block::Table(table), Block::Text(said)];
@@ -157,8 +157,8 @@ pub(super) fn errors(identified: &Identified) -> Option<Section> {
     let names = names.chain(["all that is left".to_string()]);
     let source = |row: usize| sources.get(row);
     let mut table = DataTable::of(
-        "Sources of systematic error: size as a standard uncertainty, how much of it the readings leave (100 %: they say \
-         nothing of it, above: they look like more of it), and by how much the whole size changes each k",
+        "Sources of systematic error: size as a standard uncertainty, how much of it the readings leave (100 %: they \
+         say nothing of it, above: they look like more of it), and by how much the whole size changes each k",
         "source",
         names,
     )
@@ -170,9 +170,7 @@ pub(super) fn errors(identified: &Identified) -> Option<Section> {
         Some(_) => "assumed *".into(),
         None => Text::default(),
     })
-    .numbers("left", Quantity::PERCENT.digits(3), |row| {
-        Some(Number::new(source(row)?.remaining))
-    });
+    .numbers("left", Quantity::PERCENT.digits(3), |row| Some(Number::new(source(row)?.remaining)));
     for (j, joint) in systematic.joints.iter().enumerate() {
         table = table.numbers(&visible(joint), Quantity::PERCENT, |row| {
             let change = source(row).map_or(&systematic.combined, |source| &source.change);

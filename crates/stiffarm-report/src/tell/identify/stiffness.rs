@@ -182,8 +182,8 @@ pub(super) fn resampled(identified: &Identified) -> Option<Section> {
 fn held(name: &str, dof: usize, measured: Option<&MeasuredCoverage>) -> String {
     let Some(measured) = measured else {
         return format!(
-            "How often intervals of {name} hold the truth with {dof} degrees of freedom was not measured: no coverage is \
-             claimed (docs/coverage.md)."
+            "How often intervals of {name} hold the truth with {dof} degrees of freedom was not measured: no coverage \
+             is claimed (docs/coverage.md)."
         );
     };
     let mut text = format!(

@@ -1,7 +1,7 @@
 //! The best value for each number of postures, and what one more gains.
 
 use super::bounds::{FEWEST_PREDICTING, unless_failed};
-use super::kinds::{Asked, Mode, Planned, Stage};
+use super::kinds::{Mode, Planned, SelectResultOptions, Stage};
 use super::options::{SelectInputs, SelectOptions};
 use crate::error::{Code, Result};
 use crate::findings::Finding;
@@ -86,7 +86,7 @@ pub fn plan_curve(
     };
     Ok(Planned {
         result,
-        options: Asked::new(Mode::Curve, options, &cell),
+        options: SelectResultOptions::new(Mode::Curve, options, &cell),
         seed: Some(options.seed()),
         cell,
         postures: Vec::new(),
@@ -113,8 +113,8 @@ fn last_size(
 }
 
 /// The bound of the index for one posture, from which that for n follows: the
-/// bound is σ·sqrt(φ(M₀)/n) with the same M₀ for every n. That of the index prediction, which knows something before the
-/// first posture, is that of the group alone.
+/// bound is σ·sqrt(φ(M₀)/n) with the same M₀ for every n. That of the index prediction, which knows something before
+/// the first posture, is that of the group alone.
 fn one_posture_bound(cell: &Cell, index: Index, group: &[Vec<f64>], control: Control<'_>) -> Result<f64> {
     let options = CertificateOptions::default();
     let certificate = certify(cell, index, group, &options, control.quiet())?;

@@ -83,8 +83,8 @@ const LOAD: &str = "Choosing the load together with the postures";
 #[serde(default)]
 #[non_exhaustive]
 pub struct SelectOptions {
-    /// Index to improve; `stiffarm evaluate` shows all of them [default: prediction, or expected-error where load parameters
-    /// are chosen too]
+    /// Index to improve; `stiffarm evaluate` shows all of them
+    /// [default: prediction, or expected-error where load parameters are chosen too]
     #[cfg_attr(feature = "clap", arg(long, value_name = "NAME", value_parser = Index::from_name, long_help = index_help()))]
     pub index: Option<Index>,
     /// Number of postures to select; with --curve the largest [default: 6, with --curve 12]
@@ -93,8 +93,8 @@ pub struct SelectOptions {
     pub count: Option<usize>,
     /// Time beside the robot instead of a number of postures, by [time] of the cell [min]
     ///
-    /// Under prediction it also says which of the cell's loads each posture is measured under, and what the others, or a
-    /// weight hung as well, give in the same time.
+    /// Under prediction it also says which of the cell's loads each posture is measured under, and what the others, or
+    /// a weight hung as well, give in the same time.
     #[cfg_attr(feature = "clap", arg(long, value_name = "MIN", value_parser = above_zero("min")))]
     pub minutes: Option<f64>,
     /// The index prediction may measure a posture again; without this no two postures of a plan are within 15° of each
@@ -189,8 +189,8 @@ pub struct SelectInputs {
     pub initial: Option<Vec<Posture>>,
     /// Postures measured or planned already: they stay as they are and count too.
     pub given: Vec<Posture>,
-    /// A constraint of the caller's own on the postures that are chosen, beside the cell's limits. The plan then keeps the
-    /// angles that it accepted: no equivalents by other turns of the joints.
+    /// A constraint of the caller's own on the postures that are chosen, beside the cell's limits. The plan then keeps
+    /// the angles that it accepted: no equivalents by other turns of the joints.
     pub accept: Option<Accept>,
 }
 
@@ -290,8 +290,8 @@ fn index_help() -> String {
         names.join(", ")
     };
     format!(
-        "Index to improve; `stiffarm evaluate` shows all of them [default: prediction, or expected-error where load parameters \
-         are chosen too]\n\n{}; of the paper: {}; of the literature: {}.",
+        "Index to improve; `stiffarm evaluate` shows all of them [default: prediction, or expected-error where load \
+         parameters are chosen too]\n\n{}; of the paper: {}; of the literature: {}.",
         of(Origin::Here),
         of(Origin::Paper),
         of(Origin::Literature)

@@ -201,8 +201,8 @@ impl Estimates {
             codes::NEGATIVE_COMPLIANCE,
             Severity::Serious,
             of(Verdict::SignOrModelFault),
-            "the compliance comes out negative, beyond what noise explains, which is a sign or model fault. Check the sign of \
-             the force (on the robot), the frames and the model.",
+            "the compliance comes out negative, beyond what noise explains, which is a sign or model fault. Check the \
+             sign of the force (on the robot), the frames and the model.",
         );
         add(
             "no-interval",

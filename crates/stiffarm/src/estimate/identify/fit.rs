@@ -101,7 +101,8 @@ impl Fit {
         let other = experiment.showing(&options.extra)?;
         let experiment = Arc::new(other.unwrap_or(experiment));
         if experiment.measured.is_against_preload() && options.extra.iter().any(is_lost) {
-            let message = "Every displacement is against a preload, and nothing was read unloaded before it: no reading shows lost motion.";
+            let message = "Every displacement is against a preload, and nothing was read unloaded before it: no \
+                reading shows lost motion.";
             return Err(Error::new(Code::Conflict, message.to_string())
                 .hint("leave the term out; or give the readings of the state unloaded too"));
         }
@@ -369,7 +370,8 @@ impl Fit {
         Restricted::new(self.prepared().whitened(), self.white())
     }
 
-    /// −2 ln of the restricted likelihood at the estimate, up to a constant that all fits to as many displacements share.
+    /// −2 ln of the restricted likelihood at the estimate, up to a constant that all fits to as many displacements
+    /// share.
     pub(crate) fn restricted_value(&self) -> f64 {
         self.likelihood().value(self.solution().gamma)
     }

@@ -50,8 +50,8 @@ impl Response {
     }
 
     /// The fit with random effects u whose whitened columns are `random`, with the ratio `gamma`. The equations of a
-    /// mixed model are those of least squares with the rows `roots` u = `below` more, which have the variance σ²; an effect
-    /// whose own row there is zero is none.
+    /// mixed model are those of least squares with the rows `roots` u = `below` more, which have the variance σ²; an
+    /// effect whose own row there is zero is none.
     ///
     /// # Errors
     /// A decomposition that fails.

@@ -1,11 +1,11 @@
 //! The stiffness with which joint axes alone best reproduce the arm of a mixed model over its cell.
 //!
-//! What a joint gives way about its own axis cannot be told from what links and bearings beside it do, by no posture and
-//! no load. What can be told is h* = h + L u with L = (ΨᵀΨ)⁻¹ΨᵀZ over many postures of the cell, Ψ the columns of
-//! the axes there and Z those of all that gives way besides: the projection of what the model predicts on the axes. It is
-//! what a calculation with joint stiffnesses alone should use, and it depends on the cell and its load. A load that is
-//! measured is known at the measured postures alone: these are the cell then, and with noise that is alike h* is what least
-//! squares with the axes alone find.
+//! What a joint gives way about its own axis cannot be told from what links and bearings beside it do, by no posture
+//! and no load. What can be told is h* = h + L u with L = (ΨᵀΨ)⁻¹ΨᵀZ over many postures of the cell, Ψ the columns of
+//! the axes there and Z those of all that gives way besides: the projection of what the model predicts on the axes. It
+//! is what a calculation with joint stiffnesses alone should use, and it depends on the cell and its load. A load that
+//! is measured is known at the measured postures alone: these are the cell then, and with noise that is alike h* is
+//! what least squares with the axes alone find.
 
 use crate::error::Result;
 use crate::estimate::compliance::Spread;

@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 pub struct ElasticSize {
     /// The class.
     pub class: ElasticClass,
-    /// Standard deviation ω of one of them, of a joint whose stiffness is the geometric mean where they go by their joint;
-    /// entries beside a diagonal have ω/√2 \[m/N; rad/(N·m); rad/N; rad/(N·m) per m\].
+    /// Standard deviation ω of one of them, of a joint whose stiffness is the geometric mean where they go by their
+    /// joint; entries beside a diagonal have ω/√2 \[m/N; rad/(N·m); rad/N; rad/(N·m) per m\].
     pub std: f64,
 }
 
@@ -66,8 +66,8 @@ pub struct MixedResult {
 }
 
 impl MixedFit {
-    /// One estimate per joint: the stiffness with which the axes alone best reproduce the arm over its cell, with the scatter
-    /// of the readings.
+    /// One estimate per joint: the stiffness with which the axes alone best reproduce the arm over its cell, with the
+    /// scatter of the readings.
     ///
     /// # Errors
     /// No degree of freedom.

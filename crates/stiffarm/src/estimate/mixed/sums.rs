@@ -39,7 +39,7 @@ pub(super) struct Rows {
 }
 
 /// The directions of some postures, all of one size.
-pub(super) struct Alike {
+pub(super) struct EqualDirections {
     size: f64,
     count: usize,
     /// Σ x xᵀ.
@@ -74,16 +74,16 @@ pub(super) struct RatioSums {
 
 /// What is known of random effects beside the readings: rows for them and what was read there, as sure as a displacement,
 /// and the variance ratio of the class that they belong to, the last.
-pub(super) struct Known {
+pub(super) struct PriorRows {
     pub(super) rows: DMatrix<f64>,
     pub(super) read: DVector<f64>,
     pub(super) ratio: Option<f64>,
 }
 
-impl Known {
+impl PriorRows {
     /// Nothing of so many.
     pub(super) fn nothing(effects: usize) -> Self {
-        Known { rows: DMatrix::zeros(0, effects), read: DVector::zeros(0), ratio: None }
+        PriorRows { rows: DMatrix::zeros(0, effects), read: DVector::zeros(0), ratio: None }
     }
 }
 
@@ -93,8 +93,8 @@ impl Rows {
         self.classes.len() - usize::from(self.held.is_some())
     }
 
-    /// `random` has one column per random effect, not yet white; `white` are the whitened displacements; the columns of the
-    /// fixed effects `idle` are zero.
+    /// `random` has one column per random effect, not yet white; `white` are the whitened displacements; the columns of
+    /// the fixed effects `idle` are zero.
     pub(super) fn new(
         whitened: &Whitened,
         random: &DMatrix<f64>,
@@ -144,13 +144,13 @@ impl Rows {
         }
     }
 
-    /// The same with random effects of other units: one of them is `scales` of those before, the columns of `means` share a
-    /// mean; and with what `prior` knows of them.
+    /// The same with random effects of other units: one of them is `scales` of those before, the columns of `means`
+    /// share a mean; and with what `prior` knows of them.
     pub(super) fn of_effects(
         &self,
         scales: impl Iterator<Item = f64> + Clone,
         means: &[Range<usize>],
-        prior: &Known,
+        prior: &PriorRows,
     ) -> Self {
         let fixed = self.fixed;
         let means: Vec<_> = means.iter().map(|mean| fixed + mean.start..fixed + mean.end).collect();
@@ -257,7 +257,7 @@ impl Rows {
     }
 
     /// The directions of all postures but `left_out`, where all are of one size.
-    pub(super) fn alike(&self, left_out: &[usize]) -> Option<Alike> {
+    pub(super) fn alike(&self, left_out: &[usize]) -> Option<EqualDirections> {
         let mut gram = self.alike.clone()?;
         let mut count = self.directions.len();
         for (k, (posture, _)) in self.directions.iter().enumerate() {
@@ -268,12 +268,18 @@ impl Rows {
             }
         }
         let size = self.directions[0].1;
-        Some(Alike { size, count, gram })
+        Some(EqualDirections { size, count, gram })
     }
 
     /// The sums of all postures but `left_out`, of which `plain` are those without
     /// shifts and `alike` their directions, at the ratio `gamma` of the two variances.
-    pub(super) fn at(&self, gamma: f64, left_out: &[usize], plain: &DMatrix<f64>, alike: Option<&Alike>) -> Sums {
+    pub(super) fn at(
+        &self,
+        gamma: f64,
+        left_out: &[usize],
+        plain: &DMatrix<f64>,
+        alike: Option<&EqualDirections>,
+    ) -> Sums {
         let mut out = Sums {
             gram: plain.clone(),
             logarithms: 0.0,
@@ -323,14 +329,14 @@ impl Rows {
         RatioSums { second: &x * x.transpose(), first, trace, squares }
     }
 
-    /// Derivatives by ln γ at `solution` (of X's columns, −1 for the last), where `whitened` makes of columns x of unknowns
-    /// those whose squares are xᵀ(XᵀV⁻¹X)⁻¹x, and `inverse` is that inverse.
+    /// Derivatives by ln γ at `solution` (of X's columns, −1 for the last), where `whitened` makes of columns x of
+    /// unknowns those whose squares are xᵀ(XᵀV⁻¹X)⁻¹x, and `inverse` is that inverse.
     pub(super) fn by_ratio(
         &self,
         gamma: f64,
         left_out: &[usize],
         solution: &DVector<f64>,
-        alike: Option<&Alike>,
+        alike: Option<&EqualDirections>,
         whitened: &dyn Fn(&DMatrix<f64>) -> DMatrix<f64>,
         inverse: &dyn Fn() -> DMatrix<f64>,
     ) -> ByRatio {

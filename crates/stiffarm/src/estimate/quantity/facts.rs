@@ -4,8 +4,8 @@ use crate::model::cell::Cell;
 use crate::model::instruments::Uncertainty;
 use crate::model::observation::ExtraTerm;
 
-/// Standard uncertainty of a quantity that is identified on purpose: wide beside all that readings tell \[m; rad\], and of a
-/// force \[N\].
+/// Standard uncertainty of a quantity that is identified on purpose: wide beside all that readings tell \[m; rad\], and
+/// of a force \[N\].
 const FREE: f64 = 1.0;
 const FREE_FORCE: f64 = 1e4;
 
@@ -168,7 +168,8 @@ impl Quantity {
                 key: "load.anchor_mm",
                 assumed: 5e-3,
                 declared: |uncertainty| uncertainty.anchor,
-                check: "Measure the rope's fixed end with the tracker (where a pulley deflects it: the point where it leaves the pulley)",
+                check: "Measure the rope's fixed end with the tracker (where a pulley deflects it: the point where it \
+                    leaves the pulley)",
                 better: "measure the anchor with the tracker and declare how well",
                 apart: "a second anchor, or the tracker on this one",
                 ..row("anchor", Numbers::Axes, "m")
@@ -231,7 +232,8 @@ impl Quantity {
                 what: "force beside the load",
                 other: "a constant force beside the load",
                 declared: |uncertainty| uncertainty.force_beside,
-                check: "Weigh what hangs on the rope (hook, shackle, load cell), or take differences against a preload that has it too",
+                check: "Weigh what hangs on the rope (hook, shackle, load cell), or take differences against a preload \
+                    that has it too",
                 better: "weigh what hangs on the rope and add it to the load",
                 apart: "a preload, which has it too",
                 ..row("force-beside", Numbers::Axes, "N")
@@ -239,7 +241,8 @@ impl Quantity {
             Quantity::Offset => Facts {
                 what: "force along the load",
                 other: "a force along the load in every loaded state",
-                check: "The rope was not slack in the unloaded readings, or the load cell does not read zero without load",
+                check: "The rope was not slack in the unloaded readings, or the load cell does not read zero without \
+                    load",
                 better: "take the load cell to zero without load",
                 apart: "a third load state",
                 ..row("force-offset", Numbers::One, "N")
@@ -254,8 +257,8 @@ impl Quantity {
                 other: "a shift common to all loaded readings",
                 key: "measurements",
                 declared: |uncertainty| uncertainty.common_shift,
-                check: "The tracker, its stand or the base moved between the unloaded and the loaded readings: read each posture unloaded, \
-                        loaded and unloaded again",
+                check: "The tracker, its stand or the base moved between the unloaded and the loaded readings: read \
+                        each posture unloaded, loaded and unloaded again",
                 better: "read each posture unloaded, loaded and unloaded again",
                 apart: "unloaded readings after the loaded ones",
                 ..row("common-shift", Numbers::Axes, "m")
@@ -347,7 +350,8 @@ impl Quantity {
         .map(Quantity::name)
     }
 
-    /// Whether residuals show it: the scale of the force is every stiffness's, and what lies behind the flange is a joint's.
+    /// Whether residuals show it: the scale of the force is every stiffness's, and what lies behind the flange is a
+    /// joint's.
     pub fn is_told(self) -> bool {
         !matches!(self, Quantity::ForceScale | Quantity::Sensor)
     }

@@ -23,16 +23,16 @@ enum BaseSeen {
 
 /// What the readings are against which a source stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Seen {
+pub(super) struct ReadingReference {
     base: BaseSeen,
     /// True where every displacement is against a preload.
     against_preload: bool,
 }
 
-impl Seen {
+impl ReadingReference {
     /// Of these readings.
     pub fn of(measured: &Measured) -> Self {
-        Seen { base: BaseSeen::of(measured), against_preload: measured.is_against_preload() }
+        ReadingReference { base: BaseSeen::of(measured), against_preload: measured.is_against_preload() }
     }
 }
 
@@ -75,11 +75,11 @@ impl SystematicSource {
     }
 
     /// What would make it smaller.
-    fn remedy(&self, seen: Seen) -> &'static str {
+    fn remedy(&self, seen: ReadingReference) -> &'static str {
         match (self.name.as_str(), seen.base) {
             ("lost-motion", _) if seen.against_preload => {
-                "declare what the joints have as [uncertainty] lost_motion_arcmin; the preload keeps it out of k, and at \
-                 work it acts again"
+                "declare what the joints have as [uncertainty] lost_motion_arcmin; the preload keeps it out of k, and \
+                 at work it acts again"
             }
             ("base-tilt", BaseSeen::Shift) => {
                 "the reflectors on the base show its shift, not its tilt; three apart show that too"
@@ -93,7 +93,7 @@ impl SystematicSource {
 }
 
 /// What matters.
-pub(super) fn findings(systematic: &SystematicErrors, seen: Seen) -> Vec<Finding> {
+pub(super) fn findings(systematic: &SystematicErrors, seen: ReadingReference) -> Vec<Finding> {
     let mut out = Vec::new();
     if let Some(force) = systematic.sources.first() {
         let assumed = if force.declared { "" } else { " (assumed)" };
@@ -140,22 +140,22 @@ pub(super) fn findings(systematic: &SystematicErrors, seen: Seen) -> Vec<Finding
 
 /// What is believed of postures whose approach the cell gives.
 pub(super) fn reached_from_load() -> Finding {
-    let message = "Each posture is taken as reached from the side of its load ([route] approach_deg): no reading shows lost \
-                   motion, and none bounds it. Take the key out if they were not.";
+    let message = "Each posture is taken as reached from the side of its load ([route] approach_deg): no reading shows \
+                   lost motion, and none bounds it. Take the key out if they were not.";
     let code = "reached-from-load";
     Finding::note(code, "route.approach_deg", message)
 }
 
 /// What is believed of readings under a preload alone.
 pub(super) fn not_read_unloaded() -> Finding {
-    let message = "Differences are against a preload, and nothing was read unloaded before it: no reading shows lost motion, \
-                   which acts again at work, and none bounds it. Read the points unloaded too.";
+    let message = "Differences are against a preload, and nothing was read unloaded before it: no reading shows lost \
+                   motion, which acts again at work, and none bounds it. Read the points unloaded too.";
     let code = "lost-motion-not-seen";
     Finding::note(code, "preload", message)
 }
 
 /// What the readings say of a size.
-fn seen_of(source: &SystematicSource, seen: Seen) -> Option<Finding> {
+fn seen_of(source: &SystematicSource, seen: ReadingReference) -> Option<Finding> {
     let remaining = source.remaining.filter(|_| !source.free)?;
     let (code, severity, message) = match remaining {
         left if left < BOUNDED => (
@@ -189,7 +189,7 @@ fn largest_for(systematic: &SystematicErrors, source: &SystematicSource) -> Vec<
 }
 
 /// Joints whose systematic errors are larger than the scatter of the readings.
-fn dominating(systematic: &SystematicErrors, seen: Seen) -> Option<Finding> {
+fn dominating(systematic: &SystematicErrors, seen: ReadingReference) -> Option<Finding> {
     let (mut names, mut sources) = (Vec::new(), Vec::new());
     for (j, name) in systematic.joints.iter().enumerate() {
         let (Some(common), Some(statistical)) = (systematic.combined[j], systematic.statistical[j]) else {

@@ -86,7 +86,8 @@ pub struct Validation {
     /// RMS norm of the measured displacements \[m\].
     pub displacement_rms_m: f64,
     /// How many times smaller the errors would have been, had these displacements
-    /// been compensated as calculated: RMS displacement over the RMS of δb without the cell's noise. Between postures and loads like these, on this arm.
+    /// been compensated as calculated: RMS displacement over the RMS of δb without the cell's noise. Between postures
+    /// and loads like these, on this arm.
     pub compensation_factor: Option<f64>,
     /// True where δb cannot be told from that noise: the factor is at least so large.
     #[serde(default)]

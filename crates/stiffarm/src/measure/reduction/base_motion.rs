@@ -23,7 +23,7 @@ use std::collections::BTreeSet;
 /// on a line: a turn about that line could hardly be seen.
 const ON_A_LINE: f64 = 0.05;
 /// Motion above so many times its expected length is named.
-const CLEAR: f64 = 3.0;
+const NAMED_MOTION_RATIO: f64 = 3.0;
 /// E‖x‖ of 3 and of 6 standard normal numbers.
 const MEAN_LENGTH: [f64; 2] = [1.595_769, 2.349_964];
 /// Noise by the turn above so many times that of a displacement is named.
@@ -264,7 +264,7 @@ pub(super) fn findings(postures: &[PostureSeries<'_>], motions: &[BaseMotion], r
         ));
     }
     let largest = |of: fn(&BaseMotion) -> f64| motions.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
-    let clear = largest(|m| m.times_noise).filter(|m| m.times_noise > CLEAR);
+    let clear = largest(|m| m.times_noise).filter(|m| m.times_noise > NAMED_MOTION_RATIO);
     if let Some(most) = clear {
         let turn = if most.turn_removed {
             format!(" and turns by {:.3} mrad", Vector3::from(most.turn_rad).norm() * 1e3)
@@ -286,8 +286,8 @@ pub(super) fn findings(postures: &[PostureSeries<'_>], motions: &[BaseMotion], r
             if most.turn_removed { Severity::Note } else { Severity::Caution },
             "base",
             format!(
-                "The base moves by {}{turn} under load (posture {}, state {}), {:.0} times what noise alone would show. \
-                 {how}",
+                "The base moves by {}{turn} under load (posture {}, state {}), {:.0} times what noise alone would \
+                 show. {how}",
                 length(Vector3::from(most.shift_m).norm()),
                 most.posture,
                 most.state,
@@ -305,8 +305,9 @@ pub(super) fn findings(postures: &[PostureSeries<'_>], motions: &[BaseMotion], r
             "base-turn-noise",
             "base",
             format!(
-                "Taking back the turn of the base adds noise of {} to each displacement component, common to the points \
-                 of a posture (posture {}).{beside} Place the base reflectors further apart, or read them more often.",
+                "Taking back the turn of the base adds noise of {} to each displacement component, common to the \
+                 points of a posture (posture {}).{beside} Place the base reflectors further apart, or read them more \
+                 often.",
                 length(most.noise_m),
                 most.posture
             ),

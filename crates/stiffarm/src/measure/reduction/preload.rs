@@ -1,5 +1,5 @@
-//! Preloads: the wrench that the arm carries under one, and displacements against no load at all, the way to the preload
-//! among them. Lost motion is in these and in nothing that was read after.
+//! Preloads: the wrench that the arm carries under one, and displacements against no load at all, the way to the
+//! preload among them. Lost motion is in these and in nothing that was read after.
 
 use super::wrench::wrench;
 use crate::error::Result;

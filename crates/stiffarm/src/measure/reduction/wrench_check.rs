@@ -2,7 +2,7 @@
 //! to a force through the loading point, and does its force point along the rope?
 
 use super::messages::{length, median, postures};
-use crate::findings::{Finding, Severity, codes};
+use crate::findings::{Finding, Severity, codes, each_once};
 use crate::model::cell::Cell;
 use crate::model::instruments::{Mount, Sensor};
 use crate::model::kinematics::Frames;
@@ -21,7 +21,7 @@ const OFFSET: f64 = 2e-3;
 /// Moments that no point explains are named above this arm \[m\].
 const UNEXPLAINED_ARM: f64 = 5e-3;
 /// Forces count as parallel below this ratio of singular values.
-const PARALLEL: f64 = 1e-3;
+const PARALLEL_FORCES: f64 = 1e-3;
 /// Median angle between measured and expected force that is named \[rad\].
 const TURNED: f64 = 0.035;
 /// Angle of a single state that is named beside a good median \[rad\].
@@ -153,7 +153,7 @@ fn application_point(loads: &[(Frames, Wrench)]) -> Option<ApplicationPoint> {
         return None;
     }
     let Svd { u, values, v } = svd(arms.clone())?;
-    let rank = values.iter().filter(|s| **s > PARALLEL * values[0]).count();
+    let rank = values.iter().filter(|s| **s > PARALLEL_FORCES * values[0]).count();
     let mut offset = DVector::zeros(3);
     let mut inverse = DMatrix::zeros(3, 3);
     for k in 0..rank {
@@ -291,8 +291,8 @@ fn direction_findings(cell: &Cell, check: &WrenchCheck, out: &mut Vec<Finding>) 
                 severity,
                 state.posture.as_str(),
                 format!(
-                    "In posture {}, state {}, the measured force differs from the direction of {what} by {:.1}°, in the \
-                     others by {:.1}° in the median.",
+                    "In posture {}, state {}, the measured force differs from the direction of {what} by {:.1}°, in \
+                     the others by {:.1}° in the median.",
                     state.posture,
                     state.state,
                     state.angle_rad.to_degrees(),
@@ -332,12 +332,12 @@ fn magnitude_findings(directions: &[ForceDirection], out: &mut Vec<Finding>) {
         ));
         return;
     }
-    let mut odd: Vec<&str> = compared
+    let odd: Vec<&str> = compared
         .iter()
         .filter(|d| d.magnitude_ratio.is_some_and(|r| off(r / typical)))
         .map(|d| d.posture.as_str())
         .collect();
-    odd.dedup();
+    let odd = each_once(&odd);
     if !odd.is_empty() {
         out.push(Finding::caution(
             codes::FORCE_MAGNITUDE,
@@ -378,8 +378,8 @@ fn point_findings(cell: &Cell, point: &ApplicationPoint, out: &mut Vec<Finding>)
             codes::UNEXPLAINED_MOMENT,
             "load",
             format!(
-                "Moments of {:.1} N·m (RMS) remain that no loading point explains, {} of arm at {:.0} N: the load is not \
-                 a pure force, or the sensor's axes are not as stated.",
+                "Moments of {:.1} N·m (RMS) remain that no loading point explains, {} of arm at {:.0} N: the load is \
+                 not a pure force, or the sensor's axes are not as stated.",
                 point.residual_moment_rms_nm,
                 length(arm),
                 point.force_rms_n

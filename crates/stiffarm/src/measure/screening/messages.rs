@@ -98,7 +98,8 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
     };
     let by_readings = s.evidence == Some(Evidence::Readings);
     let beside = format!(
-        "factor {factor}. As typed, the joint stiffness comes out {stiffness} {usual}, all joints alike.{rests_on}{also}"
+        "factor {factor}. As typed, the joint stiffness comes out {stiffness} {usual}, all joints \
+         alike.{rests_on}{also}"
     );
     // What to do.
     let first_check = match s.axis_slips.join(" or ").as_str() {
@@ -133,29 +134,31 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
     };
     sentences! { s.cause;
         Cause::Units =>
-            "In {all} the {distances} {many} times too {size}: the coordinates seem to be {heading}. Correct the heading's \
-             unit or the numbers."
+            "In {all} the {distances} {many} times too {size}: the coordinates seem to be {heading}. Correct the \
+             heading's unit or the numbers."
         Cause::ToolUnits =>
-            "The tool's measuring points lie {many} times too {apart} apart in the cell, while the arm's reach is right: \
-             check the unit of tool.measuring_point."
+            "The tool's measuring points lie {many} times too {apart} apart in the cell, while the arm's reach is \
+             right: check the unit of tool.measuring_point."
         Cause::ExchangedPoints if is_whole =>
-            "In all postures {cause}: with that undone the misfit falls {fall}.{also} Correct the names in the readings or \
-             the positions in the cell."
+            "In all postures {cause}: with that undone the misfit falls {fall}.{also} Correct the names in the \
+             readings or the positions in the cell."
         Cause::ExchangedPoints =>
-            "{opening}: {cause}{in_one}; with that undone the misfit falls {fall}.{also} Correct the names of the points."
+            "{opening}: {cause}{in_one}; with that undone the misfit falls {fall}.{also} Correct the names of the \
+             points."
         Cause::StrayRepeat if s.repeat.is_some() =>
             "{opening}: reading {nth} of point {points} lies {off} from the others{lines}. Remove it or measure again."
         Cause::StrayRepeat =>
-            "{opening}: readings of point {points} lie {off} apart{lines}, and nothing tells which is right. Measure again."
+            "{opening}: readings of point {points} lie {off} apart{lines}, and nothing tells which is right. Measure \
+             again."
         Cause::StrayReading if s.certain =>
             "{opening}: point {points} is read {off} from where the other points have it{lines}. Check that reading \
              (reflector not seated, typing slip), remove it or measure it again."
         Cause::StrayReading =>
-            "{opening}: one of the points {either_point} is read about {off} off; the readings do not tell which. Measure \
-             this state again or leave it out."
+            "{opening}: one of the points {either_point} is read about {off} off; the readings do not tell which. \
+             Measure this state again or leave it out."
         Cause::MovedReflector =>
-            "{opening}: point {points} lies up to {off} elsewhere than in the other postures. Its reflector was moved or \
-             badly seated: leave the point out there or measure again."
+            "{opening}: point {points} lies up to {off} elsewhere than in the other postures. Its reflector was moved \
+             or badly seated: leave the point out there or measure again."
         Cause::UnsteadyShape if is_whole =>
             "The measuring points do not keep their distances (up to {off}): the tool yields or reflectors are loose. \
              Displacements contain that motion."
@@ -165,37 +168,38 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
         Cause::Drawing if s.certain => "{drawn}; all states agree with each other, so the drawing is inexact."
         Cause::Drawing => "{drawn}: check tool.measuring_point in the cell."
         Cause::MirroredFrame =>
-            "The readings are mirrored: {cause}. With that undone the misfit of the unloaded points falls {fall}.{also} \
-             {first_check}"
+            "The readings are mirrored: {cause}. With that undone the misfit of the unloaded points falls \
+             {fall}.{also} {first_check}"
         Cause::ToolPlace =>
             "The unloaded points fit the robot if all measuring points are {cause} in flange axes: the misfit falls \
              {fall}. Check origin and axes of tool.measuring_point, and of tool.loading_point_mm with them."
         // The tool is all that hangs on the last joint.
         Cause::JointOffset if is_last(cell, s) =>
-            "The cell does not fit its unloaded readings, but would if {cause}: the misfit falls {fall}.{also} Check the \
-             turn of tool.measuring_point first, then robot.dh (offset) against the pendant."
+            "The cell does not fit its unloaded readings, but would if {cause}: the misfit falls {fall}.{also} Check \
+             the turn of tool.measuring_point first, then robot.dh (offset) against the pendant."
         Cause::JointSign | Cause::Coupling | Cause::JointOffset | Cause::DhConvention =>
             "The robot's description does not fit its unloaded readings, but would if {cause}: the misfit falls \
              {fall}.{also} {check}."
         Cause::Radians if s.misfits.is_none() =>
-            "The joint angles seem to be radians under a heading in degrees: read so, the misfit of the unloaded points \
-             falls {fall}.{also} Convert them."
+            "The joint angles seem to be radians under a heading in degrees: read so, the misfit of the unloaded \
+             points falls {fall}.{also} Convert them."
         Cause::Radians =>
-            "The joint angles seem to be radians under a heading in degrees: with them converted {misfits}. Convert them."
+            "The joint angles seem to be radians under a heading in degrees: with them converted {misfits}. Convert \
+             them."
         Cause::Degrees =>
-            "The joint angles seem to be degrees under a heading in radians: read so, the arm is where the readings have \
-             it. Name the columns q1_deg and so on, or convert them."
+            "The joint angles seem to be degrees under a heading in radians: read so, the arm is where the readings \
+             have it. Name the columns q1_deg and so on, or convert them."
         Cause::GivenTransform =>
-            "The given transform from tracker to base leaves the unloaded points {before} from the kinematic model, the \
-             best one {after}; they differ by a turn of {written}. Was the tracker moved after registration?"
+            "The given transform from tracker to base leaves the unloaded points {before} from the kinematic model, \
+             the best one {after}; they differ by a turn of {written}. Was the tracker moved after registration?"
         Cause::AngleSign =>
             "{opening}: the readings fit if {cause} (sign?); the misfit falls {fall}.{also} Correct the angle."
         Cause::MistypedAngle =>
             "{opening}: the readings fit if {joints} is {likely}, not {written}{how}; the misfit falls {fall}.{also} \
              Compare with the controller's log."
         Cause::ExchangedPostures =>
-            "The readings of postures {postures}{in_state} are exchanged: with that undone the misfit falls {fall}.{also} \
-             Exchange the rows."
+            "The readings of postures {postures}{in_state} are exchanged: with that undone the misfit falls \
+             {fall}.{also} Exchange the rows."
         Cause::OtherPosture =>
             "The readings of posture {first}{in_state} were taken at the angles of posture {second}: the misfit falls \
              {fall}.{also} Copied rows, or the robot was not moved?"
@@ -203,9 +207,9 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
             "{opening}: the points of these states lie up to {before} apart, more than any load moves them. Check the \
              rows, or leave the posture out."
         Cause::UnexplainedPosture =>
-            "{opening}: the points lie {before} from the kinematic model, in the other postures {after}.{copied} No single \
-             slip of an angle or a name explains it: check its angles and readings, and that the tracker stood still, or \
-             leave it out."
+            "{opening}: the points lie {before} from the kinematic model, in the other postures {after}.{copied} No \
+             single slip of an angle or a name explains it: check its angles and readings, and that the tracker stood \
+             still, or leave it out."
         Cause::UnexplainedModel =>
             "The unloaded points do not fit the kinematic model: they lie {off} from it, and no single cause (signs, \
              coupling, offsets, names of points, mirrored axes) explains it. Check the robot and the tool in the cell."
@@ -219,8 +223,8 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
             "{opening}: the points move against the force, in the other postures along it. The loaded and the unloaded \
              rows are exchanged there, or the force has the wrong sign."
         Cause::DisplacementSize =>
-            "The displacements are {many} times too {size} for the prior stiffness. Check the unit of the force (N, not \
-             kN), the load and stiffness.prior_nm_per_rad (N·m/rad)."
+            "The displacements are {many} times too {size} for the prior stiffness. Check the unit of the force (N, \
+             not kN), the load and stiffness.prior_nm_per_rad (N·m/rad)."
         Cause::OtherLoad =>
             "{opening}: the displacements are {many} times too {size} compared with the other states. Was the load \
              another one?"
@@ -232,10 +236,11 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
             "{entry}: what is typed as load looks like {typed}: factor {factor}. With it {misfits}.{also} Check \
              {where_loads_stand} there."
         Cause::MomentUnits =>
-            "The moments seem to be {typed}: with {factor} times what is typed they are the forces times their lever about \
-             the sensor. Give mx_nm, my_nm, mz_nm in N·m, or name the columns mx_nmm, my_nmm, mz_nmm."
+            "The moments seem to be {typed}: with {factor} times what is typed they are the forces times their lever \
+             about the sensor. Give mx_nm, my_nm, mz_nm in N·m, or name the columns mx_nmm, my_nmm, mz_nmm."
         Cause::DisplacementUnits if by_readings =>
-            "{opening}: the displacements look like {typed}: factor {factor}. With it {misfits}.{also} Correct the rows."
+            "{opening}: the displacements look like {typed}: factor {factor}. With it {misfits}.{also} Correct the \
+             rows."
         Cause::DisplacementUnits => "The displacements look like {typed}: {beside} Check dx_mm, dy_mm, dz_mm."
         Cause::PriorUnits =>
             "The prior stiffness looks like it is {typed}: {beside} Check stiffness.prior_nm_per_rad."
@@ -243,17 +248,17 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
             "The displacements point to another direction of the load: with load.anchor_mm times {factor}, {misfits}. \
              Check the unit of load.anchor_mm (mm)."
         Cause::LoadingPointUnits if by_readings =>
-            "The displacements point to another loading point: with tool.loading_point_mm times {factor}, {misfits}. Check \
-             the unit of tool.loading_point_mm (mm)."
+            "The displacements point to another loading point: with tool.loading_point_mm times {factor}, {misfits}. \
+             Check the unit of tool.loading_point_mm (mm)."
         Cause::LoadingPointUnits =>
-            "The loading point lies {away:.2} mm from the flange's origin, and no measuring point is near: it looks like \
-             metres typed as millimetres, factor {factor}. Check tool.loading_point_mm (mm)."
+            "The loading point lies {away:.2} mm from the flange's origin, and no measuring point is near: it looks \
+             like metres typed as millimetres, factor {factor}. Check tool.loading_point_mm (mm)."
         Cause::RobotUnits =>
             "The robot's reach is {inverse} times that of the readings, while the tool is right: check the unit of the \
              robot's lengths (robot.dh rows in mm)."
         Cause::ExchangedLoadCases =>
-            "{filed} the load cases {states} are exchanged: with the names the other way {misfits}. Correct the names in \
-             the column state, or the loads of [load]."
+            "{filed} the load cases {states} are exchanged: with the names the other way {misfits}. Correct the names \
+             in the column state, or the loads of [load]."
         Cause::NotChecked | Cause::MovedTracker =>
             "Too few unloaded readings to register the tracker: the checks against the kinematic model were left out."
     }

@@ -63,7 +63,8 @@ pub(super) const LENGTHS: [Unit; 4] =
 pub(super) const CENTIMETRES: [Unit; 4] =
     [unit(10.0, "", 0.0), unit(0.1, "", 0.0), unit(100.0, "", 0.0), unit(0.01, "", 0.0)];
 
-/// Angles all below this may be radians taken for degrees, one above the other may be degrees taken for radians \[rad\].
+/// Angles all below this may be radians taken for degrees, one above the other may be degrees taken for radians
+/// \[rad\].
 pub(super) const LIKE_RADIANS: f64 = 0.122;
 const LIKE_DEGREES: f64 = 14.0;
 

@@ -129,10 +129,12 @@ pub(super) fn cause(cell: &Cell, s: &Suspicion) -> String {
             let [two, three] = [1, 2].map(|j| names.get(j).copied().unwrap_or_default());
             let mut out = match (cell.setup.robot.coupling()[(2, 1)], s.factor.unwrap_or(0.0)) {
                 (0.0, likely) => format!(
-                    "{three} were coupled to {two} (its serial angle contains {likely:+} times the other's; in the cell it does not)"
+                    "{three} were coupled to {two} (its serial angle contains {likely:+} times the other's; in the \
+                     cell it does not)"
                 ),
                 (stated, 0.0) => format!(
-                    "{three} were not coupled to {two} (in the cell its serial angle contains {stated:+} times the other's)"
+                    "{three} were not coupled to {two} (in the cell its serial angle contains {stated:+} times the \
+                     other's)"
                 ),
                 (stated, likely) => format!(
                     "the serial angle of {three} contained {likely:+} times that of {two}, not {stated:+} times"
@@ -144,7 +146,8 @@ pub(super) fn cause(cell: &Cell, s: &Suspicion) -> String {
             out
         }
         Cause::JointOffset if is_last(cell, s) => format!(
-            "the tool sat turned by {written} about the axis of {joints} on the flange, or {joints} were off by that throughout"
+            "the tool sat turned by {written} about the axis of {joints} on the flange, or {joints} were off by that \
+             throughout"
         ),
         Cause::JointOffset => format!("{joints} is off by {written} throughout"),
         Cause::Radians => "the angles are in radians".to_string(),
@@ -164,7 +167,8 @@ pub(super) fn cause(cell: &Cell, s: &Suspicion) -> String {
     }
 }
 
-/// How all measuring points sit elsewhere: `moved by (0.0, 0.0, 100.0) mm and turned by 90.0° about (0.00, 0.00, 1.00)`.
+/// How all measuring points sit elsewhere:
+/// `moved by (0.0, 0.0, 100.0) mm and turned by 90.0° about (0.00, 0.00, 1.00)`.
 fn tool_place(s: &Suspicion) -> String {
     let vector = |of: &[f64], digits: usize| {
         let all = of.iter().map(|v| format!("{:.digits$}", v + 0.0));

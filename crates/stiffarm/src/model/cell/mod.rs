@@ -79,8 +79,8 @@ impl Noise {
         self.displacement_variance().sqrt()
     }
 
-    /// τ²/σ²: the variance of the shift that the points of a posture share over that of a displacement component; zero at
-    /// σ = 0.
+    /// τ²/σ²: the variance of the shift that the points of a posture share over that of a displacement component; zero
+    /// at σ = 0.
     pub fn common_ratio(&self) -> f64 {
         match self.displacement_variance() {
             variance if variance > 0.0 => self.posture_common_std.powi(2) / variance,
@@ -215,12 +215,12 @@ impl Cell {
     /// The cell has no prior.
     pub fn require_prior(&self) -> Result<&[f64]> {
         self.prior.as_deref().ok_or_else(|| {
-            Error::new(
-                Code::MissingKey,
-                "This needs a prior joint stiffness, and the cell has none.",
-            )
-            .key("stiffness.prior_nm_per_rad")
-            .hint("give catalogue values or a guess by payload class, one per joint, in N·m/rad; `stiffarm init` writes a guess, commented out")
+            Error::new(Code::MissingKey, "This needs a prior joint stiffness, and the cell has none.")
+                .key("stiffness.prior_nm_per_rad")
+                .hint(
+                    "give catalogue values or a guess by payload class, one per joint, in N·m/rad; `stiffarm init` \
+                writes a guess, commented out",
+                )
         })
     }
 

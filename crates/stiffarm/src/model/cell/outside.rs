@@ -30,7 +30,8 @@ impl Cell {
         for (number, posture) in postures.iter().enumerate() {
             if remarks.len() >= MOST_REMARKS {
                 remarks.push(format!(
-                    "posture {} and those after it, {} in all, were not compared with bounds and limits: too many are outside",
+                    "posture {} and those after it, {} in all, were not compared with bounds and limits: too many are \
+                     outside",
                     posture.name,
                     postures.len() - number
                 ));

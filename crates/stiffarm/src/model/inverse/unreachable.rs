@@ -3,7 +3,7 @@
 use super::closed_form::Outside;
 use crate::error::{Code, Error};
 use crate::model::robot::Robot;
-use crate::units::{m_to_mm, rad_to_deg};
+use crate::units::{m_to_mm, rad_to_deg, rounded, significant};
 
 /// Where an unreachable pose lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,7 +56,8 @@ impl Unreachable {
             _ if self.rotation_rad > 0.0 => {
                 let angle = short(rad_to_deg(self.rotation_rad));
                 format!(
-                    "No posture holds the flange at the pose: the nearest pose found is {distance} mm and {angle}° away."
+                    "No posture holds the flange at the pose: the nearest pose found is {distance} mm and {angle}° \
+                     away."
                 )
             }
             Region::Beyond => format!("The pose lies {distance} mm beyond the arm's reach."),
@@ -74,6 +75,5 @@ fn short(value: f64) -> String {
         return format!("{value:.1}");
     }
     // Ten decimals of a millimetre or degree are beyond rounding.
-    let decimals = (1.0 - value.max(1e-10).log10().floor()) as usize;
-    format!("{value:.decimals$}")
+    rounded(significant(value, 2), 11).to_string()
 }

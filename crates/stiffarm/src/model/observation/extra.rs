@@ -176,8 +176,8 @@ impl ExtraTerm {
                 }),
             )
         };
-        type Make = fn(usize) -> ExtraTerm;
-        let families: [(&str, Make); 2] = [("tilt", ExtraTerm::JointTilt), ("lost", ExtraTerm::LostMotion)];
+        type Constructor = fn(usize) -> ExtraTerm;
+        let families: [(&str, Constructor); 2] = [("tilt", ExtraTerm::JointTilt), ("lost", ExtraTerm::LostMotion)];
         if word == "base" {
             return Ok(vec![ExtraTerm::BaseTilt]);
         }
@@ -346,12 +346,12 @@ fn across(line: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() - line * line.transpose()
 }
 
-/// Places at which a polynomial of third degree over [0, 1] is sampled for its mean: half the sum (Gauss). The shift by an
-/// even beam is of second degree along it.
+/// Places at which a polynomial of third degree over [0, 1] is sampled for its mean: half the sum (Gauss). The shift by
+/// an even beam is of second degree along it.
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
-/// Start and way of a part of the link behind a joint: from the joint's origin along its axis as far as the next origin, or
-/// the flange, lies along it, then across to there.
+/// Start and way of a part of the link behind a joint: from the joint's origin along its axis as far as the next
+/// origin, or the flange, lies along it, then across to there.
 pub(crate) fn row_part(frames: &Frames, joint: usize, part: RowPart) -> [Vector3<f64>; 2] {
     let (axis, start) = (frames.axes()[joint], frames.origins()[joint]);
     let next = frames.origins().get(joint + 1);

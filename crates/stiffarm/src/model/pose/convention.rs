@@ -228,9 +228,9 @@ fn matrix(matrix: &Matrix3<f64>) -> Result<UnitQuaternion<f64>> {
     let off = (matrix.transpose() * matrix - Matrix3::identity()).amax();
     if off > ROUNDED || matrix.determinant() < 0.0 {
         let message = if off > ROUNDED {
-            "The matrix is no rotation: its columns are not at right angles and of length 1."
+            "The matrix is not a rotation: its columns are not at right angles and of length 1."
         } else {
-            "The matrix is no rotation: its axes are left-handed."
+            "The matrix is not a rotation: its axes are left-handed."
         };
         return Err(
             Error::invalid(message).hint("r11, r12, r13 are the first row; the columns are the axes of the frame")

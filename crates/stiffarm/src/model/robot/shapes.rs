@@ -55,7 +55,7 @@ impl Robot {
             return Err(Error::invalid(format!("There is no link {link}: the links of {n} joints are 0 to {n}.")));
         }
         if let Some((link, _)) = ignored.iter().find(|(i, j)| i == j) {
-            return Err(Error::invalid(format!("Link {link} and itself are no pair.")));
+            return Err(Error::invalid(format!("Link {link} makes no pair with itself.")));
         }
         for shape in &capsules {
             let Capsule { a, b, radius } = shape.capsule;

@@ -1,7 +1,7 @@
 //! From parts and rules to the pairs that are kept apart.
 
 use super::pairs::Pair;
-use super::placed::{Placed, Shapes};
+use super::placed_parts::{PlacedParts, Shapes};
 use super::{Carrier, DisplacementLimits, Part, RopeRules, Scene, Sight, TorqueLimits};
 use crate::error::{Code, Error, Result};
 use crate::model::kinematics::Frames;
@@ -33,8 +33,8 @@ pub struct SceneParts {
 impl SceneParts {
     /// Finds the pairs to be kept apart. Links next to each other are not, nor what stands, nor the
     /// shapes of the tool among themselves. Two parts of arm and tool that are too near in every posture
-    /// within `bounds` \[rad\] are so because their shapes are drawn large: they are left out, and the scene says so. So is
-    /// the first link with what stands around it.
+    /// within `bounds` \[rad\] are so because their shapes are drawn large: they are left out, and the scene says so.
+    /// So is the first link with what stands around it.
     ///
     /// # Errors
     /// A name that appears twice, or an ignored pair without such parts.
@@ -114,7 +114,7 @@ impl Scene {
             }
             let q = spread(bounds, sample);
             frames.update(robot, &q);
-            let placed = Placed::new(&self.parts, &frames, &mut work);
+            let placed = PlacedParts::new(&self.parts, &frames, &mut work);
             for (pair, always) in self.pairs.iter().zip(&mut always) {
                 *always = *always && pair.distance(&placed, f64::INFINITY).0 < clearance;
             }

@@ -5,7 +5,7 @@ use crate::model::cell::Cell;
 use crate::model::observation::PostureTerms;
 use crate::model::robot::Robot;
 use crate::numerics::information::{posture_information, scale_columns};
-use crate::plan::index::kernel::{Kernel, Wanted};
+use crate::plan::index::kernel::{Kernel, KernelRequest};
 use crate::plan::index::prediction::PredictionFunction;
 use nalgebra::DMatrix;
 
@@ -32,7 +32,7 @@ impl Readings {
     /// As [`Kernel::new`].
     pub(super) fn of_joints(cell: &Cell, compliance: Vec<f64>) -> Result<Self> {
         let common_weight = cell.noise.common_weight(cell.setup.tool.point_count());
-        let wanted = Wanted { dexterity: None, information: Some((&compliance, common_weight)), limits: false };
+        let wanted = KernelRequest { dexterity: None, information: Some((&compliance, common_weight)), limits: false };
         Ok(Readings::Joints { kernel: Box::new(Kernel::new(cell, wanted, 1)?), compliance, common_weight })
     }
 
@@ -63,8 +63,8 @@ impl Readings {
         }
     }
 
-    /// tr(A·G) at the controller angles `q` \[rad\] with A = `adjoint`, and its derivatives in `gradient`; not finite where
-    /// a load has no direction.
+    /// tr(A·G) at the controller angles `q` \[rad\] with A = `adjoint`, and its derivatives in `gradient`; not finite
+    /// where a load has no direction.
     pub(super) fn trace(&mut self, q: &[f64], adjoint: &DMatrix<f64>, gradient: &mut [f64]) -> f64 {
         gradient.fill(0.0);
         match self {

@@ -84,8 +84,8 @@ impl WeightProblem<'_> {
     }
 }
 
-/// The same by the multiplicative algorithm, whose steps cost no Hessian: for many unknowns, where weights near the best
-/// will do.
+/// The same by the multiplicative algorithm, whose steps cost no Hessian: for many unknowns, where weights near the
+/// best will do.
 pub fn near_optimal_weights(problem: &WeightProblem<'_>, tolerance: f64) -> Option<Vec<f64>> {
     let k = problem.points.len();
     let mut weights = DVector::from_element(k, 1.0 / k as f64);

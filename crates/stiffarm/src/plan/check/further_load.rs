@@ -1,5 +1,5 @@
-//! What a weight, hung in the same postures as well, or a second anchor adds to a load that goes through one point or one
-//! way.
+//! What a weight, hung in the same postures as well, or a second anchor adds to a load that goes through one point or
+//! one way.
 
 use crate::findings::{Finding, codes, length, minutes};
 use crate::model::cell::Cell;
@@ -7,7 +7,7 @@ use crate::model::kinematics::Frames;
 use crate::model::load::{Load, LoadCase};
 use crate::model::observation::{PostureTerms, Setup, on_first_axis};
 use crate::plan::index::prediction::PredictionModel;
-use crate::units::{STANDARD_GRAVITY, m_to_mm};
+use crate::units::{STANDARD_GRAVITY, m_to_mm, rounded};
 use nalgebra::{Rotation3, UnitVector3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_3;
@@ -47,8 +47,8 @@ pub struct FurtherAnchor {
 }
 
 impl FurtherLoad {
-    /// What it gives at `postures` (controller angles, rad); `None` where the cell's load is a weight, several or measured,
-    /// where the cell lacks what the index prediction needs, and where it gains little.
+    /// What it gives at `postures` (controller angles, rad); `None` where the cell's load is a weight, several or
+    /// measured, where the cell lacks what the index prediction needs, and where it gains little.
     pub(crate) fn new<Q: AsRef<[f64]>>(cell: &Cell, postures: &[Q]) -> Option<Self> {
         if !matches!(cell.setup.load, Load::Rope { .. } | Load::Constant { .. }) {
             return None;
@@ -96,10 +96,10 @@ impl FurtherLoad {
             _ => "The load always pulls one way",
         };
         let anchor = self.anchor.map_or_else(String::new, |anchor| {
-            let [x, y, z] = anchor.position_m.map(|v| m_to_mm(v).round() + 0.0);
+            let [x, y, z] = anchor.position_m.map(|v| rounded(m_to_mm(v), 0));
             format!(
-                " Where none can be hung, hooking the rope to a second anchor as well, say at [{x}, {y}, {z}] mm, would lead to \
-                 {} and take {} more.",
+                " Where none can be hung, hooking the rope to a second anchor as well, say at [{x}, {y}, {z}] mm, \
+                 would lead to {} and take {} more.",
                 length(anchor.with),
                 minutes(anchor.time_s)
             )
@@ -108,9 +108,9 @@ impl FurtherLoad {
             codes::ONE_LOAD,
             "load",
             format!(
-                "{what}, so that some of what gives way is never loaded: after {postures} random postures deflections under \
-                 forces in all directions can be predicted to {}, with a weight of {:.0} kg hung in the same postures as \
-                 well, {} more, to {} (a second [[load.case]], docs/selecting.md).{anchor}",
+                "{what}, so that some of what gives way is never loaded: after {postures} random postures deflections \
+                 under forces in all directions can be predicted to {}, with a weight of {:.0} kg hung in the same \
+                 postures as well, {} more, to {} (a second [[load.case]], docs/selecting.md).{anchor}",
                 length(self.without),
                 self.mass_kg,
                 minutes(self.time_s),
@@ -130,7 +130,8 @@ pub(crate) fn both_loads(first: &Load, second: &Load) -> Load {
     Load::Cases([first, second].into_iter().enumerate().map(case).collect())
 }
 
-/// The rope from anchors a sixth of a turn about axis 1 away; none where there is no rope, or its anchor lies on the axis.
+/// The rope from anchors a sixth of a turn about axis 1 away; none where there is no rope, or its anchor lies on the
+/// axis.
 fn other_anchors(setup: &Setup) -> Vec<Setup> {
     let Load::Rope { anchor, magnitude } = setup.load else {
         return Vec::new();

@@ -38,6 +38,8 @@ pub const SAMPLES: u32 = 256;
 const ONE_LOAD_POSTURES: usize = 12;
 /// Share of postures within the limits below which a cell counts as cramped.
 const CRAMPED: f64 = 0.02;
+/// What stands farther from the base's origin belongs to no cell \[m\].
+const FARTHEST_IN_CELL: f64 = 100.0;
 
 /// Result of a check.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -112,7 +114,8 @@ pub fn robot_doubts(robot: &Robot) -> Vec<Finding> {
     let coupling = coupling.map(|controller| {
         let sentence = format!(
             "Pendants of {} count joint 3 by the forearm's angle to the floor, which stays while joint 2 moves alone; \
-             theta_from_q of this cell counts it otherwise. Look at the pendant (docs/robots.md) before the arm is driven.",
+             theta_from_q of this cell counts it otherwise. Look at the pendant (docs/robots.md) before the arm is \
+             driven.",
             controller.title()
         );
         Finding::caution("robot-doubt", "robot.theta_from_q", sentence)
@@ -120,8 +123,8 @@ pub fn robot_doubts(robot: &Robot) -> Vec<Finding> {
     let convention = robot.like_in_other_convention().map(|lookalike| {
         let [stated, other] = [robot.convention(), robot.convention().other()].map(|c| c.name());
         let sentence = format!(
-            "Read as {stated} rows the arm is like no robot of the catalogue, read as {other} ones it is like {}: name the \
-             rows robot.dh_{other}, or compare a posture with the pendant (stiffarm pose).",
+            "Read as {stated} rows the arm is like no robot of the catalogue, read as {other} ones it is like {}: name \
+             the rows robot.dh_{other}, or compare a posture with the pendant (stiffarm pose).",
             lookalike.name
         );
         Finding::caution("dh-convention", format!("robot.dh_{stated}"), sentence)
@@ -147,8 +150,8 @@ fn machine_limits(cell: &Cell, findings: &mut Vec<Finding>) {
         findings.push(Finding::caution(
             "unknown-limits",
             "robot.limits_deg",
-            "The machine's limits are not known: -360° to 360° stand in for them. Give robot.limits_deg, or bounds that \
-             the machine can reach, before a plan is driven.",
+            "The machine's limits are not known: -360° to 360° stand in for them. Give robot.limits_deg, or bounds \
+             that the machine can reach, before a plan is driven.",
         ));
     }
 }
@@ -156,7 +159,7 @@ fn machine_limits(cell: &Cell, findings: &mut Vec<Finding>) {
 /// Distances from a tracker at which readings are taken \[m\].
 const FROM_TRACKER: [f64; 2] = [2.0, 10.0];
 /// Noises that differ by less may both be meant: one averages, the other is a data sheet's.
-const ALIKE: f64 = 1.5;
+const SIMILAR_NOISE_RATIO: f64 = 1.5;
 
 /// Says where `[noise]` and `[tracker]` are two stories of the same readings.
 fn two_noises(cell: &Cell) -> Option<Finding> {
@@ -168,10 +171,10 @@ fn two_noises(cell: &Cell) -> Option<Finding> {
     };
     let [near, far] = FROM_TRACKER.map(at);
     let (near, far, scatter) = (near?, far?, cell.noise.reading_variance.sqrt());
-    let agrees = scatter * ALIKE >= near && scatter <= far * ALIKE;
+    let agrees = scatter * SIMILAR_NOISE_RATIO >= near && scatter <= far * SIMILAR_NOISE_RATIO;
     let sentence = format!(
-        "[noise] has a reading scatter by {} along an axis, [tracker] by {} at {} m and {} at {} m: plans, forecasts and \
-         simulated readings count with [noise], `--weights tracker` with [tracker].",
+        "[noise] has a reading scatter by {} along an axis, [tracker] by {} at {} m and {} at {} m: plans, forecasts \
+         and simulated readings count with [noise], `--weights tracker` with [tracker].",
         length(scatter),
         length(near),
         FROM_TRACKER[0],
@@ -301,8 +304,8 @@ fn shapes(cell: &Cell, findings: &mut Vec<Finding>) {
             "pairs-left-out",
             "clearance.shapes_mm",
             format!(
-                "These come nearer than {:.0} mm in every posture, because their shapes are drawn large, and are not kept \
-                 apart: {}.",
+                "These come nearer than {:.0} mm in every posture, because their shapes are drawn large, and are not \
+                 kept apart: {}.",
                 cell.scene.clearance() * 1e3,
                 list(&dropped)
             ),
@@ -313,8 +316,8 @@ fn shapes(cell: &Cell, findings: &mut Vec<Finding>) {
         findings.push(Finding::caution(
             "no-link-shapes",
             "robot.shape",
-            "The robot's links have no shapes: only tool, rope and beams are kept away from what stands in the cell. Give \
-             [[robot.shape]]; stiffarm capsules makes them from meshes.",
+            "The robot's links have no shapes: only tool, rope and beams are kept away from what stands in the cell. \
+             Give [[robot.shape]]; stiffarm capsules makes them from meshes.",
         ));
     }
 }

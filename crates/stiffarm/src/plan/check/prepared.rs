@@ -22,8 +22,8 @@ pub fn prepared(cell: &Cell, fixed_load: bool) -> (Cell, Vec<Finding>) {
     (with_length(cell).0, findings)
 }
 
-/// The cell with those springs alone whose loads move a measuring point, and a finding [`codes::JOINT_LEFT_OUT`] for each of the
-/// others.
+/// The cell with those springs alone whose loads move a measuring point, and a finding [`codes::JOINT_LEFT_OUT`] for
+/// each of the others.
 ///
 /// A weight on an arm that stands on the floor has no torque about joint 1 whatever the posture: its column of the
 /// observation matrix is zero, and with it no index would exist. The remaining columns are those of the whole cell.

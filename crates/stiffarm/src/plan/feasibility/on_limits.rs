@@ -26,8 +26,8 @@ pub fn on_machine_limits(cell: &Cell, postures: &[Posture]) -> Vec<Finding> {
                 continue;
             }
             let sentence = format!(
-                "{} {} on the machine's limit, {}°, which the robot may refuse to reach: keep postures, and bounds.q_deg, \
-                 a degree before it.",
+                "{} {} on the machine's limit, {}°, which the robot may refuse to reach: keep postures, and \
+                 bounds.q_deg, a degree before it.",
                 have(&near, postures.len()),
                 joint.name,
                 rad_to_shortest_deg(limit),
@@ -53,8 +53,8 @@ pub fn on_limits(cell: &Cell, postures: &[Posture], limits: &[PostureLimits]) ->
     let tight: Vec<&Posture> = tight.map(|(posture, _)| posture).collect();
     if !tight.is_empty() {
         let sentence = format!(
-            "{} at most {} mm to spare beyond the distances that [clearance] asks for: how exactly tool, table and rope \
-             are where the cell has them is what these distances have to cover.",
+            "{} at most {} mm to spare beyond the distances that [clearance] asks for: how exactly tool, table and \
+             rope are where the cell has them is what these distances have to cover.",
             have(&tight, postures.len()),
             m_to_mm(TO_SPARE),
         );

@@ -181,7 +181,8 @@ pub(super) const FACTS: [Facts; 16] = [
             Index::DropOne,
             "drop_one",
             "expected error once the most needed posture is lost",
-            "With any one posture lost, the joint stiffness can still be expected with a relative standard error (RMS over the joints) of ",
+            "With any one posture lost, the joint stiffness can still be expected with a relative standard error (RMS \
+             over the joints) of ",
         )
     },
     Facts {

@@ -1,8 +1,8 @@
 //! Indices of many groups at once, on all cores.
 //!
 //! What is wanted comes from the functions that searches go by, some fifty times faster than the decompositions of
-//! [`evaluate`](super::evaluate()) and the same to nine digits: where a group's information is too badly conditioned for
-//! that, it is evaluated as there.
+//! [`evaluate`](super::evaluate()) and the same to nine digits: where a group's information is too badly conditioned
+//! for that, it is evaluated as there.
 
 use super::evaluate::{Indices, evaluate_terms, posture_terms};
 use super::function::IndexFunction;
@@ -17,7 +17,8 @@ use crate::numerics::jobs::in_order;
 const PORTION: usize = 256;
 
 /// The indices of each group of `groups` (controller angles, rad), in their order: those `wanted`; others may come with
-/// them. The numbers are those of [`evaluate`](super::evaluate()) to nine digits; what all groups share is computed once.
+/// them. The numbers are those of [`evaluate`](super::evaluate()) to nine digits; what all groups share is computed
+/// once.
 ///
 /// # Errors
 /// As [`evaluate`](super::evaluate()), of the first group that has one.

@@ -1,8 +1,8 @@
 //! The side from which a posture is reached.
 //!
 //! A joint stands on one side of its lost motion: its last turn leaves the arm a little behind the motor, so a joint
-//! that was turned down stands on the upper side. A load that turns the joint up then finds it there, and nothing of the
-//! lost motion is in the displacement; on the other side all of it is. So each joint is turned beyond the posture
+//! that was turned down stands on the upper side. A load that turns the joint up then finds it there, and nothing of
+//! the lost motion is in the displacement; on the other side all of it is. So each joint is turned beyond the posture
 //! to the side to which the load turns it, and back.
 
 use super::moves::Moves;

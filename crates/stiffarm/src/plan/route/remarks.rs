@@ -1,6 +1,6 @@
 //! What to know of a route before it is driven, in words.
 
-use super::found::{Route, RouteMove};
+use super::planned_route::{Route, RouteMove};
 use crate::error::Result;
 use crate::findings::{Finding, codes, list};
 use crate::model::cell::{Cell, LimitKind};
@@ -84,14 +84,14 @@ fn blocked_moves(reason: &str, moves: &[String]) -> Finding {
     };
     let subject = format!("{word} {}", list(moves));
     let sentence = format!(
-        "no free way was found for the {subject}{reason}. Drive {them} by hand over via postures of your own, or move what \
-         is in the way."
+        "no free way was found for the {subject}{reason}. Drive {them} by hand over via postures of your own, or move \
+         what is in the way."
     );
     Finding::serious(codes::MOVE_BLOCKED, subject, sentence)
 }
 
-/// Joints that stand on the side of their lost motion that chance gives them, and at which postures; nothing where `cell`
-/// asks for no approach.
+/// Joints that stand on the side of their lost motion that chance gives them, and at which postures; nothing where
+/// `cell` asks for no approach.
 ///
 /// # Errors
 /// A rope without a direction.

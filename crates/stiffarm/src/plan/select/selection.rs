@@ -236,8 +236,8 @@ pub(super) fn no_result(cell: &Cell, index: Index, at: &GroupEvaluation, termina
 /// Why `postures` that are all unlike were not found.
 pub(super) fn too_near(postures: usize) -> Error {
     Error::invalid(format!(
-        "No group of {postures} postures inside bounds and limits was found of which no two are within 15° of each other \
-         in every joint."
+        "No group of {postures} postures inside bounds and limits was found of which no two are within 15° of each \
+         other in every joint."
     ))
     .hint("ask for fewer, widen [bounds] or [limits], or let the plan measure postures again (--repeats)")
 }

@@ -104,8 +104,8 @@ impl<'a> Setting<'a> {
             return Err(Error::new(
                 Code::TooFewData,
                 format!(
-                    "{count} measured postures are too few: {most} are to be chosen from a pool of {pool}, and the others \
-                     predicted."
+                    "{count} measured postures are too few: {most} are to be chosen from a pool of {pool}, and the \
+                     others predicted."
                 ),
             )
             .hint("choose fewer, or make the pool smaller than the experiment"));

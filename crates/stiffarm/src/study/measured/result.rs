@@ -166,8 +166,8 @@ pub(super) fn findings(study: &MeasuredStudy) -> Vec<Finding> {
                 code,
                 Severity::Note,
                 format!(
-                    "{begin} {} with the {}: others are missed by {} (RMS, mean of {} splits); all {} of the pool with the \
-                     joint axes alone miss them by {}.",
+                    "{begin} {} with the {}: others are missed by {} (RMS, mean of {} splits); all {} of the pool with \
+                     the joint axes alone miss them by {}.",
                     best.choice.as_str(),
                     best.model.in_words(),
                     said(best),
@@ -187,8 +187,8 @@ pub(super) fn findings(study: &MeasuredStudy) -> Vec<Finding> {
                     "worse-than-random",
                     Severity::Caution,
                     format!(
-                        "{count} postures chosen by {} predict worse with the joint axes than {count} taken at random: {} \
-                         against {}; better in {} of the splits.",
+                        "{count} postures chosen by {} predict worse with the joint axes than {count} taken at random: \
+                         {} against {}; better in {} of the splits.",
                         index.as_str(),
                         said(by_index),
                         said(random),

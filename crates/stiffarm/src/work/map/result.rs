@@ -167,7 +167,8 @@ fn findings(cell: &Cell, map: &StiffnessMap) -> Vec<Finding> {
     if map.interrupted {
         let done = map.nodes.len() - map.counts.not_computed;
         out.push(stopped(format!(
-            "Stopped: {done} of {} nodes were computed, spread over the region; all that is said of the map holds for these.",
+            "Stopped: {done} of {} nodes were computed, spread over the region; all that is said of the map holds for \
+             these.",
             map.nodes.len()
         )));
     }
@@ -200,7 +201,8 @@ fn findings(cell: &Cell, map: &StiffnessMap) -> Vec<Finding> {
             "near-singular",
             "posture",
             format!(
-                "At {} of the reachable nodes k(J_N) is above {NEAR_SINGULAR}: a small way of the tip swings joints far there.",
+                "At {} of the reachable nodes k(J_N) is above {NEAR_SINGULAR}: a small way of the tip swings joints \
+                 far there.",
                 percent(poor as f64 / map.counts.reachable as f64)
             ),
         ));

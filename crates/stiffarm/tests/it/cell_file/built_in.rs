@@ -1,6 +1,7 @@
-//! The cells that come with the library.
+//! The cells that come with the library hold the published values, digit by digit.
 
 use super::*;
+use stiffarm::Code;
 
 /// Zhang et al. 2021, Table 1 \[deg\].
 const TABLE_1: [[f64; 2]; 6] =
@@ -95,8 +96,8 @@ fn the_measured_fanuc_cell() -> Check {
     assert_eq!(cell.setup.tool.point_count(), 1);
     assert_eq!(cell.setup.tool.measuring_points[0].name, "TCP");
     assert_eq!(cell.setup.tool.tcp(), cell.setup.tool.loading_point);
-    for (found, expected) in cell.setup.tool.tcp().iter().zip(tcp) {
-        assert_close(*found, expected);
+    for (read, expected) in cell.setup.tool.tcp().iter().zip(tcp) {
+        assert_close(*read, expected);
     }
     assert_eq!(cell.prior, None);
     assert_eq!(cell.characteristic_length, None);
@@ -158,8 +159,8 @@ fn copies_for_the_reader_are_the_built_in_files() -> Check {
     for file in std::fs::read_dir(&folder)? {
         let file = file?;
         let name = file.file_name().into_string().map_err(|_| "no text")?;
-        let known = name.trim_end_matches(".toml").trim_end_matches(".csv");
-        assert_eq!(std::fs::read(file.path())?, builtin::bytes(known)?, "{name}");
+        let key = name.trim_end_matches(".toml").trim_end_matches(".csv");
+        assert_eq!(std::fs::read(file.path())?, builtin::bytes(key)?, "{name}");
     }
     let files = std::fs::read_dir(folder)?.count();
     assert_eq!(files, builtin::names().len(), "every copy is built in");
@@ -168,10 +169,14 @@ fn copies_for_the_reader_are_the_built_in_files() -> Check {
 
 #[test]
 fn unknown_built_in_names_are_answered_with_the_nearest() -> Check {
-    let error = builtin::cell("comua").unwrap_err().to_string();
-    assert!(error.contains("did you mean \"comau\"?"), "{error}");
     let robot = builtin::cell("comau")?.setup.robot;
-    let error = builtin::postures("group", &robot).unwrap_err().to_string();
-    assert!(error.contains("built in: comau-group1"), "{error}");
+    let errors = [builtin::cell("comua").unwrap_err(), builtin::postures("group", &robot).unwrap_err()];
+    assert_eq!(errors.each_ref().map(|error| error.code()), [Code::UnknownName; 2]);
+    insta::assert_snapshot!(errors.map(|error| error.to_string()).join("\n"), @r#"
+    There is no built-in cell "comua".
+      hint: did you mean "comau"?
+    There is no built-in posture group "group".
+      hint: built in: comau-group1
+    "#);
     Ok(())
 }

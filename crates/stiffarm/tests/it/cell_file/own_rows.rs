@@ -1,6 +1,7 @@
-//! The flange and tilts of a robot of rows.
+//! Tilts and the flange of a robot of rows stand where its rows say.
 
 use super::*;
+use crate::common::cases::refusals;
 use nalgebra::{Isometry3, Matrix4, Translation3, UnitQuaternion, Vector3};
 use stiffarm::Code;
 use stiffarm::model::kinematics::Frames;
@@ -47,14 +48,13 @@ fn tilts_and_the_flange_stand_where_their_rows_say() -> Check {
 
 #[test]
 fn tilts_need_rows_and_one_number_each() {
-    for (keys, code) in [
-        (format!("{ROWS}\ntilts_deg = [1]"), Code::Dimension),
-        (format!("{ROWS}\ntilts_deg = [0, nan]"), Code::NotFinite),
-        (format!("{}\ntilts_deg = [0, 0]", ROWS.replace("modified", "standard")), Code::Conflict),
-        ("catalogue = 'ur5e'\ntilts_deg = [0]".to_string(), Code::Conflict),
-        (format!("{ROWS}\nflange_rpy_deg = [1, 2]"), Code::Dimension),
-    ] {
-        let error = with_keys(&keys).unwrap_err();
-        assert_eq!((error.code(), error.place().line), (code, Some(4)), "{error}");
-    }
+    let standard = ROWS.replace("modified", "standard");
+    let rows = [
+        ("one tilt of two", Code::Dimension, with_keys(&format!("{ROWS}\ntilts_deg = [1]"))),
+        ("a tilt that is no number", Code::NotFinite, with_keys(&format!("{ROWS}\ntilts_deg = [0, nan]"))),
+        ("tilts of standard rows", Code::Conflict, with_keys(&format!("{standard}\ntilts_deg = [0, 0]"))),
+        ("tilts without rows", Code::Conflict, with_keys("catalogue = 'ur5e'\ntilts_deg = [0]")),
+        ("two angles of a flange", Code::Dimension, with_keys(&format!("{ROWS}\nflange_rpy_deg = [1, 2]"))),
+    ];
+    insta::assert_snapshot!("slips_in_tilts", refusals(rows));
 }

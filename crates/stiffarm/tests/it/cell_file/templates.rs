@@ -1,6 +1,9 @@
-//! Templates of cells and tables.
+//! Templates of cells and tables can be used as they are, for every robot of the catalogue.
 
 use super::*;
+use crate::common::cases::slip;
+use std::collections::BTreeSet;
+use stiffarm_files::table::{read_measurements, read_postures};
 
 /// Half-sine sequence of angles in the bounds: the same on every machine.
 fn some_postures(cell: &Cell) -> impl Iterator<Item = Vec<f64>> + '_ {
@@ -13,6 +16,7 @@ fn some_postures(cell: &Cell) -> impl Iterator<Item = Vec<f64>> + '_ {
 
 #[test]
 fn templates_can_be_used_as_they_are() -> Check {
+    let mut empty = BTreeSet::new();
     for entry in catalogue() {
         let text = template(entry.key)?;
         let cell = parse_cell(&text, "cell.toml")?;
@@ -29,9 +33,9 @@ fn templates_can_be_used_as_they_are() -> Check {
         let tables = ["sensor", "tracker", "uncertainty", "columns", "work", "work.force", "work.milling"];
         for table in tables {
             let (above, rest) = text.split_once(&format!("# [{table}]")).ok_or("no table")?;
-            let own = rest.split_once("\n\n").map_or(rest, |(own, _)| own);
-            let own = own.replace("\n# ", "\n");
-            let with_table = parse_cell(&format!("{above}[{table}]{own}"), "cell.toml")?;
+            let keys = rest.split_once("\n\n").map_or(rest, |(keys, _)| keys);
+            let keys = keys.replace("\n# ", "\n");
+            let with_table = parse_cell(&format!("{above}[{table}]{keys}"), "cell.toml")?;
             assert_ne!(with_table, cell, "{table}");
         }
         // The limits leave room for postures of this robot.
@@ -43,20 +47,18 @@ fn templates_can_be_used_as_they_are() -> Check {
         }
         assert!(inside >= 5, "{}: {inside} of 399 postures inside", entry.key);
         // The tables begin with what to fill in, and no rows yet.
-        let error = stiffarm_files::table::read_postures(
-            postures_template(&cell.setup.robot).as_bytes(),
-            "postures.csv",
-            &cell.setup.robot,
-        );
-        assert!(error.unwrap_err().message().contains("no rows"));
-        let error = stiffarm_files::table::read_measurements(
-            measurements_template(&cell).as_bytes(),
-            "measurements.csv",
-            &cell,
-            None,
-        );
-        assert!(error.unwrap_err().message().contains("no rows"));
+        let robot = &cell.setup.robot;
+        let postures = read_postures(postures_template(robot).as_bytes(), "postures.csv", robot);
+        let measured = read_measurements(measurements_template(&cell).as_bytes(), "measurements.csv", &cell, None);
+        empty.insert(slip("postures", postures) + &slip("measurements", measured));
     }
+    insta::assert_snapshot!(empty.into_iter().collect::<String>(), @"
+    » postures
+    [too-few-data] postures.csv:3: The table has no rows below its heading.
+
+    » measurements
+    [too-few-data] measurements.csv:18: The table has no rows below its heading.
+    ");
     let error = template("comau").unwrap_err();
     assert_eq!(error.code().as_str(), "unknown-name");
     Ok(())
@@ -73,7 +75,7 @@ fn examples_of_the_templates_are_valid_rows() -> Check {
         heading.into_iter().map(String::from).chain(rows).collect::<Vec<_>>().join("\n")
     };
     let postures = uncommented(postures_template(robot));
-    let postures = stiffarm_files::table::read_postures(postures.as_bytes(), "postures.csv", robot)?;
+    let postures = read_postures(postures.as_bytes(), "postures.csv", robot)?;
     assert_eq!(postures.len(), 1);
     let sheet = uncommented(measurements_template(&cell));
     let read = crate::common::small::read_readings(sheet.as_bytes(), "m.csv", &cell, None)?;

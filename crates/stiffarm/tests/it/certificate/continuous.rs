@@ -1,6 +1,7 @@
-//! The optimal continuous design on spaces whose optimum is known.
+//! The continuous design is the optimal one where that is known, and bounded from below where it is not reached.
 
 use super::*;
+use crate::common::cases::refusals;
 
 /// Regression with 1, x, …, x^degree on [−1, 1].
 struct Polynomial {
@@ -27,7 +28,7 @@ impl DesignSpace for Polynomial {
     fn maximise(&self, a: &DMatrix<f64>, _: &[Vec<f64>], _: Effort) -> Vec<(Vec<f64>, f64)> {
         let at = |x: f64| slope(a, &self.information(&[x]));
         let grid: Vec<f64> = (0..=400).map(|i| f64::from(i) / 200.0 - 1.0).collect();
-        let mut found = Vec::new();
+        let mut maxima = Vec::new();
         for i in 0..grid.len() {
             let here = at(grid[i]);
             let left = i == 0 || at(grid[i - 1]) <= here;
@@ -43,38 +44,38 @@ impl DesignSpace for Polynomial {
                     }
                 }
                 let x = 0.5 * (low + high);
-                found.push(if at(x) > here { (vec![x], at(x)) } else { (vec![grid[i]], here) });
+                maxima.push(if at(x) > here { (vec![x], at(x)) } else { (vec![grid[i]], here) });
             }
         }
-        found.sort_by(|a, b| b.1.total_cmp(&a.1));
-        found
+        maxima.sort_by(|a, b| b.1.total_cmp(&a.1));
+        maxima
     }
 }
 
 /// Checks that the weights lie where they should.
 fn assert_design(design: &ContinuousDesign, expected: &[(f64, f64)]) {
-    let found: Vec<_> = design.points.iter().zip(&design.weights).collect();
+    let support: Vec<_> = design.points.iter().zip(&design.weights).collect();
     let mut sum = 0.0;
     for (at, weight) in expected {
-        let here = found.iter().filter(|(x, _)| (x[0] - at).abs() < 5e-3);
+        let here = support.iter().filter(|(x, _)| (x[0] - at).abs() < 5e-3);
         let here: f64 = here.map(|(_, w)| **w).sum();
-        assert!((here - weight).abs() < 2e-3, "{at}: {found:?}");
+        assert!((here - weight).abs() < 2e-3, "{at}: {support:?}");
         sum += here;
     }
-    assert!((sum - 1.0).abs() < 1e-4, "{found:?}");
+    assert!((sum - 1.0).abs() < 1e-4, "{support:?}");
 }
 
 /// Pukelsheim, Optimal Design of Experiments (1993), sections 9.5 and 9.6.
 #[test]
 fn d_optimal_polynomials_are_the_published_ones() {
     let quadratic = Polynomial { degree: 2 };
-    let found = design(&quadratic, &Criterion::Determinant, &quadratic.starts(), 1e-7);
+    let optimum = design(&quadratic, &Criterion::Determinant, &quadratic.starts(), 1e-7);
     let third = 1.0 / 3.0;
-    assert_design(&found, &[(-1.0, third), (0.0, third), (1.0, third)]);
+    assert_design(&optimum, &[(-1.0, third), (0.0, third), (1.0, third)]);
     let cubic = Polynomial { degree: 3 };
-    let found = design(&cubic, &Criterion::Determinant, &cubic.starts(), 1e-6);
+    let optimum = design(&cubic, &Criterion::Determinant, &cubic.starts(), 1e-6);
     let x = 1.0 / 5f64.sqrt();
-    assert_design(&found, &[(-1.0, 0.25), (-x, 0.25), (x, 0.25), (1.0, 0.25)]);
+    assert_design(&optimum, &[(-1.0, 0.25), (-x, 0.25), (x, 0.25), (1.0, 0.25)]);
 }
 
 /// With u/2 at ±1 and 1 − u at 0, tr M⁻¹ = (2 − u + u)/(u(1 − u)) = 2/(u(1 − u)),
@@ -107,10 +108,10 @@ fn a_singular_optimum_is_bounded_from_below() {
         for (j, best) in [1.0, 1.0, 4.0].into_iter().enumerate() {
             let mut q = DMatrix::zeros(3, 3);
             q[(j, j)] = 1.0;
-            let found = design(&space, &Criterion::Trace(q), &space.starts(), tolerance);
-            assert_eq!(found.termination, Termination::Converged);
-            assert!(found.bound <= best * (1.0 + 1e-9), "{j}: {}", found.bound);
-            let bound = found.bound;
+            let optimum = design(&space, &Criterion::Trace(q), &space.starts(), tolerance);
+            assert_eq!(optimum.termination, Termination::Converged);
+            assert!(optimum.bound <= best * (1.0 + 1e-9), "{j}: {}", optimum.bound);
+            let bound = optimum.bound;
             assert!(bound >= best * (1.0 - tolerance), "{j}: {bound}");
         }
     }
@@ -120,23 +121,23 @@ fn a_singular_optimum_is_bounded_from_below() {
 fn the_equivalence_condition_holds_at_the_design() {
     let space = Polynomial { degree: 3 };
     for criterion in [Criterion::Determinant, Criterion::Trace(DMatrix::identity(4, 4))] {
-        let found = design(&space, &criterion, &space.starts(), 1e-6);
+        let optimum = design(&space, &criterion, &space.starts(), 1e-6);
         let mut mean = 0.0;
         let mut total = DMatrix::zeros(4, 4);
-        for (x, w) in found.points.iter().zip(&found.weights) {
+        for (x, w) in optimum.points.iter().zip(&optimum.weights) {
             let g = space.information(x);
-            mean += w * slope(&found.adjoint, &g);
+            mean += w * slope(&optimum.adjoint, &g);
             total += g * *w;
         }
-        assert!((found.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-        assert!((&total - &found.information).amax() < 1e-12);
-        assert!((mean / found.level - 1.0).abs() < 1e-9);
-        assert!((found.value / value(&criterion, &total) - 1.0).abs() < 1e-9);
+        assert!((optimum.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!((&total - &optimum.information).amax() < 1e-12);
+        assert!((mean / optimum.level - 1.0).abs() < 1e-9);
+        assert!((optimum.value / value(&criterion, &total) - 1.0).abs() < 1e-9);
         for i in 0..=2000 {
             let x = f64::from(i) / 1000.0 - 1.0;
-            let here = slope(&found.adjoint, &space.information(&[x]));
-            assert!(here <= found.level * (1.0 + 1e-6), "{x}: {here}");
-            assert!(here <= found.largest * (1.0 + 1e-12));
+            let here = slope(&optimum.adjoint, &space.information(&[x]));
+            assert!(here <= optimum.level * (1.0 + 1e-6), "{x}: {here}");
+            assert!(here <= optimum.largest * (1.0 + 1e-12));
         }
     }
 }
@@ -196,11 +197,11 @@ fn brute_force(space: &Discrete, criterion: &Criterion, sum: &DMatrix<f64>, from
 
 /// φ of the best weights by the multiplicative algorithm (Silvey, Titterington
 /// & Torsney 1978), which shares nothing with the library's.
-fn multiplicative(space: &Discrete, criterion: &Criterion, given: &DMatrix<f64>) -> f64 {
-    let n = given.nrows();
+fn multiplicative(space: &Discrete, criterion: &Criterion, beforehand: &DMatrix<f64>) -> f64 {
+    let n = beforehand.nrows();
     let mut weights = vec![1.0 / space.0.len() as f64; space.0.len()];
     let total = |weights: &[f64]| {
-        let mut total = given.clone();
+        let mut total = beforehand.clone();
         for (w, g) in weights.iter().zip(&space.0) {
             total += g * *w;
         }
@@ -230,14 +231,14 @@ fn no_exact_design_beats_the_bound_and_the_optimum_is_the_multiplicative_one() {
         for criterion in
             [Criterion::Determinant, Criterion::Trace(DMatrix::identity(3, 3)), Criterion::Trace(weighted.clone())]
         {
-            let found = design(&space, &criterion, &space.points(), 1e-8);
-            assert_eq!(found.termination, Termination::Converged);
+            let optimum = design(&space, &criterion, &space.points(), 1e-8);
+            assert_eq!(optimum.termination, Termination::Converged);
             let other = multiplicative(&space, &criterion, &DMatrix::zeros(3, 3));
-            assert!((found.value / other - 1.0).abs() < 1e-6, "{seed} {criterion:?}: {} or {other}", found.value);
+            assert!((optimum.value / other - 1.0).abs() < 1e-6, "{seed} {criterion:?}: {} or {other}", optimum.value);
             for count in 3..=5 {
                 let zero = DMatrix::zeros(3, 3);
                 let best = brute_force(&space, &criterion, &zero, 0, count);
-                let bound = found.bound / count as f64;
+                let bound = optimum.bound / count as f64;
                 assert!(best >= bound * (1.0 - 1e-10), "{seed} {count}: {best} {bound}");
                 // Nor is the bound idle.
                 assert!(bound > 0.3 * best, "{seed} {count}: {best} {bound}");
@@ -254,21 +255,21 @@ fn the_bound_counts_information_given_beforehand() {
         let measured = &space.0[0] + &space.0[1] + &space.0[2];
         for criterion in [Criterion::Determinant, Criterion::Trace(DMatrix::identity(3, 3))] {
             for count in 1..=4 {
-                let given = &measured / count as f64;
-                let found = optimal_design(
+                let beforehand = &measured / count as f64;
+                let optimum = optimal_design(
                     &space,
                     &criterion,
-                    Some(&given),
+                    Some(&beforehand),
                     &space.points(),
                     DesignOptions { tolerance: 1e-8, ..DesignOptions::default() },
                     Control::default(),
                 )
                 .unwrap();
-                assert_eq!(found.termination, Termination::Converged);
-                let other = multiplicative(&space, &criterion, &given);
-                assert!((found.value / other - 1.0).abs() < 1e-5, "{seed} {count}");
+                assert_eq!(optimum.termination, Termination::Converged);
+                let other = multiplicative(&space, &criterion, &beforehand);
+                assert!((optimum.value / other - 1.0).abs() < 1e-5, "{seed} {count}");
                 let best = brute_force(&space, &criterion, &measured, 0, count);
-                let bound = found.bound / count as f64;
+                let bound = optimum.bound / count as f64;
                 assert!(best >= bound * (1.0 - 1e-10), "{seed} {count}: {best} {bound}");
                 assert!(bound > 0.3 * best, "{seed} {count}: {best} {bound}");
             }
@@ -284,12 +285,12 @@ fn a_design_that_runs_out_of_rounds_is_bounded_all_the_same() {
     for max_rounds in 1..4 {
         let options = DesignOptions { tolerance: 1e-10, max_rounds };
         let starts = space.starts();
-        let found = optimal_design(&space, &criterion, None, &starts, options, Control::default()).unwrap();
-        assert_eq!(found.termination, Termination::IterationLimit);
-        assert_eq!(found.rounds, max_rounds);
-        assert!(found.verification.searches > 0);
-        assert!(found.residual > 1e-10);
-        assert!(found.bound <= best.value && found.bound > 0.1 * best.value);
+        let stopped = optimal_design(&space, &criterion, None, &starts, options, Control::default()).unwrap();
+        assert_eq!(stopped.termination, Termination::IterationLimit);
+        assert_eq!(stopped.rounds, max_rounds);
+        assert!(stopped.verification.searches > 0);
+        assert!(stopped.residual > 1e-10);
+        assert!(stopped.bound <= best.value && stopped.bound > 0.1 * best.value);
     }
 }
 
@@ -297,23 +298,22 @@ fn a_design_that_runs_out_of_rounds_is_bounded_all_the_same() {
 fn problems_that_make_no_sense_are_refused() {
     let space = Polynomial { degree: 2 };
     let starts = space.starts();
-    let run = |criterion: &Criterion, given: Option<DMatrix<f64>>, starts: &[Vec<f64>], tolerance| {
+    let run = |criterion: &Criterion, beforehand: Option<&DMatrix<f64>>, starts: &[Vec<f64>], tolerance| {
         let options = DesignOptions { tolerance, ..DesignOptions::default() };
-        let given = given.as_ref();
-        optimal_design(&space, criterion, given, starts, options, Control::default()).unwrap_err()
+        optimal_design(&space, criterion, beforehand, starts, options, Control::default())
     };
     let d = Criterion::Determinant;
-    assert_eq!(run(&d, None, &[], 1e-4).code(), Code::TooFewData);
-    assert_eq!(run(&d, None, &starts, 0.0).code(), Code::InvalidValue);
-    assert_eq!(run(&d, None, &starts, f64::NAN).code(), Code::InvalidValue);
     let nan = DMatrix::from_element(3, 3, f64::NAN);
-    assert_eq!(run(&d, Some(nan.clone()), &starts, 1e-4).code(), Code::NotFinite);
-    let small = DMatrix::identity(2, 2);
-    assert_eq!(run(&d, Some(small), &starts, 1e-4).code(), Code::Dimension);
-    assert_eq!(run(&d, None, &[vec![f64::NAN]], 1e-4).code(), Code::NotFinite);
-    assert_eq!(run(&Criterion::Trace(nan), None, &starts, 1e-4).code(), Code::NotFinite);
-    // Two points cannot tell three coefficients: at ±1 the first and the third mix.
-    let error = run(&d, None, &[vec![-1.0], vec![1.0]], 1e-4);
-    assert_eq!(error.code(), Code::NotIdentifiable);
-    assert_eq!(error.message(), "No design can determine unknown 1 and unknown 3.");
+    let rows = [
+        ("no start", Code::TooFewData, run(&d, None, &[], 1e-4)),
+        ("a tolerance of zero", Code::InvalidValue, run(&d, None, &starts, 0.0)),
+        ("a tolerance that is no number", Code::InvalidValue, run(&d, None, &starts, f64::NAN)),
+        ("information that is no number", Code::NotFinite, run(&d, Some(&nan), &starts, 1e-4)),
+        ("information of two unknowns", Code::Dimension, run(&d, Some(&DMatrix::identity(2, 2)), &starts, 1e-4)),
+        ("a start that is no number", Code::NotFinite, run(&d, None, &[vec![f64::NAN]], 1e-4)),
+        ("weights that are no numbers", Code::NotFinite, run(&Criterion::Trace(nan.clone()), None, &starts, 1e-4)),
+        // At ±1 the first and the third coefficient mix.
+        ("two points for three", Code::NotIdentifiable, run(&d, None, &[vec![-1.0], vec![1.0]], 1e-4)),
+    ];
+    insta::assert_snapshot!("design_refusals", refusals(rows));
 }

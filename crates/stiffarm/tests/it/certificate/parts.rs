@@ -1,9 +1,10 @@
-//! Criteria, weights on finitely many points, and the postures of a cell as a space.
+//! Criteria, weights on finitely many points, and the postures of a cell as a space are what their definitions say.
 
 use super::*;
+use crate::common::cases::refusals;
 use crate::common::differences::assert_gradient;
 use stiffarm::internals::design::{WeightProblem, optimal_weights};
-use stiffarm::internals::{Kernel, Wanted};
+use stiffarm::internals::{Kernel, KernelRequest};
 
 fn information(shift: f64) -> DMatrix<f64> {
     let b = DMatrix::from_fn(5, 3, |i, j| (((i + 1) * (j + 2)) as f64 * shift).sin());
@@ -42,12 +43,15 @@ fn values_are_the_definitions() {
 
 #[test]
 fn a_criterion_that_makes_no_sense_is_refused() {
-    let code = |q: DMatrix<f64>| Criterion::Trace(q).prepare(2).unwrap_err().code();
-    assert_eq!(code(DMatrix::identity(3, 3)), Code::Dimension);
-    assert_eq!(code(DMatrix::zeros(2, 2)), Code::InvalidValue);
-    assert_eq!(code(-DMatrix::identity(2, 2)), Code::InvalidValue);
-    assert_eq!(code(DMatrix::from_row_slice(2, 2, &[1.0, 0.5, 0.0, 1.0])), Code::InvalidValue);
-    assert_eq!(code(DMatrix::from_element(2, 2, f64::NAN)), Code::NotFinite);
+    let of = |q: DMatrix<f64>| Criterion::Trace(q).prepare(2);
+    let rows = [
+        ("three unknowns of two", Code::Dimension, of(DMatrix::identity(3, 3))),
+        ("nothing weighed", Code::InvalidValue, of(DMatrix::zeros(2, 2))),
+        ("negative weights", Code::InvalidValue, of(-DMatrix::identity(2, 2))),
+        ("no symmetry", Code::InvalidValue, of(DMatrix::from_row_slice(2, 2, &[1.0, 0.5, 0.0, 1.0]))),
+        ("no numbers", Code::NotFinite, of(DMatrix::from_element(2, 2, f64::NAN))),
+    ];
+    insta::assert_snapshot!("criterion_refusals", refusals(rows));
 }
 
 fn polynomial(x: f64, degree: i32) -> DMatrix<f64> {
@@ -134,7 +138,7 @@ fn the_gradient_of_a_slope_is_that_of_the_information() {
     let adjoint = adjoint();
     let compliance = compliance_of(cell.require_prior().unwrap());
     let weight = cell.noise.common_weight(cell.setup.tool.point_count());
-    let wanted = Wanted { dexterity: None, information: Some((compliance.as_slice(), weight)), limits: false };
+    let wanted = KernelRequest { dexterity: None, information: Some((compliance.as_slice(), weight)), limits: false };
     let mut kernel = Kernel::new(&cell, wanted, 1).unwrap();
     let value = |q: &[f64]| slope(&adjoint, &space.information(q));
     for q in space.samples(8) {
@@ -151,17 +155,17 @@ fn searches_end_at_feasible_local_maxima() {
     let cell = cell();
     let space = PostureSpace::new(&cell, 64, 4).unwrap();
     let adjoint = adjoint();
-    let found = space.maximise(&adjoint, &[], Effort::Verify);
-    assert_eq!(found.len(), 64);
-    assert!(found.is_sorted_by(|a, b| a.1 >= b.1));
-    for (q, value) in &found {
+    let maxima = space.maximise(&adjoint, &[], Effort::Verify);
+    assert_eq!(maxima.len(), 64);
+    assert!(maxima.is_sorted_by(|a, b| a.1 >= b.1));
+    for (q, value) in &maxima {
         assert!(space.contains(q).unwrap());
-        let own = slope(&adjoint, &space.information(q));
-        assert!((own / value - 1.0).abs() < 1e-12);
+        let gain = slope(&adjoint, &space.information(q));
+        assert!((gain / value - 1.0).abs() < 1e-12);
     }
     let starts = space.samples(64);
     let each = starts.iter().map(|q| slope(&adjoint, &space.information(q)));
-    assert!(found[0].1 > each.fold(0.0, f64::max));
+    assert!(maxima[0].1 > each.fold(0.0, f64::max));
     let few = space.maximise(&adjoint, &starts[..2], Effort::Improve);
     assert_eq!(few.len(), 6);
 }
@@ -177,9 +181,9 @@ fn narrow_limits_are_searched_from_outside() {
     let space = PostureSpace::new(&cell, 512, 4).unwrap();
     let inside = space.samples(512).len();
     assert!(inside < 512);
-    let found = space.maximise(&adjoint(), &[], Effort::Verify);
-    assert!(found.len() > inside);
-    for (q, _) in found {
+    let maxima = space.maximise(&adjoint(), &[], Effort::Verify);
+    assert!(maxima.len() > inside);
+    for (q, _) in maxima {
         assert!(space.contains(&q).unwrap());
     }
 }

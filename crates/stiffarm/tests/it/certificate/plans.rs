@@ -1,6 +1,7 @@
-//! What no plan of a cell can beat.
+//! No plan of a cell falls below its bound, and good plans are known to be near it.
 
 use super::*;
+use crate::common::cases::refusals;
 
 /// The best of 300 random groups, each optimised, on the reference cell, in
 /// degrees; another 300 groups get no nearer than 0.03 % to the bound.
@@ -34,21 +35,21 @@ fn samples(samples: usize) -> CertificateOptions {
 
 fn certificate(cell: &Cell, index: Index, postures: &[Vec<f64>]) -> Certificate {
     let options = CertificateOptions::default();
-    let found = certify(cell, index, postures, &options, Control::default()).unwrap();
+    let certificate = certify(cell, index, postures, &options, Control::default()).unwrap();
     println!(
         "{} {}: bound {:.7} ({:.2} σ), value {:?}, efficiency {:?}, residual {:.1e}, {} rounds, {} searches, {:?}",
         cell.name,
         index.as_str(),
-        found.bound,
-        found.bound / cell.noise.displacement_std(),
-        found.value,
-        found.efficiency,
-        found.residual,
-        found.rounds,
-        found.searches,
-        found.verification
+        certificate.bound,
+        certificate.bound / cell.noise.displacement_std(),
+        certificate.value,
+        certificate.efficiency,
+        certificate.residual,
+        certificate.rounds,
+        certificate.searches,
+        certificate.verification
     );
-    found
+    certificate
 }
 
 /// An independent calculation (multiplicative algorithm, multi-start over the
@@ -59,19 +60,19 @@ fn a_good_plan_is_known_to_be_near_the_best() {
         [(reference_cell(), GOOD_REFERENCE, 959.7, 0.996), (default_cell(), GOOD_DEFAULT, 968.7, 0.996)]
     {
         let plan = plan(&cell, &start);
-        let found = certificate(&cell, Index::ExpectedError, &plan);
-        assert_eq!(found.termination, Termination::Converged);
-        assert!(found.residual <= 1e-4 && found.residual > -1e-9);
+        let a = certificate(&cell, Index::ExpectedError, &plan);
+        assert_eq!(a.termination, Termination::Converged);
+        assert!(a.residual <= 1e-4 && a.residual > -1e-9);
         let sigma = cell.noise.displacement_std();
-        assert!((found.bound / sigma - per_metre).abs() < 0.1);
-        assert!(found.efficiency.unwrap() > efficiency && found.efficiency.unwrap() <= 1.0);
-        assert!((found.support.iter().map(|s| s.weight).sum::<f64>() - 1.0).abs() < 1e-9);
-        assert!(found.support.len() <= 21, "{}", found.support.len());
-        assert_eq!(found.verification.searches, 1024);
-        assert!(found.verification.agreeing > 100);
-        assert!(found.outside.is_empty());
+        assert!((a.bound / sigma - per_metre).abs() < 0.1);
+        assert!(a.efficiency.unwrap() > efficiency && a.efficiency.unwrap() <= 1.0);
+        assert!((a.support.iter().map(|s| s.weight).sum::<f64>() - 1.0).abs() < 1e-9);
+        assert!(a.support.len() <= 21, "{}", a.support.len());
+        assert_eq!(a.verification.searches, 1024);
+        assert!(a.verification.agreeing > 100);
+        assert!(a.outside.is_empty());
         let space = PostureSpace::new(&cell, 1, 1).unwrap();
-        for posture in &found.support {
+        for posture in &a.support {
             let q = &posture.angles;
             assert!(space.contains(q).unwrap(), "{q:?}");
         }
@@ -119,8 +120,8 @@ fn the_bound_of_one_size_is_that_of_another() {
     for index in [Index::D, Index::Task] {
         let of_one = |count: usize| {
             let group = random_group(&cell, StartKind::Uniform, count, 1, 0).unwrap();
-            let found = certify(&cell, index, &group, &samples(64), Control::default()).unwrap();
-            found.bound * (count as f64).sqrt()
+            let certificate = certify(&cell, index, &group, &samples(64), Control::default()).unwrap();
+            certificate.bound * (count as f64).sqrt()
         };
         let (three, eight) = (of_one(3), of_one(8));
         assert!((three / eight - 1.0).abs() < 2e-4, "{three} {eight}");
@@ -156,10 +157,10 @@ fn a_plan_outside_the_limits_has_no_efficiency() {
     postures[4][1] = -70f64.to_radians();
     let options = samples(64);
     let index = Index::D;
-    let found = certify(&cell, index, &postures, &options, Control::default()).unwrap();
-    assert_eq!(found.outside, [2, 5]);
-    assert!(found.value.is_some() && found.bound > 0.0);
-    assert_eq!(found.efficiency, None);
+    let certificate = certify(&cell, index, &postures, &options, Control::default()).unwrap();
+    assert_eq!(certificate.outside, [2, 5]);
+    assert!(certificate.value.is_some() && certificate.bound > 0.0);
+    assert_eq!(certificate.efficiency, None);
     // A plan that leaves joints open has a bound but no value.
     let mut cell = cell;
     cell.setup.tool.measuring_points.truncate(1);
@@ -173,48 +174,42 @@ fn a_plan_outside_the_limits_has_no_efficiency() {
 fn faults_are_named() {
     let cell = reference_cell();
     let options = samples(64);
-    let error = |cell: &Cell, index: Index, postures: &[Vec<f64>]| {
-        certify(cell, index, postures, &options, Control::default()).unwrap_err()
-    };
+    let of =
+        |cell: &Cell, index: Index, postures: &[Vec<f64>]| certify(cell, index, postures, &options, Control::default());
     let postures = group1();
     let a = Index::ExpectedError;
-    assert_eq!(error(&cell, Index::Novel, &postures).code(), Code::Unsupported);
-    assert_eq!(error(&cell, a, &[]).code(), Code::TooFewData);
-    let mut nan = postures.clone();
-    nan[2][3] = f64::NAN;
-    assert_eq!(error(&cell, a, &nan).code(), Code::NotFinite);
-    assert_eq!(error(&cell, a, &[vec![0.0; 5]]).code(), Code::Dimension);
-    let with = |change: &dyn Fn(&mut Cell)| error(&changed(cell.clone(), change), a, &postures);
-    let refused = |code: Code, change: &dyn Fn(&mut Cell)| assert_eq!(with(change).code(), code);
-    refused(Code::MissingKey, &|c| c.prior = None);
-    refused(Code::MissingKey, &|c| c.setup.load = Load::Measured);
-    refused(Code::InvalidValue, &|c| c.bounds[2].reverse());
-    refused(Code::InvalidValue, &|c| c.bounds[2][1] = f64::INFINITY);
-    refused(Code::InvalidValue, &|c| {
-        c.prior = Some(vec![1e6, 1e6, 0.0, 1e6, 1e6, 1e6]);
-    });
-    let nothing = with(&|c| c.limits.floor = Some(50.0));
-    assert_eq!(nothing.code(), Code::InvalidValue);
-    assert_eq!(nothing.place().key.as_deref(), Some("limits"));
-    // The load on the axis of joint 6, and a weight on a robot that stands upright.
-    let dark = with(&|c| {
-        c.setup.tool.loading_point = Vector3::new(0.0, 0.0, 0.3);
-    });
-    assert_eq!(dark.code(), Code::NotIdentifiable);
-    assert_eq!(dark.message(), "No design can determine joint 6.");
-    let dark = with(&|c| c.setup.load = hanging(500.0));
-    assert_eq!(dark.message(), "No design can determine joint 1.");
+    let nan = changed(postures.clone(), |postures| postures[2][3] = f64::NAN);
+    let with = |change: fn(&mut Cell)| of(&changed(cell.clone(), change), a, &postures);
     let stop = || true;
-    let control = stopped_by(&stop);
-    let stopped = certify(&cell, a, &postures, &options, control).unwrap_err();
-    assert_eq!(stopped.code(), Code::Interrupted);
+    let nowhere = with(|c| c.limits.floor = Some(50.0));
+    assert_eq!(nowhere.as_ref().err().and_then(|error| error.place().key.as_deref()), Some("limits"));
+    let rows = [
+        ("an index without a bound", Code::Unsupported, of(&cell, Index::Novel, &postures)),
+        ("no posture", Code::TooFewData, of(&cell, a, &[])),
+        ("an angle that is no number", Code::NotFinite, of(&cell, a, &nan)),
+        ("five angles of six", Code::Dimension, of(&cell, a, &[vec![0.0; 5]])),
+        ("no prior", Code::MissingKey, with(|c| c.prior = None)),
+        ("a measured load", Code::MissingKey, with(|c| c.setup.load = Load::Measured)),
+        ("reversed bounds", Code::InvalidValue, with(|c| c.bounds[2].reverse())),
+        ("an endless bound", Code::InvalidValue, with(|c| c.bounds[2][1] = f64::INFINITY)),
+        ("a joint without stiffness", Code::InvalidValue, with(|c| c.prior.as_mut().unwrap()[2] = 0.0)),
+        ("a floor above everything", Code::InvalidValue, nowhere),
+        (
+            "the load on the axis of joint 6",
+            Code::NotIdentifiable,
+            with(|c| c.setup.tool.loading_point = Vector3::new(0.0, 0.0, 0.3)),
+        ),
+        ("a weight on an upright robot", Code::NotIdentifiable, with(|c| c.setup.load = hanging(500.0))),
+        ("a stop at once", Code::Interrupted, certify(&cell, a, &postures, &options, stopped_by(&stop))),
+    ];
+    insta::assert_snapshot!("certificate_refusals", refusals(rows));
 }
 
 #[test]
 fn a_stop_keeps_the_bound_so_far() {
     let cell = reference_cell();
-    let asked = AtomicUsize::new(0);
-    let stop = || asked.fetch_add(1, Ordering::Relaxed) >= 2;
+    let looks = AtomicUsize::new(0);
+    let stop = || looks.fetch_add(1, Ordering::Relaxed) >= 2;
     let control = stopped_by(&stop);
     let options = samples(256);
     let index = Index::ExpectedError;
@@ -250,11 +245,11 @@ proptest! {
         let index = [Index::ExpectedError, Index::D][which];
         let group = |stream: u64| random_group(&cell, StartKind::Uniform, count, seed, stream).unwrap();
         let options = samples(512);
-        let found = certify(&cell, index, &group(0), &options, Control::default());
+        let certificate = certify(&cell, index, &group(0), &options, Control::default());
         // Narrow bounds may leave a joint undetermined to rounding.
-        prop_assume!(found.as_ref().err().map(Error::code) != Some(Code::NotIdentifiable));
-        let found = found.unwrap();
-        prop_assert!(found.residual <= 1e-4, "{found:?}");
+        prop_assume!(certificate.as_ref().err().map(Error::code) != Some(Code::NotIdentifiable));
+        let certificate = certificate.unwrap();
+        prop_assert!(certificate.residual <= 1e-4, "{certificate:?}");
         let mut best = f64::INFINITY;
         for stream in 0..40 {
             let value = evaluate(&cell, "", &group(stream)).unwrap().indices.get(index);
@@ -266,7 +261,7 @@ options.max_iterations = 300;
             let plan = select_from(&cell, index, &group(stream), options, Control::default());
             best = best.min(plan.map_or(f64::INFINITY, |plan| plan.value));
         }
-        println!("n {n} load {kind} N {count} {index:?}: best/bound {:.5} {:?}", best / found.bound, found.verification);
-        prop_assert!(best >= found.bound * (1.0 - 1e-9), "{best} below {}", found.bound);
+        println!("n {n} load {kind} N {count} {index:?}: best/bound {:.5} {:?}", best / certificate.bound, certificate.verification);
+        prop_assert!(best >= certificate.bound * (1.0 - 1e-9), "{best} below {}", certificate.bound);
     }
 }

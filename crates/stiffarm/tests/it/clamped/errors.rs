@@ -1,6 +1,7 @@
-//! What goes wrong at a clamped arm: signs, soft fixtures, friction, wrong input.
+//! Wrong signs, soft fixtures, friction and wrong input at a clamped arm are named.
 
 use super::*;
+use crate::common::cases::{refusals, sentences};
 
 #[test]
 fn both_signs_of_the_sensor_give_the_same_and_a_wrong_one_is_named() {
@@ -9,6 +10,7 @@ fn both_signs_of_the_sensor_give_the_same_and_a_wrong_one_is_named() {
     let clamped = exact(&cell, 2, 4, 2);
     let pose =
         Isometry3::from_parts(Translation3::new(0.02, -0.01, 0.08), UnitQuaternion::from_euler_angles(0.3, -0.8, 1.9));
+    let mut first = Vec::new();
     for reports_by_robot in [false, true] {
         let sensor = Sensor { mount: Mount::Flange, pose, reports_by_robot, mirrored: None };
         let through = |assumed: &Sensor| -> Vec<ClampedPosture> {
@@ -42,11 +44,12 @@ fn both_signs_of_the_sensor_give_the_same_and_a_wrong_one_is_named() {
         };
         let result = identify_clamped(&cell, &noisy, None, &IdentifyOptions::default()).unwrap();
         assert!(result.estimates.joints.iter().all(|j| j.verdict == Verdict::SignOrModelFault));
-        let finding = &result.findings[0];
-        assert_eq!(finding.code, "wrench-sign");
-        let said = &finding.sentence;
-        assert!(said.contains("sign or model fault"), "{said}");
+        first.push(result.findings[0].clone());
     }
+    insta::assert_snapshot!(sentences(&first), @"
+    [wrench-sign] measurements: The compliance of 6 of 6 joints comes out negative: a sign or model fault. The wrench seems to be that of the robot on the fixture, and the one of the fixture on the robot is needed. Check which way the sensor counts (sensor.reports of the cell), and that the angles are loaded minus reference.
+    [wrench-sign] measurements: The compliance of 6 of 6 joints comes out negative: a sign or model fault. The wrench seems to be that of the robot on the fixture, and the one of the fixture on the robot is needed. Check which way the sensor counts (sensor.reports of the cell), and that the angles are loaded minus reference.
+    ");
 }
 
 #[test]
@@ -129,36 +132,30 @@ fn the_size_of_friction_is_said_with_its_joint() {
 fn wrong_input_is_refused() {
     let cell = reference_cell();
     let data = exact(&cell, 3, 2, 1);
-    let refused = |code: Code, data: &[ClampedPosture], options: &IdentifyOptions| {
-        let error = identify_clamped(&cell, data, None, options).unwrap_err();
-        assert_eq!(error.code(), code, "{error}");
-    };
-    let plain = IdentifyOptions::default;
-    refused(Code::TooFewData, &[], &plain());
-    let spoiled = |code: Code, change: fn(&mut ClampedPosture)| {
-        refused(code, &changed(data.clone(), |d| change(&mut d[1])), &plain());
-    };
-    spoiled(Code::NotFinite, |c| c.motor[2] = f64::NAN);
-    spoiled(Code::NotFinite, |c| c.wrench.moment.y = f64::INFINITY);
-    spoiled(Code::NotFinite, |c| {
-        c.fixture_motion = Some(Vector6::repeat(f64::NAN));
-    });
-    spoiled(Code::Dimension, |c| c.motor.truncate(5));
-    let wrong = |code: Code, change: &dyn Fn(&mut IdentifyOptions)| {
-        refused(code, &data, &changed(plain(), change));
-    };
-    wrong(Code::MissingKey, &|o| o.noise = NoiseSource::Known);
-    wrong(Code::Conflict, &|o| {
-        o.noise = NoiseSource::Repeats;
-        o.estimator = Estimator::Weighted;
-    });
-    wrong(Code::Conflict, &|o| o.weights = Weights::Tracker);
-    wrong(Code::Duplicate, &|o| {
-        o.extra = vec![ExtraTerm::BaseTilt, ExtraTerm::BaseTilt];
-    });
-    wrong(Code::UnknownName, &|o| {
-        o.extra = vec![ExtraTerm::JointTilt(6)];
-    });
-    let error = identify_clamped(&cell, &data, Some(0.0), &plain()).unwrap_err();
-    assert_eq!(error.code(), Code::InvalidValue);
+    let plain = IdentifyOptions::default();
+    let of = |data: &[ClampedPosture]| identify_clamped(&cell, data, None, &plain);
+    let spoiled = |change: fn(&mut ClampedPosture)| of(&changed(data.clone(), |d| change(&mut d[1])));
+    let with = |change: fn(&mut IdentifyOptions)| identify_clamped(&cell, &data, None, &changed(plain.clone(), change));
+    let rows = [
+        ("no posture", Code::TooFewData, of(&[])),
+        ("a motor that is no number", Code::NotFinite, spoiled(|c| c.motor[2] = f64::NAN)),
+        ("an endless moment", Code::NotFinite, spoiled(|c| c.wrench.moment.y = f64::INFINITY)),
+        (
+            "a fixture's motion that is no number",
+            Code::NotFinite,
+            spoiled(|c| c.fixture_motion = Some(Vector6::repeat(f64::NAN))),
+        ),
+        ("five motors of six", Code::Dimension, spoiled(|c| c.motor.truncate(5))),
+        ("known noise that nobody states", Code::MissingKey, with(|o| o.noise = NoiseSource::Known)),
+        (
+            "repeats beside weights",
+            Code::Conflict,
+            with(|o| (o.noise, o.estimator) = (NoiseSource::Repeats, Estimator::Weighted)),
+        ),
+        ("weights of a tracker", Code::Conflict, with(|o| o.weights = Weights::Tracker)),
+        ("a term twice", Code::Duplicate, with(|o| o.extra = vec![ExtraTerm::BaseTilt, ExtraTerm::BaseTilt])),
+        ("a seventh joint", Code::UnknownName, with(|o| o.extra = vec![ExtraTerm::JointTilt(6)])),
+        ("noise of zero", Code::InvalidValue, identify_clamped(&cell, &data, Some(0.0), &plain)),
+    ];
+    insta::assert_snapshot!("clamped_refusals", refusals(rows));
 }

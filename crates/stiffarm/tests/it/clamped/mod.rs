@@ -1,4 +1,4 @@
-//! Clamped end-effector: the same stiffness as with a free one.
+//! A clamped end-effector gives the same stiffness as a free one.
 
 mod errors;
 mod noise;
@@ -82,9 +82,9 @@ fn stiffness(cell: &Cell, clamped: &[ClampedPosture]) -> Vec<f64> {
     result.estimates.stiffness().unwrap()
 }
 
-fn assert_close(found: &[f64], truth: &[f64], tolerance: f64, what: &str) {
-    for (k, t) in found.iter().zip(truth) {
-        assert!((k / t - 1.0).abs() < tolerance, "{what}: {found:?}, not {truth:?}");
+fn assert_close(estimate: &[f64], truth: &[f64], tolerance: f64, what: &str) {
+    for (k, t) in estimate.iter().zip(truth) {
+        assert!((k / t - 1.0).abs() < tolerance, "{what}: {estimate:?}, not {truth:?}");
     }
 }
 
@@ -224,12 +224,12 @@ fn a_tilting_joint_and_lost_motion_are_further_terms() {
         let options = with(|o: &mut IdentifyOptions| o.extra = vec![term]);
         let result = identify_clamped(&cell, &data, None, &options).unwrap();
         assert_close(&result.estimates.stiffness().unwrap(), truth, 1e-8, "with the term");
-        let found = if term.is_spring() {
+        let estimate = if term.is_spring() {
             result.estimates.extra_springs[0].compliance
         } else {
             result.estimates.lost_motion[0].angle
         };
-        assert!((found.unwrap() / size - 1.0).abs() < 1e-6, "{term:?}: {found:?}");
+        assert!((estimate.unwrap() / size - 1.0).abs() < 1e-6, "{term:?}: {estimate:?}");
         let without = stiffness(&cell, &data);
         assert!(without.iter().zip(truth).any(|(k, t)| (k / t - 1.0).abs() > 1e-3));
     }
@@ -298,7 +298,7 @@ fn every_estimator_takes_clamped_rows() {
         let options = by(estimator);
         let result = identify_clamped(&cell, &data, None, &options).unwrap();
         assert!(result.estimates.independent_rows);
-        let found = result.estimates.stiffness().unwrap();
-        assert_close(&found, truth, 0.05, estimator.as_str());
+        let estimate = result.estimates.stiffness().unwrap();
+        assert_close(&estimate, truth, 0.05, estimator.as_str());
     }
 }

@@ -1,4 +1,4 @@
-//! Noise, intervals and gross errors of clamped data.
+//! Intervals of clamped data cover as often as they say, and gross errors in them are found.
 
 use super::*;
 
@@ -102,8 +102,8 @@ fn huber_finds_a_state_that_does_not_fit() {
     let error = |estimator| {
         let options = by(estimator);
         let result = identify_clamped(&cell, &data, None, &options).unwrap();
-        let found = result.estimates.stiffness().unwrap();
-        let worst = found.iter().zip(truth).map(|(k, t)| (k / t - 1.0).abs()).fold(0.0, f64::max);
+        let estimate = result.estimates.stiffness().unwrap();
+        let worst = estimate.iter().zip(truth).map(|(k, t)| (k / t - 1.0).abs()).fold(0.0, f64::max);
         (worst, result)
     };
     let (ordinary, _) = error(Estimator::Ordinary);

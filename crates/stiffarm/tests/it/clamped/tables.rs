@@ -1,6 +1,7 @@
-//! Tables of clamped data.
+//! Tables of clamped data are read as they are written, and refused with their place where they cannot be meant.
 
 use super::*;
+use crate::common::cases::refusals;
 
 fn from_table(cell: &Cell, text: &str) -> Vec<ClampedPosture> {
     read_clamped(text.as_bytes(), "clamped.csv", cell, None).unwrap()
@@ -71,8 +72,8 @@ fn against_a_preload_no_clamped_state_shows_lost_motion() {
     options.estimator = Estimator::Ordinary;
     options.extra = vec![ExtraTerm::LostMotion(1)];
     let undetermined = |read: &[ClampedPosture]| {
-        let found = identify_clamped(&cell, read, None, &options).unwrap();
-        let names = found.estimates.undetermined_joints;
+        let identification = identify_clamped(&cell, read, None, &options).unwrap();
+        let names = identification.estimates.undetermined_joints;
         names.contains(&"lost motion of joint 2".to_string())
     };
     assert!(undetermined(&read));
@@ -84,24 +85,36 @@ fn a_table_that_cannot_be_meant_is_refused_with_its_place() {
     let wrench = "fx_n,fy_n,fz_n,mx_nm,my_nm,mz_nm";
     let q = "q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg";
     let dq = "dq1_deg,dq2_deg,dq3_deg,dq4_deg,dq5_deg,dq6_deg";
+    let angles = "10,0,-90,10,50,20";
     let cases = [
-        format!("posture,state,{wrench},{q}\nA,up,1,2,3,4,5,6,10,0,-90,10,50,20\n"),
-        format!("posture,state,{wrench},{q}\nA,unloaded,1,2,3,4,5,6,10,0,-90,10,50,20\n"),
-        format!(
-            "posture,state,{wrench},{q}\nA,unloaded,1,2,3,4,5,6,10,0,-90,10,50,20\nA,up,1,2,3,4,5,6,10,0,-90,10,50,26\n"
+        ("no reference", Code::TableRow, format!("{wrench},{q}\nA,up,1,2,3,4,5,6,{angles}\n")),
+        ("no load", Code::TableRow, format!("{wrench},{q}\nA,unloaded,1,2,3,4,5,6,{angles}\n")),
+        (
+            "a joint that gives way by 6°",
+            Code::TableRow,
+            format!("{wrench},{q}\nA,unloaded,1,2,3,4,5,6,{angles}\nA,up,1,2,3,4,5,6,10,0,-90,10,50,26\n"),
         ),
-        format!("posture,state,{wrench},{q}\nA,unloaded,1,2,3,4,5,6,10,0,-90,10,50,20\nA,up,,,,,,,10,0,-90,10,50,20\n"),
-        format!("posture,state,{wrench},{dq}\nA,up,1,2,3,4,5,6,0,0,0,0,0,0\n"),
-        format!("posture,state,{wrench},{dq},{q}\nA,unloaded,1,2,3,4,5,6,0,0,0,0,0,0,10,0,-90,10,50,20\n"),
-        format!("posture,state,fx_n,fy_n,fz_n,{q}\nA,up,1,2,3,10,0,-90,10,50,20\n"),
-        format!("posture,state,{wrench},dq1_rad,{q}\nA,up,1,2,3,4,5,6,0,10,0,-90,10,50,20\n"),
-        format!("posture,state,{wrench},dx_mm,{q}\nA,up,1,2,3,4,5,6,0,10,0,-90,10,50,20\n"),
-        format!("posture,state,{wrench}\nA,up,1,2,3,4,5,6\n"),
+        (
+            "a load without force",
+            Code::TableRow,
+            format!("{wrench},{q}\nA,unloaded,1,2,3,4,5,6,{angles}\nA,up,,,,,,,{angles}\n"),
+        ),
+        ("differences without postures", Code::TableHeading, format!("{wrench},{dq}\nA,up,1,2,3,4,5,6,0,0,0,0,0,0\n")),
+        (
+            "a difference of the reference",
+            Code::TableRow,
+            format!("{wrench},{dq},{q}\nA,unloaded,1,2,3,4,5,6,0,0,0,0,0,0,{angles}\n"),
+        ),
+        ("forces without moments", Code::TableHeading, format!("fx_n,fy_n,fz_n,{q}\nA,up,1,2,3,{angles}\n")),
+        (
+            "a difference of one joint of six",
+            Code::TableHeading,
+            format!("{wrench},dq1_rad,{q}\nA,up,1,2,3,4,5,6,0,{angles}\n"),
+        ),
+        ("a shift along one axis", Code::TableHeading, format!("{wrench},dx_mm,{q}\nA,up,1,2,3,4,5,6,0,{angles}\n")),
+        ("no angles", Code::TableHeading, format!("{wrench}\nA,up,1,2,3,4,5,6\n")),
     ];
-    let mut said = String::new();
-    for text in cases {
-        let error = read_clamped(text.as_bytes(), "clamped.csv", &cell, None).unwrap_err();
-        said += &format!("[{}] {error}\n", error.code().as_str());
-    }
-    insta::assert_snapshot!("refused_tables", said);
+    let read = |table: &str| read_clamped(format!("posture,state,{table}").as_bytes(), "clamped.csv", &cell, None);
+    let rows = cases.iter().map(|(what, code, table)| (*what, *code, read(table)));
+    insta::assert_snapshot!("refused_tables", refusals(rows));
 }

@@ -1,6 +1,6 @@
 //! What the tests share: reference numbers, the reference cell, random cells.
 
-// Each test file is a program of its own and uses a part of this.
+// `it` and `formulas` each use a part of this.
 #![allow(dead_code, missing_docs)]
 
 pub mod cases;

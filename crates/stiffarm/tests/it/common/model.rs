@@ -257,15 +257,15 @@ impl Model {
                         _ => sizes[2],
                     };
                     let size = if row == column { size } else { size * 0.5f64.sqrt() };
-                    let mut own = Vec::new();
+                    let mut entries = Vec::new();
                     for p in &points {
                         let mut shift = scaled(moved(row, *p), felt(column));
                         if row != column {
                             shift = plus(shift, scaled(moved(column, *p), felt(row)));
                         }
-                        own.extend(shift.map(|c| c * size));
+                        entries.extend(shift.map(|c| c * size));
                     }
-                    columns.push(own);
+                    columns.push(entries);
                 }
             }
         }
@@ -312,9 +312,9 @@ impl Model {
     pub fn posture_covariance(&self) -> DMatrix<f64> {
         let rows = 3 * self.measuring_points.len();
         DMatrix::from_fn(rows, rows, |i, j| {
-            let own = if i == j { self.sigma * self.sigma } else { 0.0 };
+            let variance = if i == j { self.sigma * self.sigma } else { 0.0 };
             let common = if i % 3 == j % 3 { self.tau * self.tau } else { 0.0 };
-            own + common
+            variance + common
         })
     }
 }

@@ -38,8 +38,8 @@ pub fn prior(cell: &Cell) -> IdentifiedCompliance {
 /// The first finding with this code.
 #[track_caller]
 pub fn the<'a>(findings: &'a [Finding], code: &str) -> &'a Finding {
-    let found = findings.iter().find(|f| f.code == code);
-    found.unwrap_or_else(|| panic!("no {code}: {findings:#?}"))
+    let finding = findings.iter().find(|f| f.code == code);
+    finding.unwrap_or_else(|| panic!("no {code}: {findings:#?}"))
 }
 
 /// A local selection from a start, as it is by default.
@@ -133,8 +133,8 @@ pub fn path_point(name: impl ToString, target: PathTarget) -> PathPoint {
 /// One source of systematic errors.
 #[track_caller]
 pub fn source<'a>(systematic: &'a SystematicErrors, name: &str) -> &'a SystematicSource {
-    let found = systematic.sources.iter().find(|s| s.name == name);
-    found.unwrap_or_else(|| panic!("no source {name}"))
+    let source = systematic.sources.iter().find(|s| s.name == name);
+    source.unwrap_or_else(|| panic!("no source {name}"))
 }
 
 /// The rows of a table with ` | ` between its columns.

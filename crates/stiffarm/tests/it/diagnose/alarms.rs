@@ -1,6 +1,7 @@
-//! How often a sound experiment raises a finding.
+//! A sound experiment raises a finding about as rarely as its level says.
 
 use super::*;
+use crate::common::cases::sentences;
 
 /// Findings that say that something is wrong, in `seeds` clean experiments.
 fn false_alarms(cell: &Cell, postures: &[Posture], estimator: Estimator, seeds: u64) -> BTreeMap<String, u64> {
@@ -20,8 +21,8 @@ fn false_alarms(cell: &Cell, postures: &[Posture], estimator: Estimator, seeds: 
     for seed in 0..seeds {
         let truth = truth(cell);
         let measured = simulate_measurements(cell, postures, &truth, Model::Linear, seed, 0);
-        let found = diagnose(&Fit::new(cell, measured.unwrap(), &by(estimator)).unwrap()).unwrap();
-        for fault in faults.iter().filter(|f| codes(&found).contains(f)) {
+        let diagnosis = diagnose(&Fit::new(cell, measured.unwrap(), &by(estimator)).unwrap()).unwrap();
+        for fault in faults.iter().filter(|f| codes(&diagnosis).contains(f)) {
             *counts.entry((*fault).to_string()).or_default() += 1;
         }
     }
@@ -75,13 +76,13 @@ fn clean_load_states_raise_few_findings() {
             let measured = in_states(&cell, states, seed, |_, _, _| Vector3::zeros());
             let options = by(Estimator::TwoVariance);
             let noise = noise_test(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
-            let found = Fit::new(&cell, &measured, &options)
+            let comparison = Fit::new(&cell, &measured, &options)
                 .and_then(|fit| load_states(&fit, noise.as_ref()))
                 .unwrap()
                 .unwrap();
-            assert_eq!(found.scatter_degrees_of_freedom.is_some(), states.len() == 5);
-            assert_eq!(found.hysteresis.is_some(), states.len() == 5);
-            for finding in found.findings() {
+            assert_eq!(comparison.scatter_degrees_of_freedom.is_some(), states.len() == 5);
+            assert_eq!(comparison.hysteresis.is_some(), states.len() == 5);
+            for finding in comparison.findings() {
                 *counts.entry(finding.code).or_default() += 1;
             }
         }
@@ -108,25 +109,26 @@ fn residuals_are_compared_with_the_noise_in_words() {
     let understated = test(22.0);
     assert_eq!(understated.agreement, Agreement::Larger);
     assert!((understated.ratio / honest.ratio / 22.0 - 1.0).abs() < 1e-9);
-    let said = understated.finding(None).sentence;
-    assert!(said.contains("times the cell's noise") && said.contains("limits the result"), "{said}");
-    let slightly = test(1.4);
-    assert!(slightly.finding(None).sentence.contains("stated too small"));
     let overstated = test(0.5);
     assert_eq!(overstated.agreement, Agreement::Smaller);
-    assert_eq!(overstated.finding(None).code, "residuals-below-noise");
     // The whitened residual with the declared common part is what it is.
     let cell = noisy_cell(3.0);
     let shared = Fit::new(&cell, measure(&cell, 5), &by(Estimator::TwoVariance)).and_then(|fit| noise_test(&fit));
     assert_eq!(shared.unwrap().unwrap().agreement, Agreement::Agrees);
     let mut undeclared = cell.clone();
     undeclared.noise.posture_common_std = 0.0;
-    let test = Fit::new(&undeclared, measure(&cell, 5), &by(Estimator::TwoVariance)).and_then(|fit| noise_test(&fit));
-    let test = test.unwrap().unwrap();
-    assert_eq!(test.agreement, Agreement::Larger);
-    assert!(test.within_ratio.is_some_and(|r| r < 1.3), "{test:?}");
-    assert!(test.finding(None).sentence.contains("moves all points alike"));
+    let alike = Fit::new(&undeclared, measure(&cell, 5), &by(Estimator::TwoVariance)).and_then(|fit| noise_test(&fit));
+    let alike = alike.unwrap().unwrap();
+    assert_eq!(alike.agreement, Agreement::Larger);
+    assert!(alike.within_ratio.is_some_and(|r| r < 1.3), "{alike:?}");
+    let findings = [understated, test(1.4), overstated].map(|noise| noise.finding(None));
+    insta::assert_snapshot!(sentences(findings.iter().chain([&alike.finding(None)])), @"
+    [residuals-above-noise] residuals: The residuals are 21 times the cell's noise (0.013 mm against 0.6 µm, p < 0.001): the model, not the tracker, limits the result.
+    [residuals-above-noise] residuals: The residuals are 1.32 times the cell's noise (0.013 mm against 9.7 µm, p < 0.001): something beyond the stated noise is in the data, or the noise is stated too small.
+    [residuals-below-noise] residuals: The residuals are 0.47 times the cell's noise (0.013 mm against 0.027 mm, p < 0.001): the noise is stated too large.
+    [residuals-above-noise] residuals: The residuals are 2.7 times the cell's noise (0.037 mm against 0.014 mm, p < 0.001): the model, not the tracker, limits the result. What the points of a posture do not share is 1.0 times the noise: the rest moves all points alike (load, rope, drift, or the model of the arm).
+    ");
     // As the result says it, where no common part is declared.
     let result = identify(&undeclared, measure(&cell, 5), &by(Estimator::TwoVariance));
-    assert!((result.unwrap().total_std_m.unwrap() / test.residual_std_m - 1.0).abs() < 1e-12);
+    assert!((result.unwrap().total_std_m.unwrap() / alike.residual_std_m - 1.0).abs() < 1e-12);
 }

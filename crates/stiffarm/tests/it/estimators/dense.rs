@@ -1,4 +1,4 @@
-//! Every estimator against dense matrices.
+//! Every estimator gives what dense matrices give.
 
 use super::*;
 
@@ -206,9 +206,9 @@ fn without(system: &MeasuredSystem, left_out: &[usize]) -> MeasuredSystem {
         }
         let from = rows.len();
         rows.extend(block.rows.clone());
-        let mut own = block.clone();
-        own.rows = from..rows.len();
-        out.blocks.push(own);
+        let mut rest = block.clone();
+        rest.rows = from..rows.len();
+        out.blocks.push(rest);
         for label in system.labels_of(block) {
             let mut label = label.clone();
             let start = from + label.rows.start - block.rows.start;
@@ -239,19 +239,19 @@ proptest! {
         if blind {
             // One posture alone sees the last unknown.
             let rows = system.blocks[1].rows.clone();
-            let own = system.psi.view((rows.start, unknowns - 1), (rows.len(), 1)).into_owned();
+            let column = system.psi.view((rows.start, unknowns - 1), (rows.len(), 1)).into_owned();
             system.psi.column_mut(unknowns - 1).fill(0.0);
-            system.psi.view_mut((rows.start, unknowns - 1), (rows.len(), 1)).copy_from(&own);
+            system.psi.view_mut((rows.start, unknowns - 1), (rows.len(), 1)).copy_from(&column);
         }
         if wild {
             let mut rows = system.delta.rows_mut(0, system.blocks[0].rows.len());
             rows *= 1e3;
         }
         let folds = folds.min(postures);
-        let known = Scale::Known { sigma: 0.7, gamma: 2.0 };
+        let known_scale = Scale::Known { sigma: 0.7, gamma: 2.0 };
         for (estimator, scale) in [
             (Estimator::TwoVariance, Scale::Estimated),
-            (Estimator::TwoVariance, known),
+            (Estimator::TwoVariance, known_scale),
             (Estimator::Ordinary, Scale::Estimated),
             (Estimator::Weighted, Scale::Repeats { sigma: 0.5, degrees_of_freedom: 9 }),
             (Estimator::NonNegative, Scale::Estimated),

@@ -1,6 +1,8 @@
-//! Estimators on measured displacements.
+//! Estimators on measured displacements weigh what is correlated, name gross errors, and answer nothing that the data
+//! leave open.
 
 use super::*;
+use crate::common::cases::refusals;
 use stiffarm::estimate::identify::Identification;
 
 /// Exact displacements of the reference cell under fractions of its load, plus
@@ -36,9 +38,9 @@ fn displacements_against_one_reading_correlate_by_a_half() {
     let mut measured = measured(&cell, &[0.5, 1.0], 1e-5, &mut Dice::new(1));
     let system =
         |measured: &[MeasuredPosture], cell: &Cell| measured_system(cell, measured, &[], Weights::Readings).unwrap();
-    let found = system(&measured, &cell);
-    assert_eq!(found.blocks.len(), 6);
-    for block in &found.blocks {
+    let shared = system(&measured, &cell);
+    assert_eq!(shared.blocks.len(), 6);
+    for block in &shared.blocks {
         let covariance = block.covariance.to_matrix(24);
         let expected = DMatrix::from_fn(24, 24, |i, j| match (i == j, i % 12 == j % 12) {
             (true, _) => 1.0,
@@ -119,9 +121,9 @@ fn the_robust_fit_ignores_a_gross_error_and_names_it() {
     let robust = with(&spoiled, Estimator::Huber);
     let plain = with(&spoiled, Estimator::Ordinary);
     for j in 0..6 {
-        let shift = |found: &Identification| {
-            let [own, other] = [found, &reference].map(|f| &f.estimates.joints[j]);
-            let moved = own.compliance.unwrap() - other.compliance.unwrap();
+        let shift = |identification: &Identification| {
+            let [ours, other] = [identification, &reference].map(|f| &f.estimates.joints[j]);
+            let moved = ours.compliance.unwrap() - other.compliance.unwrap();
             moved.abs() / other.compliance_standard_error.unwrap()
         };
         assert!(shift(&robust) < 2.0, "joint {}: {}", j + 1, shift(&robust));
@@ -139,13 +141,13 @@ fn the_non_negative_fit_says_nothing_about_a_joint_without_load() {
     cell.setup.tool.loading_point = Vector3::new(0.0, 0.0, 0.25);
     let measured = measured(&cell, &[1.0], 1e-5, &mut Dice::new(5));
     let options = by(Estimator::NonNegative);
-    let found = identify(&cell, &measured, &options).unwrap();
-    assert_eq!(found.estimates.undetermined_joints, ["joint 6"]);
-    let blind = &found.estimates.joints[5];
+    let identification = identify(&cell, &measured, &options).unwrap();
+    assert_eq!(identification.estimates.undetermined_joints, ["joint 6"]);
+    let blind = &identification.estimates.joints[5];
     assert_eq!(blind.verdict, Verdict::Undetermined);
     assert_eq!(blind.interval, [None, None]);
     assert!(!blind.determined && blind.compliance.is_none());
-    assert!(found.estimates.joints[..5].iter().all(|j| j.determined));
+    assert!(identification.estimates.joints[..5].iter().all(|j| j.determined));
 }
 
 /// Two columns that differ by less and less: the values come with errors that
@@ -168,23 +170,23 @@ fn nearly_collinear_columns_are_never_answered_in_silence() {
             let noise = 1e-3 * system.delta.norm() / (system.delta.len() as f64).sqrt();
             system.delta =
                 &system.psi * &truth + DVector::from_fn(system.delta.len(), |_, _| noise * dice.between(-1.0, 1.0));
-            let found = solve(&system, &assume(Estimator::Ordinary, Scale::Estimated));
-            let covariance = found.covariance.as_ref().unwrap();
+            let solution = solve(&system, &assume(Estimator::Ordinary, Scale::Estimated));
+            let covariance = solution.covariance.as_ref().unwrap();
             // The columns without a twin are known either way.
             for j in [1, 2] {
-                assert!(!found.undetermined.contains(&j));
+                assert!(!solution.undetermined.contains(&j));
                 let error = covariance[(j, j)].sqrt();
-                assert!((found.values[j] - truth[j]).abs() < 6.0 * error, "1e-{exponent}");
+                assert!((solution.values[j] - truth[j]).abs() < 6.0 * error, "1e-{exponent}");
                 assert!(error < 0.1 * truth[j]);
             }
-            if found.undetermined.is_empty() {
+            if solution.undetermined.is_empty() {
                 answered += 1;
                 for j in [0, 3] {
                     let error = covariance[(j, j)].sqrt();
                     assert!(
-                        (found.values[j] - truth[j]).abs() < 6.0 * error,
+                        (solution.values[j] - truth[j]).abs() < 6.0 * error,
                         "1e-{exponent}: {} instead of {} ± {error}",
-                        found.values[j],
+                        solution.values[j],
                         truth[j]
                     );
                     // What the data can say falls with the distance of the columns.
@@ -192,7 +194,7 @@ fn nearly_collinear_columns_are_never_answered_in_silence() {
                 }
             } else {
                 named += 1;
-                assert_eq!(found.undetermined, [0, 3], "1e-{exponent}");
+                assert_eq!(solution.undetermined, [0, 3], "1e-{exponent}");
             }
         }
     }
@@ -215,11 +217,11 @@ fn a_bootstrap_agrees_with_the_formula_where_both_hold() {
     }
     let options = by(Estimator::Ordinary);
     let fit = Fit::new(&cell, &many, &options).unwrap();
-    let found = bootstrap(&fit, 800, 1, 0.95).unwrap();
+    let resampled = bootstrap(&fit, 800, 1, 0.95).unwrap();
     let formula = identify(&cell, &many, &options).unwrap();
-    assert_eq!((found.postures, found.skipped), (72, 0));
-    assert_eq!(found.degrees_of_freedom, 3 * 72 - 6);
-    for (a, b) in found.joints.iter().zip(&formula.estimates.joints) {
+    assert_eq!((resampled.postures, resampled.skipped), (72, 0));
+    assert_eq!(resampled.degrees_of_freedom, 3 * 72 - 6);
+    for (a, b) in resampled.joints.iter().zip(&formula.estimates.joints) {
         assert_eq!(a.compliance, b.compliance);
         let ratio = a.compliance_standard_error.unwrap() / b.compliance_standard_error.unwrap();
         assert!((0.7..1.4).contains(&ratio), "{}: {ratio}", a.name);
@@ -227,9 +229,9 @@ fn a_bootstrap_agrees_with_the_formula_where_both_hold() {
         assert!(low < a.stiffness.unwrap() && a.stiffness.unwrap() < high);
     }
     // The same seed, the same numbers; another, others.
-    assert_eq!(found, bootstrap(&fit, 800, 1, 0.95).unwrap());
+    assert_eq!(resampled, bootstrap(&fit, 800, 1, 0.95).unwrap());
     let other = bootstrap(&fit, 800, 2, 0.95).unwrap();
-    assert_ne!(found.joints, other.joints);
+    assert_ne!(resampled.joints, other.joints);
 }
 
 #[test]
@@ -242,19 +244,36 @@ fn a_bootstrap_skips_resamples_that_lose_a_joint() {
         o.estimator = Estimator::Ordinary;
         o.noise = NoiseSource::Known;
     });
-    let refused = |measured: &[MeasuredPosture], resamples, confidence, code| {
-        let fit = Fit::new(&cell, measured, &options).unwrap();
-        let error = bootstrap(&fit, resamples, 1, confidence).unwrap_err();
-        assert_eq!(error.code(), code);
-    };
     // A resample with one posture only, 1 in 1296 of six … and 1 in 3 of two.
     let two = Fit::new(&cell, &measured[..2], &options).unwrap();
-    let found = bootstrap(&two, 600, 1, 0.95).unwrap();
-    let share = found.skipped as f64 / 600.0;
+    let resampled = bootstrap(&two, 600, 1, 0.95).unwrap();
+    let share = resampled.skipped as f64 / 600.0;
     assert!((share - 0.5).abs() < 0.1, "{share}");
-    refused(&measured[..1], 600, 0.95, Code::TooFewData);
-    for confidence in [0.0, 1.0, f64::NAN] {
-        refused(&measured, 600, confidence, Code::InvalidValue);
-    }
-    refused(&measured, 199, 0.95, Code::InvalidValue);
+    let of = |measured: &[MeasuredPosture], resamples, confidence| {
+        let fit = Fit::new(&cell, measured, &options).unwrap();
+        bootstrap(&fit, resamples, 1, confidence)
+    };
+    let rows = [
+        ("one posture", Code::TooFewData, of(&measured[..1], 600, 0.95)),
+        ("no confidence", Code::InvalidValue, of(&measured, 600, 0.0)),
+        ("certainty", Code::InvalidValue, of(&measured, 600, 1.0)),
+        ("a confidence that is no number", Code::InvalidValue, of(&measured, 600, f64::NAN)),
+        ("too few resamples", Code::InvalidValue, of(&measured, 199, 0.95)),
+    ];
+    insta::assert_snapshot!(refusals(rows), @"
+    » one posture
+    [too-few-data] Postures can only be resampled where there are at least two.
+
+    » no confidence
+    [invalid-value] The confidence must lie between 0.01 and 0.999999.
+
+    » certainty
+    [invalid-value] The confidence must lie between 0.01 and 0.999999.
+
+    » a confidence that is no number
+    [invalid-value] The confidence must lie between 0.01 and 0.999999.
+
+    » too few resamples
+    [invalid-value] Intervals of 95 % need from 200 to 1000000 resamples, not 199.
+    ");
 }

@@ -1,4 +1,4 @@
-//! Intervals of single joints, their quantiles, and what shifts are learned to be.
+//! Intervals of single joints are open or absent where nothing bounds them, and their quantiles are those of tables.
 
 use super::*;
 use stiffarm::estimate::identify::JointEstimate;
@@ -25,27 +25,35 @@ fn estimate(h: f64, error: Option<f64>, t: Option<f64>, held: bool) -> JointEsti
 }
 
 #[test]
-fn interval_is_asymmetric_open_or_absent() {
+fn intervals_are_asymmetric_open_or_absent() {
     let t = Some(2.0);
-    let closed = estimate(1e-6, Some(1e-7), t, false);
-    assert_eq!(closed.verdict, Verdict::Weak);
-    let [low, high] = closed.interval.map(|v| v.unwrap_or(f64::NAN));
-    assert!((low - 1.0 / 1.2e-6).abs() < 1e-3 && (high - 1.0 / 0.8e-6).abs() < 1e-3);
-    let open = estimate(1e-6, Some(1e-6), t, false);
-    assert_eq!((open.verdict, open.interval[1]), (Verdict::LowerBoundOnly, None));
-    let negative = estimate(-1e-6, Some(1e-7), t, false);
-    assert_eq!((negative.verdict, negative.interval), (Verdict::SignOrModelFault, [None, None]));
-    assert!(negative.stiffness.is_some_and(|k| k < 0.0));
-}
-
-#[test]
-fn a_joint_held_at_zero_has_a_lower_bound_or_nothing() {
-    let held = estimate(0.0, Some(1e-7), Some(2.0), true);
-    assert_eq!(held.verdict, Verdict::LowerBoundOnly);
-    assert!((held.interval[0].unwrap_or(0.0) - 5e6).abs() < 1e-3 && held.interval[1].is_none());
-    let without = estimate(0.0, None, None, true);
-    assert_eq!(without.verdict, Verdict::NoInterval);
-    assert_eq!((without.interval, without.stiffness), ([None, None], None));
+    for (what, joint, verdict, stiffness, interval) in [
+        (
+            "closed",
+            estimate(1e-6, Some(1e-7), t, false),
+            Verdict::Weak,
+            Some(1e6),
+            [Some(1.0 / 1.2e-6), Some(1.0 / 0.8e-6)],
+        ),
+        (
+            "as unsure as it is large",
+            estimate(1e-6, Some(1e-6), t, false),
+            Verdict::LowerBoundOnly,
+            Some(1e6),
+            [Some(1.0 / 3e-6), None],
+        ),
+        ("negative", estimate(-1e-6, Some(1e-7), t, false), Verdict::SignOrModelFault, Some(-1e6), [None, None]),
+        ("held at zero", estimate(0.0, Some(1e-7), t, true), Verdict::LowerBoundOnly, None, [Some(5e6), None]),
+        ("held at zero without error", estimate(0.0, None, None, true), Verdict::NoInterval, None, [None, None]),
+    ] {
+        assert_eq!(joint.verdict, verdict, "{what}");
+        let numbers =
+            [(joint.stiffness, stiffness), (joint.interval[0], interval[0]), (joint.interval[1], interval[1])];
+        for (ours, expected) in numbers {
+            let close = ours.zip(expected).is_none_or(|(ours, expected)| (ours - expected).abs() < 1e-3);
+            assert!(close && ours.is_some() == expected.is_some(), "{what}: {joint:?}");
+        }
+    }
 }
 
 #[test]

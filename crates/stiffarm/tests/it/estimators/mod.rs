@@ -86,9 +86,9 @@ pub fn dense_covariance(system: &MeasuredSystem, gamma: f64) -> DMatrix<f64> {
     let mut out = DMatrix::identity(rows, rows);
     for block in &system.blocks {
         let (from, count) = (block.rows.start, block.rows.len());
-        let own = block.covariance.to_matrix(count);
+        let within = block.covariance.to_matrix(count);
         let shift = &block.shared * block.shared.transpose() * gamma;
-        out.view_mut((from, from), (count, count)).copy_from(&(own + shift));
+        out.view_mut((from, from), (count, count)).copy_from(&(within + shift));
     }
     out
 }

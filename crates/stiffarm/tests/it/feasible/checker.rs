@@ -80,11 +80,11 @@ impl<'a> Checker<'a> {
         let (a, b) = (&self.pieces[i], &self.pieces[j]);
         let named =
             |pair: &[String; 2]| (pair[0] == a.name && pair[1] == b.name) || (pair[1] == a.name && pair[0] == b.name);
-        let known = |x: usize, y: usize| {
+        let is_pair = |x: usize, y: usize| {
             let (x, y) = (Carried::Link(x), Carried::Link(y));
             (a.carried, b.carried) == (x, y) || (a.carried, b.carried) == (y, x)
         };
-        let by_catalogue = !self.case.own_capsules && self.case.arm.ignored.iter().any(|(x, y)| known(*x, *y));
+        let by_catalogue = !self.case.own_capsules && self.case.arm.ignored.iter().any(|(x, y)| is_pair(*x, *y));
         let last = self.case.arm.joint_count();
         let allowed = match (a.carried, b.carried) {
             (Carried::Link(x), Carried::Link(y)) => x.abs_diff(y) == 1,
@@ -162,8 +162,8 @@ impl<'a> Checker<'a> {
     pub fn margins(&self, q: &[f64]) -> BTreeMap<String, f64> {
         let mut out = BTreeMap::new();
         self.visit(q, &mut |what, margin| {
-            let own = out.entry(what.to_string()).or_insert(f64::INFINITY);
-            *own = margin.min(*own);
+            let least = out.entry(what.to_string()).or_insert(f64::INFINITY);
+            *least = margin.min(*least);
             true
         });
         out
@@ -172,8 +172,8 @@ impl<'a> Checker<'a> {
     /// True where a cylinder of one of them stands as a prism inside it: they may be nearer than the checker says.
     pub fn is_drawn_smaller(&self, names: &str) -> bool {
         let named = |carried| {
-            let own = self.pieces.iter();
-            own.filter(move |p| p.carried == carried && names.split(" and ").any(|n| n == p.name))
+            let pieces = self.pieces.iter();
+            pieces.filter(move |p| p.carried == carried && names.split(" and ").any(|n| n == p.name))
         };
         let is_capsule = |shape: &Shape| matches!(shape, Shape::Capsule { .. });
         let mut tool = named(Carried::Tool).flat_map(|p| &p.shapes);
@@ -200,10 +200,10 @@ impl<'a> Checker<'a> {
         }
         let bodies = self.bodies(&at);
         let clearance = &self.case.clearance;
-        let kept = clearance.shapes.unwrap_or(20.0) * 1e-3;
+        let distance = clearance.shapes.unwrap_or(20.0) * 1e-3;
         for pair in &self.pairs {
             let apart = least_of(&bodies[pair.0], &bodies[pair.1]);
-            if !next(&self.names(*pair).join(" and "), apart - kept) {
+            if !next(&self.names(*pair).join(" and "), apart - distance) {
                 return;
             }
         }
@@ -309,7 +309,7 @@ impl<'a> Checker<'a> {
             return true;
         };
         let (from, anchor) = (self.loading(at, load), V::from(*anchor) * 1e-3);
-        let kept = clearance.rope.unwrap_or(20.0) * 1e-3;
+        let distance = clearance.rope.unwrap_or(20.0) * 1e-3;
         let [first, last] = clearance.free.unwrap_or([100.0, 100.0]).map(|v| v * 1e-3);
         let length = (anchor - from).norm();
         if length > first + last {
@@ -318,7 +318,7 @@ impl<'a> Checker<'a> {
             for (piece, bodies) in self.pieces.iter().zip(bodies) {
                 let each = bodies.iter().map(|body| body.to_segment(&ends.0, &ends.1));
                 let apart = each.fold(f64::INFINITY, f64::min);
-                if !next(&format!("rope and {}", piece.name), apart - kept) {
+                if !next(&format!("rope and {}", piece.name), apart - distance) {
                     return false;
                 }
             }
@@ -334,7 +334,7 @@ impl<'a> Checker<'a> {
         if self.case.stations.is_empty() {
             return true;
         }
-        let kept = self.case.clearance.sight.unwrap_or(5.0) * 1e-3;
+        let distance = self.case.clearance.sight.unwrap_or(5.0) * 1e-3;
         let wanted = self.case.clearance.visible.unwrap_or(self.case.points.len());
         let measured = self.measured(at);
         let by_station = self.case.stations.iter().map(|station| {
@@ -342,7 +342,7 @@ impl<'a> Checker<'a> {
             let seen = self.case.points.iter().zip(&measured).map(|(point, p)| {
                 let all = bodies.iter().flatten();
                 let clear = all.map(|body| body.to_segment(p, &station));
-                let clear = clear.fold(f64::INFINITY, f64::min) - kept;
+                let clear = clear.fold(f64::INFINITY, f64::min) - distance;
                 let Some((axis, acceptance)) = &point.facing else {
                     return clear;
                 };
@@ -394,17 +394,17 @@ impl<'a> Checker<'a> {
     pub fn places(&self) -> f64 {
         let bodies = self.bodies(&self.reached(&vec![0.0; self.case.arm.joint_count()]));
         let at = self.reached(&vec![0.0; self.case.arm.joint_count()]);
-        let kept = self.case.clearance.sight.unwrap_or(5.0) * 1e-3;
+        let distance = self.case.clearance.sight.unwrap_or(5.0) * 1e-3;
         let stands = |piece: &Piece| matches!(piece.carried, Carried::Stands | Carried::Link(0));
         let mut least = f64::INFINITY;
         for (piece, bodies) in self.pieces.iter().zip(&bodies) {
             for body in bodies {
                 for station in self.case.stations.iter().filter(|_| stands(piece)) {
-                    least = least.min(body.to_point(&(V::from(*station) * 1e-3)) - kept);
+                    least = least.min(body.to_point(&(V::from(*station) * 1e-3)) - distance);
                 }
                 for point in self.measured(&at) {
                     if piece.carried == Carried::Tool {
-                        least = least.min(body.to_point(&point) - kept);
+                        least = least.min(body.to_point(&point) - distance);
                     }
                 }
             }

@@ -17,8 +17,8 @@ impl Checker<'_> {
     /// # Errors
     /// What differs.
     pub fn compare(&self, cell: &Cell, q: &[f64]) -> Result<(), String> {
-        let own = self.margins(q);
-        let named = cell.posture_margins().and_then(|mut margins| margins.named(q));
+        let margins = self.margins(q);
+        let named = cell.posture_margins().and_then(|mut all| all.named(q));
         let mut theirs: BTreeMap<String, f64> = BTreeMap::new();
         for margin in named.map_err(|e| e.to_string())? {
             let least = theirs.entry(key(&margin)).or_insert(f64::INFINITY);
@@ -26,24 +26,25 @@ impl Checker<'_> {
         }
         // A short rope touches nothing, and the checker says nothing of it.
         theirs.retain(|_, margin| margin.is_finite());
-        let asked = own.iter().filter(|(what, _)| !what.starts_with("bounds"));
-        if !asked.clone().map(|(what, _)| what).eq(theirs.keys()) {
-            let own: Vec<&String> = own.keys().collect();
+        let ours = margins.iter().filter(|(what, _)| !what.starts_with("bounds"));
+        if !ours.clone().map(|(what, _)| what).eq(theirs.keys()) {
+            let ours: Vec<&String> = margins.keys().collect();
             let theirs: Vec<&String> = theirs.keys().collect();
-            return Err(format!("at {q:?} margins of {own:?}, but {theirs:?}"));
+            return Err(format!("at {q:?} margins of {ours:?}, but {theirs:?}"));
         }
-        for ((what, own), theirs) in asked.zip(theirs.values()) {
+        for ((what, margin), theirs) in ours.zip(theirs.values()) {
             let most = match what {
-                what if what.starts_with("torque") => OF_TORQUE * (1.0 + own.abs()),
+                what if what.starts_with("torque") => OF_TORQUE * (1.0 + margin.abs()),
                 _ => DIFFERENCE,
             };
-            let own = match &**what {
-                "sight" => own.min(FREE),
-                _ => *own,
+            let margin = match &**what {
+                "sight" => margin.min(FREE),
+                _ => *margin,
             };
-            let differs = if self.is_drawn_smaller(what) { *theirs > own + most } else { (theirs - own).abs() > most };
+            let differs =
+                if self.is_drawn_smaller(what) { *theirs > margin + most } else { (theirs - margin).abs() > most };
             if differs {
-                return Err(format!("at {q:?} {what} is {own}, but {theirs}"));
+                return Err(format!("at {q:?} {what} is {margin}, but {theirs}"));
             }
         }
         Ok(())

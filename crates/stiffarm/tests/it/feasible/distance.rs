@@ -41,8 +41,12 @@ impl Body {
         let at = |p: &[f64; 3]| frame.point(&p.map(|v| v * 1e-3));
         match shape {
             Shape::Box { center, size, rpy } => {
-                let own = frame.times(&Frame::of_pose([0.0; 3], rpy.map(f64::to_radians)));
-                Body::Box { centre: at(center), axes: [0, 1, 2].map(|i| own.axis(i)), half: size.map(|s| s * 0.5e-3) }
+                let turned = frame.times(&Frame::of_pose([0.0; 3], rpy.map(f64::to_radians)));
+                Body::Box {
+                    centre: at(center),
+                    axes: [0, 1, 2].map(|i| turned.axis(i)),
+                    half: size.map(|s| s * 0.5e-3),
+                }
             }
             Shape::Cylinder { from, to, radius } => Body::Cylinder { ends: [at(from), at(to)], radius: radius * 1e-3 },
             Shape::Capsule { from, to, radius } => Body::Capsule { ends: [at(from), at(to)], radius: radius * 1e-3 },
@@ -56,10 +60,10 @@ impl Body {
     pub fn to_point(&self, p: &V) -> f64 {
         match self {
             Body::Box { centre, axes, half } => {
-                let own = axes.map(|axis| axis.dot(&(p - centre)));
+                let local = axes.map(|axis| axis.dot(&(p - centre)));
                 let mut square = 0.0;
                 let mut depth = f64::INFINITY;
-                for (x, h) in own.iter().zip(half) {
+                for (x, h) in local.iter().zip(half) {
                     let nearest = x.clamp(-h, *h);
                     square += (x - nearest) * (x - nearest);
                     depth = depth.min(h - x.abs());

@@ -42,11 +42,11 @@ pub fn look(number: u64) -> Result<Option<Looked>, String> {
     let Ok(plan) = random_group(&cell, StartKind::Uniform, count, number, 7) else {
         return Ok(None);
     };
-    let found = routed(&cell, &plan, false)?;
+    let route = routed(&cell, &plan, false)?;
     let mut looked = Looked::default();
-    for each in &found.moves {
+    for each in &route.moves {
         looked.moves += 1;
-        let ends = [each.from, each.to].map(|stop| found.postures[stop.unwrap()].clone());
+        let ends = [each.from, each.to].map(|stop| route.postures[stop.unwrap()].clone());
         let [from, to] = ends;
         if !each.free {
             looked.blocked += 1;
@@ -68,7 +68,7 @@ pub fn look(number: u64) -> Result<Option<Looked>, String> {
     }
     // A pair without a way is looked for at length, and all pairs of such a plan would take minutes.
     if looked.blocked == 0 {
-        looked.excess = excess(&cell, &plan, &found)?;
+        looked.excess = excess(&cell, &plan, &route)?;
     }
     Ok(Some(looked))
 }
@@ -97,7 +97,7 @@ fn least_room(checker: &Checker<'_>, legs: &[Vec<f64>]) -> (f64, u64) {
 }
 
 /// How much longer the route's order is than the best, all ways being what the library finds for each pair.
-fn excess(cell: &Cell, plan: &[Vec<f64>], found: &Route) -> Result<f64, String> {
+fn excess(cell: &Cell, plan: &[Vec<f64>], route: &Route) -> Result<f64, String> {
     let n = plan.len();
     let mut length = vec![vec![0.0; n]; n];
     for a in 0..n {
@@ -112,8 +112,8 @@ fn excess(cell: &Cell, plan: &[Vec<f64>], found: &Route) -> Result<f64, String> 
             (length[a][b], length[b][a]) = (turn, turn);
         }
     }
-    let own: f64 = found.order.windows(2).map(|p| length[p[0]][p[1]]).sum();
-    Ok(own / shortest(&length) - 1.0)
+    let total: f64 = route.order.windows(2).map(|p| length[p[0]][p[1]]).sum();
+    Ok(total / shortest(&length) - 1.0)
 }
 
 /// The length of the shortest way through all points, by going through all orders but for those that
@@ -149,12 +149,12 @@ fn free_moves_touch_nothing_and_the_order_is_the_shortest() {
     for number in FIRST..FIRST + plans {
         match look(number) {
             Ok(None) => {}
-            Ok(Some(own)) => {
+            Ok(Some(looked)) => {
                 seen += 1;
-                total.moves += own.moves;
-                total.over_vias += own.over_vias;
-                total.blocked += own.blocked;
-                total.excess = total.excess.max(own.excess);
+                total.moves += looked.moves;
+                total.over_vias += looked.over_vias;
+                total.blocked += looked.blocked;
+                total.excess = total.excess.max(looked.excess);
             }
             Err(what) => panic!("cell {number}: {what}"),
         }

@@ -150,8 +150,8 @@ fn chosen(cell: &Cell, mode: Mode, index: Index, count: usize, seed: u64) -> Res
             let list: Vec<Candidate> = list.collect();
             let mut options = CandidateOptions::default();
             options.starts = 4;
-            let found = select_candidates(cell, index, count, &list, &options, control)?;
-            let mut each = found.chosen.clone();
+            let selection = select_candidates(cell, index, count, &list, &options, control)?;
+            let mut each = selection.chosen.clone();
             each.dedup();
             Ok(each.iter().map(|i| list[*i].q.clone()).collect())
         }
@@ -165,12 +165,12 @@ pub fn leave_out(checker: &mut Checker<'_>, case: &Case, cell: &Cell, number: u6
     let kept_apart = case.clearance.shapes.unwrap_or(20.0) * 1e-3;
     let sorted = |(a, b): (&str, &str)| changed([a.to_string(), b.to_string()], |o| o.sort_unstable());
     let dropped: Vec<[String; 2]> = cell.scene.dropped_pairs().map(sorted).collect();
-    let mut kept = Vec::new();
+    let mut remaining = Vec::new();
     let mut dice = Dice::new(80_000 + number);
     for pair in checker.pairs.clone() {
         let names = checker.names(pair);
         if !dropped.iter().any(|d| d[0] == names[0] && d[1] == names[1]) {
-            kept.push(pair);
+            remaining.push(pair);
             continue;
         }
         if !checker.may_always_overlap(pair) {
@@ -181,14 +181,14 @@ pub fn leave_out(checker: &mut Checker<'_>, case: &Case, cell: &Cell, number: u6
             return Err(format!("{names:?} is left out and far enough apart {apart} times of {OVERLAPS}"));
         }
     }
-    let mut own: Vec<[String; 2]> = kept.iter().map(|pair| checker.names(*pair).map(String::from)).collect();
+    let mut ours: Vec<[String; 2]> = remaining.iter().map(|pair| checker.names(*pair).map(String::from)).collect();
     let mut theirs: Vec<[String; 2]> = cell.scene.pairs().map(sorted).collect();
-    own.sort_unstable();
+    ours.sort_unstable();
     theirs.sort_unstable();
-    if own != theirs {
-        return Err(format!("pairs differ: {own:?} {theirs:?}"));
+    if ours != theirs {
+        return Err(format!("pairs differ: {ours:?} {theirs:?}"));
     }
-    checker.pairs = kept;
+    checker.pairs = remaining;
     Ok(())
 }
 
@@ -203,14 +203,13 @@ fn refused(checker: &Checker<'_>, case: &Case, number: u64, error: &Error) -> Re
     if error.code() == Code::NotIdentifiable {
         return Ok(End::Undetermined);
     }
-    let text = error.to_string();
-    if !text.contains("the cell's limits") {
-        return Err(format!("unexpected: {text}"));
+    if error.place().key.as_deref() != Some("limits") {
+        return Err(format!("unexpected: {error}"));
     }
     let mut dice = Dice::new(60_000 + number);
     let feasible = (0..POSTURES).filter(|_| checker.meets(&uniform(&mut dice, case), 0.0)).count();
     if feasible as u64 > MOST {
-        Err(format!("{feasible} of {POSTURES} random postures do, but: {text}"))
+        Err(format!("{feasible} of {POSTURES} random postures do, but: {error}"))
     } else {
         Ok(End::Nothing)
     }

@@ -62,31 +62,31 @@ impl Case {
                 line(format!("loading_point_mm = {at:?}"));
             }
         }
-        let given =
+        let optional =
             |name: &str, value: Option<String>| value.map_or(String::new(), |value| format!("{name} = {value}\n"));
         let limits = &self.limits;
         let corner = |i: usize| limits.corners.map(|c| format!("{:?}", c[i]));
         line(format!(
             "[limits]\n{}{}{}{}{}{}",
-            given("box_min_mm", corner(0)),
-            given("box_max_mm", corner(1)),
-            given("floor_mm", limits.floor.map(|v| v.to_string())),
-            given("keep_out_radius_mm", limits.keep_out.map(|v| v.to_string())),
-            given("wrist_height_mm", limits.wrist.map(|v| v.to_string())),
-            given("rope_length_mm", limits.rope.map(|v| format!("{v:?}"))),
+            optional("box_min_mm", corner(0)),
+            optional("box_max_mm", corner(1)),
+            optional("floor_mm", limits.floor.map(|v| v.to_string())),
+            optional("keep_out_radius_mm", limits.keep_out.map(|v| v.to_string())),
+            optional("wrist_height_mm", limits.wrist.map(|v| v.to_string())),
+            optional("rope_length_mm", limits.rope.map(|v| format!("{v:?}"))),
         ));
         let clearance = &self.clearance;
         let ignore = (!clearance.ignore.is_empty()).then(|| format!("{:?}", clearance.ignore));
         line(format!(
             "[clearance]\n{}{}{}{}{}{}{}{}",
-            given("shapes_mm", clearance.shapes.map(|v| v.to_string())),
-            given("rope_mm", clearance.rope.map(|v| v.to_string())),
-            given("rope_free_mm", clearance.free.map(|v| format!("{v:?}"))),
-            given("rope_axis", clearance.cone.map(|c| format!("{:?}", c.0))),
-            given("rope_cone_deg", clearance.cone.map(|c| c.1.to_string())),
-            given("sight_mm", clearance.sight.map(|v| v.to_string())),
-            given("visible_points", clearance.visible.map(|v| v.to_string())),
-            given("ignore", ignore),
+            optional("shapes_mm", clearance.shapes.map(|v| v.to_string())),
+            optional("rope_mm", clearance.rope.map(|v| v.to_string())),
+            optional("rope_free_mm", clearance.free.map(|v| format!("{v:?}"))),
+            optional("rope_axis", clearance.cone.map(|c| format!("{:?}", c.0))),
+            optional("rope_cone_deg", clearance.cone.map(|c| c.1.to_string())),
+            optional("sight_mm", clearance.sight.map(|v| v.to_string())),
+            optional("visible_points", clearance.visible.map(|v| v.to_string())),
+            optional("ignore", ignore),
         ));
         line("[stiffness]\nprior_nm_per_rad = [9e5, 2e6, 8e5, 3e5, 2e5, 1e5]".to_string());
         line(format!("[[task]]\nname = \"cut\"\nq_deg = {:?}\nforce_n = [40, -90, 60]", self.task));

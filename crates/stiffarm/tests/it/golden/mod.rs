@@ -1,6 +1,6 @@
-//! Against numbers made by independent tools; `golden/README.md` has their sources.
+//! Numbers of the library are those of independent tools; `golden/README.md` has their sources.
 //!
-//! `cargo test --test golden -- --nocapture` prints the agreement reached.
+//! `cargo test --workspace --test it golden -- --nocapture` prints the agreement reached.
 
 mod robots;
 
@@ -73,7 +73,7 @@ fn terms_of_single_postures() {
         }
     }
     for (what, error) in worst {
-        let is_finite_difference = what.contains("finite");
+        let is_finite_difference = what.ends_with("(finite differences)");
         check(what, error, if is_finite_difference { 1e-8 } else { TIGHT });
     }
 }
@@ -163,11 +163,11 @@ fn identification_of_noisy_displacements() {
 
     // The same with the size of the noise known: the errors scale by σ/s.
     let options = changed(by(Estimator::Ordinary), |o| o.noise = NoiseSource::Known);
-    let known = identify(&cell, &measured, &options).unwrap();
+    let identification = identify(&cell, &measured, &options).unwrap();
     let ratio = cell.noise.displacement_std() / variance.sqrt();
-    for (known, error) in known.estimates.joints.iter().zip(&errors) {
-        let known = known.compliance_standard_error.unwrap();
-        check("known noise", relative_error(&[known], &[error * ratio]), TIGHT);
+    for (joint, error) in identification.estimates.joints.iter().zip(&errors) {
+        let with_sigma = joint.compliance_standard_error.unwrap();
+        check("known noise", relative_error(&[with_sigma], &[error * ratio]), TIGHT);
     }
 }
 

@@ -1,4 +1,4 @@
-//! Kinematics of robots against other programs and published values.
+//! Kinematics of robots are those of other programs and of published values.
 
 use super::*;
 

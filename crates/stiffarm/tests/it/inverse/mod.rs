@@ -1,4 +1,4 @@
-//! Inverse kinematics: every posture of a pose, and what is said where there is none.
+//! Inverse kinematics finds every posture of a pose, and says what is missing where there is none.
 
 mod arms;
 mod singular;
@@ -94,7 +94,7 @@ fn unreachable(inverse: &InverseKinematics, pose: &Isometry3<f64>) -> Unreachabl
 /// library's inverse kinematics.
 fn multi_start(robot: &Robot, pose: &Isometry3<f64>, starts: usize, dice: &mut Dice) -> Vec<Vec<f64>> {
     let n = robot.joint_count();
-    let mut found: Vec<Vec<f64>> = Vec::new();
+    let mut solutions: Vec<Vec<f64>> = Vec::new();
     for _ in 0..starts {
         let mut q = DVector::from_vec(dice.posture(n));
         for _ in 0..40 {
@@ -104,9 +104,9 @@ fn multi_start(robot: &Robot, pose: &Isometry3<f64>, starts: usize, dice: &mut D
             let turn = (pose.rotation * reached.rotation.inverse()).scaled_axis();
             let error = DVector::from_iterator(6, way.iter().chain(turn.iter()).copied());
             if error.norm() < 1e-12 {
-                let mut known = found.iter();
-                if known.all(|k| difference(robot, k, q.as_slice()) > 1e-5) {
-                    found.push(q.as_slice().to_vec());
+                let mut earlier = solutions.iter();
+                if earlier.all(|k| difference(robot, k, q.as_slice()) > 1e-5) {
+                    solutions.push(q.as_slice().to_vec());
                 }
                 break;
             }
@@ -118,7 +118,7 @@ fn multi_start(robot: &Robot, pose: &Isometry3<f64>, starts: usize, dice: &mut D
             q += &step * (1.0 / step.amax()).min(1.0);
         }
     }
-    found
+    solutions
 }
 
 /// Six angles with the COMAU's wrist at `bend` from straight.

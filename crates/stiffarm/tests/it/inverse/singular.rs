@@ -1,4 +1,4 @@
-//! Poses where branches meet.
+//! Poses where branches meet give a representative of them.
 
 use super::*;
 

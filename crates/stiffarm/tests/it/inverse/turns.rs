@@ -1,6 +1,7 @@
-//! Full turns, the nearest branch and input that is none.
+//! Full turns within the limits are all told, the nearest branch is the nearest, and input that is none is refused.
 
 use super::*;
+use crate::common::cases::refusals;
 
 #[test]
 fn turns_within_the_limits() {
@@ -136,17 +137,34 @@ fn input_that_is_not_finite_is_refused() {
     let inverse = InverseKinematics::new(&robot("comau-nj165-3.0"));
     let mut pose = Isometry3::identity();
     pose.translation.vector.y = f64::NAN;
-    for error in [
-        inverse.branches(&pose).unwrap_err(),
-        inverse.solve(&pose).unwrap_err(),
-        inverse.nearest(&pose, &[0.0; 6]).unwrap_err(),
-        inverse.follow(&pose, &[0.0; 6]).unwrap_err(),
-        inverse.nearest(&Isometry3::translation(2.0, 0.0, 1.0), &[f64::INFINITY; 6]).unwrap_err(),
-    ] {
-        assert_eq!(error.code(), Code::NotFinite);
-    }
-    let error = inverse.follow(&Isometry3::identity(), &[0.0; 5]).unwrap_err();
-    assert_eq!(error.code(), Code::Dimension);
+    let there = Isometry3::translation(2.0, 0.0, 1.0);
+    let rows = [
+        ("branches", Code::NotFinite, inverse.branches(&pose).map(drop)),
+        ("solve", Code::NotFinite, inverse.solve(&pose).map(drop)),
+        ("nearest", Code::NotFinite, inverse.nearest(&pose, &[0.0; 6]).map(drop)),
+        ("follow", Code::NotFinite, inverse.follow(&pose, &[0.0; 6]).map(drop)),
+        ("nearest to endless angles", Code::NotFinite, inverse.nearest(&there, &[f64::INFINITY; 6]).map(drop)),
+        ("follow from five angles", Code::Dimension, inverse.follow(&Isometry3::identity(), &[0.0; 5]).map(drop)),
+    ];
+    insta::assert_snapshot!(refusals(rows), @"
+    » branches
+    [not-finite] The pose has a number that is not finite.
+
+    » solve
+    [not-finite] The pose has a number that is not finite.
+
+    » nearest
+    [not-finite] The pose has a number that is not finite.
+
+    » follow
+    [not-finite] The pose has a number that is not finite.
+
+    » nearest to endless angles
+    [not-finite] The angle of joint 1 is not a finite number.
+
+    » follow from five angles
+    [dimension] 5 angles for the 6 joints of COMAU SMART5 NJ 165-3.0.
+    ");
     // Numbers whose squares overflow.
     let endless = Isometry3::translation(1e300, 0.0, 1.0);
     for robot in [robot("comau-nj165-3.0"), panda()] {

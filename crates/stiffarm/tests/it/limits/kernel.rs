@@ -1,10 +1,10 @@
-//! Limits as a search sees them: a penalty on a whole group.
+//! A search's penalty on a whole group sees the same violations as the limits of each posture, with its derivatives.
 
 use super::*;
 use crate::common::differences::assert_gradient;
-use stiffarm::internals::{Kernel, Lanes, WIDTH, Wanted, sin_cos};
+use stiffarm::internals::{Kernel, KernelRequest, Lanes, WIDTH, sin_cos};
 
-const WANTED: Wanted<'_> = Wanted { dexterity: None, information: None, limits: true };
+const WANTED: KernelRequest<'_> = KernelRequest { dexterity: None, information: None, limits: true };
 
 /// A kernel with the penalty of `group` at which limits push before they are crossed.
 fn pushing(cell: &Cell, flat: &[f64]) -> Kernel {

@@ -1,4 +1,4 @@
-//! Margins of a cell's limits and their derivatives, posture by posture.
+//! Margins of a cell's limits are as many as its limits, and their derivatives those of differences.
 
 mod kernel;
 
@@ -133,8 +133,8 @@ fn derivatives_come_where_they_are_wanted() {
         let (values, all) = at(&cell, &theta);
         let (same, third) = some(&cell, &theta, |margin| margin % 3 == 1);
         assert_eq!(same, values);
-        for (margin, (own, all)) in third.chunks(n).zip(all.chunks(n)).enumerate() {
-            if margin % 3 == 1 { assert_eq!(own, all) } else { assert!(own.iter().all(|slope| slope.is_nan())) }
+        for (margin, (chosen, all)) in third.chunks(n).zip(all.chunks(n)).enumerate() {
+            if margin % 3 == 1 { assert_eq!(chosen, all) } else { assert!(chosen.iter().all(|slope| slope.is_nan())) }
         }
         // Rows for some margins, and not a word on the others.
         let mut margins = cell.posture_margins().unwrap();
@@ -255,11 +255,11 @@ fn margins_of_displacements_are_those_of_the_linear_model() {
             let moved = terms.block(&cell.setup.robot) * &springs;
             let rms = (moved.norm_squared() / cell.setup.tool.point_count() as f64).sqrt();
             let named = cell.margins().named(&terms);
-            let found: Vec<f64> = named.iter().map(|m| m.margin).collect();
+            let margins: Vec<f64> = named.iter().map(|m| m.margin).collect();
             assert!(named.iter().all(|m| m.point == "measuring points"));
-            assert_eq!(found.len(), 2);
-            assert!((found[0] - (rms - 4e-4)).abs() < 1e-15);
-            assert!((found[1] - (1.2e-3 - rms)).abs() < 1e-15);
+            assert_eq!(margins.len(), 2);
+            assert!((margins[0] - (rms - 4e-4)).abs() < 1e-15);
+            assert!((margins[1] - (1.2e-3 - rms)).abs() < 1e-15);
             let inside = (4e-4..=1.2e-3).contains(&rms);
             assert_eq!(cell.margins().least(&terms) >= 0.0, inside);
         }

@@ -1,4 +1,4 @@
-//! Stiffness over a region, and the best place for a workpiece.
+//! Stiffness over a region, and the best place for a workpiece, are those of pointwise predictions.
 
 mod nodes;
 mod places;

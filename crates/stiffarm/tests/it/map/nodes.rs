@@ -1,6 +1,8 @@
-//! The stiffness at the nodes of a region.
+//! The stiffness at the nodes of a region is that of the allowed posture that bends least, or the reason why there is
+//! none.
 
 use super::*;
+use crate::common::cases::{refusals, sentences};
 
 fn map(cell: &Cell, predictor: &IdentifiedCompliance, options: &MapOptions) -> StiffnessMap {
     stiffness_map(cell, predictor, options, Control::default()).unwrap()
@@ -176,8 +178,7 @@ fn the_tip_itself_stays_within_the_limits() {
     });
     let nodes = map(&cell, &prior(&cell), &options).nodes;
     assert_eq!(nodes[0].status, Status::Forbidden);
-    let reason = nodes[0].reason.as_ref().unwrap();
-    assert!(reason.starts_with("its tip violates the box"), "{reason}");
+    insta::assert_snapshot!(nodes[0].reason.as_ref().unwrap(), @"its tip violates the box for tool points and flange by 100.0 mm");
     assert!((nodes[0].distance_m.unwrap() - 0.1).abs() < 1e-12);
     assert_eq!(nodes[1].status, Status::Reachable);
 }
@@ -193,9 +194,12 @@ fn nothing_reachable_is_a_serious_finding_that_says_what_comes_closest() {
     let map = map(&cell, &prior(&cell), &options);
     assert_eq!(map.counts.unreachable, 3);
     assert!(map.extremes.is_none() && map.deflection_per_newton_m.is_none());
-    let finding = &map.findings[0];
-    assert_eq!(finding.code, "nothing-reachable");
-    assert!(finding.sentence.contains("x = 5000, y = 0, z = 800 mm"), "{finding:?}");
+    insta::assert_snapshot!(sentences(&map.findings), @"
+    [nothing-reachable] region: No node of the map is reachable with this orientation. Closest comes x = 5000, y = 0, z = 800 mm: 1827.5 mm out of the arm's reach.
+    [no-band] stiffness: The joint stiffness comes without covariance: nothing says how sure these deflections are.
+    [unknown-limits] robot: The machine's joint limits are not known, so the real arm may reach less: give robot.limits_deg.
+    [tip-assumed] work: The tip is measuring point 1, with the flange's axes: the cell says no other. Where the tool works elsewhere, say so with tip_mm in [work].
+    ");
     let distance: Vec<f64> = map.nodes.iter().map(|n| n.distance_m.unwrap()).collect();
     assert!(distance[0] < distance[1] && distance[1] < distance[2]);
 }
@@ -204,20 +208,19 @@ fn nothing_reachable_is_a_serious_finding_that_says_what_comes_closest() {
 fn regions_and_loads_that_are_none_are_refused() {
     let cell = default_cell();
     let predictor = prior(&cell);
-    let refused = |change: &dyn Fn(&mut MapOptions)| {
-        let mut options = options();
-        change(&mut options);
-        let error = stiffness_map(&cell, &predictor, &options, Control::default()).unwrap_err();
-        assert_eq!(error.code(), Code::InvalidValue);
-        error.message().to_string()
-    };
-    assert!(refused(&|o| o.lower[0] = 4.0).contains("lower end"));
-    assert!(refused(&|o| o.upper[1] = f64::NAN).contains("not finite"));
-    assert!(refused(&|o| o.steps[2] = 4).contains("differ"));
-    assert!(refused(&|o| o.steps[0] = 0).contains("at least 1"));
-    assert!(refused(&|o| o.steps = [2000, 2000, 1]).contains("1000000"));
-    assert!(refused(&|o| o.wrench.force = Vector3::zeros()).contains("force"));
-    assert!(refused(&|o| o.free_turn = Some(0)).contains("turns"));
+    let of =
+        |change: fn(&mut MapOptions)| stiffness_map(&cell, &predictor, &changed(options(), change), Control::default());
+    let rows = [
+        ("a lower end above the upper one", of(|o| o.lower[0] = 4.0)),
+        ("an end that is no number", of(|o| o.upper[1] = f64::NAN)),
+        ("steps where the ends are one", of(|o| o.steps[2] = 4)),
+        ("no node", of(|o| o.steps[0] = 0)),
+        ("too many nodes", of(|o| o.steps = [2000, 2000, 1])),
+        ("no force", of(|o| o.wrench.force = Vector3::zeros())),
+        ("no turn", of(|o| o.free_turn = Some(0))),
+    ]
+    .map(|(what, map)| (what, Code::InvalidValue, map));
+    insta::assert_snapshot!("map_refusals", refusals(rows));
 }
 
 #[test]

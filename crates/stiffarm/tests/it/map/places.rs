@@ -1,4 +1,4 @@
-//! The best place of a path.
+//! The best place of a path is where its postures bend least, within all limits.
 
 use super::*;
 
@@ -67,12 +67,12 @@ fn the_best_place_is_the_one_where_the_moved_path_bends_least() {
     for axes in [ForceAxes::Path, ForceAxes::Base, ForceAxes::Workpiece, ForceAxes::Tool] {
         let mut cell = default_cell();
         let points = rectangle(&mut cell, axes);
-        let found = search(&cell, &points, &place_options());
-        let best = found.best.as_ref().unwrap();
-        assert_eq!(found.given.status, Status::Reachable);
-        assert_eq!(found.searched_points, points.len());
+        let placement = search(&cell, &points, &place_options());
+        let best = placement.best.as_ref().unwrap();
+        assert_eq!(placement.given.status, Status::Reachable);
+        assert_eq!(placement.searched_points, points.len());
         // Whatever the search does inside, its numbers are those of a walk along.
-        for placed in [best, &found.given] {
+        for placed in [best, &placement.given] {
             let pose = Isometry3::from_parts(
                 Translation3::from(placed.position_m),
                 UnitQuaternion::from_euler_angles(
@@ -87,19 +87,19 @@ fn the_best_place_is_the_one_where_the_moved_path_bends_least() {
             assert!((rms / placed.deflection_rms_m.unwrap() - 1.0).abs() < 1e-9, "{axes:?}");
         }
         let rms = best.deflection_rms_m.unwrap();
-        let gain = found.gain.unwrap();
+        let gain = placement.gain.unwrap();
         assert!(gain > 1.0, "{gain}");
-        assert!(close(gain, found.given.deflection_rms_m.unwrap() / rms));
-        let all = found.candidates.iter().filter_map(|c| c.deflection_rms_m);
+        assert!(close(gain, placement.given.deflection_rms_m.unwrap() / rms));
+        let all = placement.candidates.iter().filter_map(|c| c.deflection_rms_m);
         let least = all.fold(f64::INFINITY, f64::min);
         assert!((rms / least - 1.0).abs() < 0.01, "{rms} {least}");
         // Finer rounds only go on from the best.
         let of = |round: usize| {
-            let of = found.candidates.iter().filter(move |c| c.round == round);
+            let of = placement.candidates.iter().filter(move |c| c.round == round);
             of.filter_map(|c| c.deflection_rms_m).fold(f64::INFINITY, f64::min)
         };
         assert!(of(1) <= of(0) * (1.0 + 1e-12) && of(2) <= of(1) * (1.0 + 1e-12));
-        assert_eq!(found.candidates.iter().filter(|c| c.round == 0).count(), 70);
+        assert_eq!(placement.candidates.iter().filter(|c| c.round == 0).count(), 70);
     }
 }
 
@@ -114,10 +114,10 @@ fn places_that_fail_say_where_and_why() {
         o.upper = [3.5, 0.0, 0.7];
         o.steps = [8, 1, 1];
     });
-    let found = search(&cell, &points, &options);
-    let status = |at: usize| found.candidates[at].status;
+    let placement = search(&cell, &points, &options);
+    let status = |at: usize| placement.candidates[at].status;
     assert_eq!((status(0), status(7)), (Status::Forbidden, Status::Unreachable));
-    for candidate in &found.candidates {
+    for candidate in &placement.candidates {
         let works = candidate.status == Status::Reachable;
         assert_eq!(candidate.deflection_rms_m.is_some(), works);
         assert_eq!(candidate.reason.is_some() && candidate.point.is_some(), !works);
@@ -128,9 +128,9 @@ fn places_that_fail_say_where_and_why() {
         o.upper = [5.0, 0.0, 0.7];
         o.steps = [3, 1, 1];
     });
-    let found = search(&cell, &points, &far);
-    assert!(found.best.is_none() && found.gain.is_none());
-    assert_eq!(found.findings[0].code, "nowhere");
+    let placement = search(&cell, &points, &far);
+    assert!(placement.best.is_none() && placement.gain.is_none());
+    assert_eq!(placement.findings[0].code, "nowhere");
 }
 
 #[test]
@@ -142,8 +142,8 @@ fn places_keep_the_bounds_of_the_cell() {
     let best = free.best.unwrap();
     let turn = best.start.unwrap()[0];
     cell.bounds[0] = if turn > 0.0 { [-1.5, turn - 0.2] } else { [turn + 0.2, 1.5] };
-    let found = search(&cell, &points, &place_options());
-    let other = found.best.unwrap();
+    let placement = search(&cell, &points, &place_options());
+    let other = placement.best.unwrap();
     let inside = |q: &[f64]| cell.outside_bounds(q).next().is_none();
     assert!(other.along.iter().all(|point| inside(&point.q)));
     assert!(other.deflection_rms_m.unwrap() > best.deflection_rms_m.unwrap());
@@ -174,18 +174,17 @@ fn full_turns_are_chosen_for_the_whole_path() {
         o.upper = [1.8, 0.0, 0.8];
     });
     // The cell's own bounds stop it.
-    let found = search(&cell, &points, &options);
-    assert_eq!(found.given.status, Status::OutsideJointLimits);
-    let reason = found.given.reason.as_deref().unwrap();
-    assert!(reason.contains("joint 6 would leave the cell's bounds"), "{reason}");
+    let placement = search(&cell, &points, &options);
+    assert_eq!(placement.given.status, Status::OutsideJointLimits);
+    insta::assert_snapshot!(placement.given.reason.as_deref().unwrap(), @"joint 6 would leave the cell's bounds by 4.4°");
     cell.bounds[5] = cell.setup.robot.joints()[5].limits;
-    let found = search(&cell, &points, &options);
-    assert_eq!(found.given.status, Status::Reachable, "{:?}", found.given);
-    assert!((found.gain.unwrap() - 1.0).abs() < 1e-12);
+    let placement = search(&cell, &points, &options);
+    assert_eq!(placement.given.status, Status::Reachable, "{:?}", placement.given);
+    assert!((placement.gain.unwrap() - 1.0).abs() < 1e-12);
     // Within ±200° there is no way.
     limit_joint(&mut cell, 5, [-190_f64.to_radians(), 190_f64.to_radians()]);
-    let found = search(&cell, &points, &options);
-    assert_eq!(found.given.status, Status::OutsideJointLimits, "{:?}", found.given);
+    let placement = search(&cell, &points, &options);
+    assert_eq!(placement.given.status, Status::OutsideJointLimits, "{:?}", placement.given);
 }
 
 #[test]
@@ -206,12 +205,12 @@ fn a_free_tool_axis_takes_the_best_turn() {
         })
         .collect();
     let options = changed(place_options(), |o| o.refinements = 0);
-    let found = search(&cell, &free, &options);
+    let placement = search(&cell, &free, &options);
     let fixed = search(&cell, &points, &options);
     let rms = |p: &Placement| p.best.as_ref().unwrap().deflection_rms_m.unwrap();
-    assert!(found.best.as_ref().unwrap().turn.is_some());
-    assert!(rms(&found) <= rms(&fixed) * 1.001);
-    assert!(found.given.deflection_rms_m <= fixed.given.deflection_rms_m.map(|r| 1.001 * r));
+    assert!(placement.best.as_ref().unwrap().turn.is_some());
+    assert!(rms(&placement) <= rms(&fixed) * 1.001);
+    assert!(placement.given.deflection_rms_m <= fixed.given.deflection_rms_m.map(|r| 1.001 * r));
 }
 
 #[test]
@@ -229,9 +228,9 @@ fn long_paths_are_searched_thinned_and_judged_whole() {
         o.yaws = vec![0.0];
         o.refinements = 0;
     });
-    let found = search(&cell, &points, &options);
-    assert_eq!(found.point_count, 1200);
-    assert!(found.searched_points <= 200, "{}", found.searched_points);
-    let best = found.best.unwrap();
+    let placement = search(&cell, &points, &options);
+    assert_eq!(placement.point_count, 1200);
+    assert!(placement.searched_points <= 200, "{}", placement.searched_points);
+    let best = placement.best.unwrap();
     assert_eq!(best.deflection_max_point.as_deref(), Some("hit"));
 }

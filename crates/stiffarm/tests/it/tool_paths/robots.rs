@@ -1,6 +1,7 @@
-//! Programs of robots as their controllers run them: order, frames, names, and what they cannot say.
+//! Programs of robots are read as their controllers run them: order, frames, names, and what they cannot say.
 
 use super::{Check, cell_with, codes, positions, read, rounded, stated};
+use crate::common::cases::slip;
 use nalgebra::Vector3;
 use stiffarm::findings::Severity;
 use stiffarm_files::program::Language;
@@ -29,8 +30,8 @@ fn xs(read: &ReadPath) -> Vec<f64> {
 
 fn sentence<'a>(read: &'a ReadPath, code: &str) -> &'a str {
     let mut findings = read.findings.iter();
-    let found = findings.find(|finding| finding.code.as_str() == code);
-    found.map_or("", |finding| finding.sentence.as_str())
+    let first = findings.find(|finding| finding.code.as_str() == code);
+    first.map_or("", |finding| finding.sentence.as_str())
 }
 
 /// The work object of the cell as RAPID has it, in two frames whose product it is.
@@ -139,14 +140,14 @@ fn procedures_run_where_they_are_called() -> Check {
     assert_eq!(xs(&path), [2.0, 1.0, 3.0, 2.0]);
     let features = stated(&path).into_iter().map(|point| point.feature.unwrap_or_default().to_string());
     assert_eq!(features.collect::<Vec<_>>(), ["b", "a", "main", "b"]);
-    assert!(sentence(&path, "procedure-uncalled").contains("procedure c (line 15)"), "{:?}", path.findings);
+    insta::assert_snapshot!(sentence(&path, "procedure-uncalled"), @"The procedure c (line 15) is called by nothing that is read: its moves are no part of the path.");
     // Without one that is started, nobody knows.
     let path = read("a.mod", &format!("PROC a()\n{one}ENDPROC\nPROC b()\n{two}gripper_on;\nENDPROC\n"))?;
     assert_eq!(xs(&path), [1.0, 2.0]);
     assert!(codes(&path).contains(&"procedure-order"));
-    assert!(sentence(&path, "not-followed").contains("gripper_on"));
+    insta::assert_snapshot!(sentence(&path, "not-followed"), @"gripper_on (line 6) is a procedure that is not in the file: what it does is not known here.");
     let path = read("a.mod", &format!("PROC a()\n{one}a;\nENDPROC\n"))?;
-    assert!(sentence(&path, "not-followed").contains("calls itself"));
+    insta::assert_snapshot!(sentence(&path, "not-followed"), @"The procedure a, which calls itself, (line 1) is not followed here.");
     let text = format!(
         "DEF a ( )\nLIN {POINT}\nb ( )\nLIN {{X 3}}\nc ( )\nEND\nDEF b ( )\nLIN {{X 2}}\nEND\nDEF d ( )\nLIN {{X 9}}\nEND\n"
     );
@@ -168,12 +169,19 @@ fn procedures_run_where_they_are_called() -> Check {
 #[test]
 fn moves_of_rapid_that_are_not_read_are_refused_by_their_target() {
     let point = format!("CONST robtarget p1:={TARGET};\nMoveL p1,v50,z1,t;\n");
-    for line in ["ArcL p1,v100,seam1,weld1,z10,t;", "DrillAt p1;", "TriggAbsJ j,v1,t1,fine,t;", "EOffsSet [1];"] {
-        let error = read("a.mod", &format!("{point}{line}\n")).unwrap_err();
-        assert_eq!(error.place().line, Some(3), "{line}: {}", error.message());
+    let mut report = String::new();
+    for line in [
+        "ArcL p1,v100,seam1,weld1,z10,t;",
+        "DrillAt p1;",
+        "TriggAbsJ j,v1,t1,fine,t;",
+        "EOffsSet [1];",
+        "VAR robtarget p2; p2:=Offs(p1,0,0,5); MoveL p2,v50,z1,t;",
+    ] {
+        let error = read("a.mod", &format!("{point}{line}\n")).expect_err(line);
+        assert_eq!(error.place().line, Some(3), "{line}: {error}");
+        report += &slip::<()>(line, Err(error));
     }
-    let error = read("a.mod", "VAR robtarget p2;\np2:=Offs(p1,0,0,5);\nMoveL p2,v50,z1,t;\n").unwrap_err();
-    assert!(error.message().starts_with("p2 is calculated"), "{}", error.message());
+    insta::assert_snapshot!("moves_of_rapid_not_read", report);
     for line in ["WaitTime 1;", "ConfL\\Off;", "VAR robtarget p2;", "VAR robtarget p2:=CRobT();", "p1.trans.x := 5;"] {
         assert!(read("a.mod", &format!("{point}{line}\n")).is_ok(), "{line}");
     }
@@ -242,6 +250,78 @@ fn krl_as_posts_write_it_is_read() -> Check {
 }
 
 #[test]
+fn words_of_krl_moves_stand_for_themselves() -> Check {
+    let dat = format!("DEFDAT a\nBASE_DATA[3]={BASE}\nBASE_DATA[4]={TOOL}\nDECL E6POS XP1={POINT}\nENDDAT\n");
+    let after = |tail: &str| krl(&format!("DEF a ( )\n$VEL.CP=0.5\nBAS (#BASE,3)\nLIN XP1 C_DIS{tail}\nEND\n"), &dat);
+    for (tail, feed, is_other) in [
+        ("", 0.5, false),
+        (" WITH $VEL.CP=0.1", 0.1, false),
+        (" with $vel.cp = 0.1, $base=base_data[4]", 0.1, true),
+        (" With $Base=BASE_DATA[4]", 0.5, true),
+        (" withdraw $BASE=BASE_DATA[4]", 0.5, false),
+        (" ; WITH $VEL.CP=0.1, $BASE=BASE_DATA[4]", 0.5, false),
+    ] {
+        let path = after(tail)?;
+        assert_eq!(path.points[0].feed, Some(feed), "{tail}");
+        assert_eq!(codes(&path).contains(&"program-frame"), is_other, "{tail}: {:?}", path.findings);
+    }
+    Ok(())
+}
+
+#[test]
+fn programs_say_the_same_in_small_letters() -> Check {
+    let (user, object) = objects();
+    let body =
+        format!("PROC main()\nVAR speeddata vw:=[20,1,1,1];\nMoveL\\Conc,{TARGET},vw,z1,t\\WObj:=w\\Corr;\nENDPROC");
+    let points = [listed(1, "1.0", ""), listed(2, "2.0", ""), listed(3, "3.0", "")];
+    let registers = ["1500.5", "-200", "612.25", "10", "-20", "35"].iter().zip(1..);
+    let registers: Vec<String> = registers.map(|(number, at)| format!("  PR[9,{at}]={number}")).collect();
+    let mut lines: Vec<&str> = registers.iter().map(String::as_str).collect();
+    lines.extend(["  UFRAME[3]=PR[9]", "  UFRAME_NUM=3", "L P[1] 50mm/sec FINE Skip,LBL[1]"]);
+    lines.extend(["L P[2] 12cm/min FINE Wjnt", "L P[3] 9inch/min FINE COORD"]);
+    let job = "MFRAME UF#(2) P00005 P00005\nMOVL C00001 V=46.0 UNTIL IN#(1)=ON\nMOVC C00001 V=1\nMOVC C00002 V=1\n\
+               MOVC C00003 V=2 FPT\nMOVC C00004 V=1\nMOVC C00001 V=1\nEND\n";
+    let cl_data =
+        "TOOL PATH/A,TOOL,T1\nUNITS/MM\nFEDRAT/MMPM,600\nSPINDL/RPM,6000,CLW\nGOTO/1,2,3,0,0,1\nEND-OF-PATH\n";
+    for (name, text) in [
+        ("a.mod", rapid([&user, &object], &body)),
+        ("a.ls", ls(&lines, &points)),
+        ("a.jbi", format!("{JOB}{job}")),
+        ("a.apt", cl_data.to_string()),
+        (
+            "a.nc",
+            "%\nN10 G90 G54 G17 G21\nN20 G0 X1 Y2 Z3 S3000 M3\nCR=3\nG1 X4 F600\nG2 X8 Y2 CR=5\nM30\n".to_string(),
+        ),
+    ] {
+        let (path, small) = (read(name, &text)?, read(name, &text.to_ascii_lowercase())?);
+        assert_eq!(codes(&path), codes(&small), "{name}: {:?} {:?}", path.findings, small.findings);
+        let said = |path: &ReadPath| -> Vec<_> {
+            let points = path.points.iter();
+            points.map(|point| (point.feed, point.feature.as_ref().map(|name| name.to_ascii_uppercase()))).collect()
+        };
+        assert_eq!((said(&path), positions(&path)), (said(&small), positions(&small)), "{name}");
+    }
+    Ok(())
+}
+
+#[test]
+fn moves_that_fanuc_calculates_are_refused_in_any_case() -> Check {
+    let points = [listed(1, "1.0", ""), listed(2, "2.0", ""), listed(3, "3.0", "")];
+    let path = read("a.ls", &ls(&["L P[1:no Offset] 50mm/sec FINE", "L P[3:PR[1] 50mm/sec FINE"], &points))?;
+    assert_eq!((xs(&path), codes(&path)), (vec![1.0, 3.0], vec![]));
+    for word in ["Offset,PR[1]", "offset", "TOOL_OFFSET", "inc", "VOffset,VR[1]", "SEARCH[X]"] {
+        let last = format!("L P[3] 50mm/sec FINE {word}");
+        let error = read("a.ls", &ls(&["L P[1] 50mm/sec FINE", &last], &points)).unwrap_err();
+        assert!(error.message().contains("is calculated by the controller"), "{word}: {}", error.message());
+        // The second line of an arc.
+        let arc = format!("C P[2]\n    :  P[3] 50mm/sec FINE {word}");
+        let error = read("a.ls", &ls(&["L P[1] 50mm/sec FINE", &arc], &points)).unwrap_err();
+        assert!(error.message().contains("is calculated by the controller"), "{word}: {}", error.message());
+    }
+    Ok(())
+}
+
+#[test]
 fn rapid_as_posts_write_it_is_read() -> Check {
     let (user, object) = objects();
     let text = format!(
@@ -275,10 +355,19 @@ fn fanuc_points_count_where_a_move_goes_there() -> Check {
     let path =
         read("a.ls", &ls(&["L P[1] 50mm/sec FINE", "  A[875]=ON", "  S[1]=3", "L P[3] 50mm/sec FINE"], &points))?;
     assert!(path.findings.is_empty() && xs(&path) == [1.0, 3.0], "{:?}", path.findings);
-    let error = read("a.ls", &ls(&["L P[1] 50mm/sec FINE", "L P[2] 50mm/sec FINE"], &points)).unwrap_err();
-    assert!(error.message().contains("P[2] has no X"), "{}", error.message());
-    let error = read("a.ls", &ls(&["L P[1] 50mm/sec FINE", "A P[3] 50mm/sec FINE"], &points)).unwrap_err();
-    assert!(error.message().contains("A is a move"), "{}", error.message());
+    let mut report = String::new();
+    for second in ["L P[2] 50mm/sec FINE", "A P[3] 50mm/sec FINE"] {
+        report += &slip(second, read("a.ls", &ls(&["L P[1] 50mm/sec FINE", second], &points)));
+    }
+    insta::assert_snapshot!(report, @"
+    » L P[2] 50mm/sec FINE
+    [program] a.ls:12:3: P[2] has no X.
+      hint: the file is read as FANUC TP, by the ending of its name; docs/paths.md says what is read
+
+    » A P[3] 50mm/sec FINE
+    [program] a.ls:4:6: A is a move that is not read here.
+      hint: the file is read as FANUC TP, by the ending of its name; docs/paths.md says what is read
+    ");
     Ok(())
 }
 
@@ -360,25 +449,23 @@ fn external_axes_that_stand_still_are_part_of_the_base() -> Check {
         |a: String, b: String| ls(&moves, &[listed(1, "1.0", &a), listed(2, "2.0", &b), listed(3, "3.0", &group("7"))]);
     let with = |at: &str, other: &str| {
         [
-            ("a.src", format!("LIN {{X 1,Y 2,Z 3,A 0,B 0,C 180,E1 {at}}}\nLIN {{X 2,E1 {other}}}\n"), "E1"),
-            ("a.mod", format!("MoveL {},v50,z1,t;\nMoveL {},v50,z1,t;\n", target(at), target(other)), "eax_a"),
-            ("a.ls", two(group(at), group(other)), "J1 of group 2"),
-            ("a.ls", two(track(at), track(other)), "E1"),
+            ("a.src", format!("LIN {{X 1,Y 2,Z 3,A 0,B 0,C 180,E1 {at}}}\nLIN {{X 2,E1 {other}}}\n")),
+            ("a.mod", format!("MoveL {},v50,z1,t;\nMoveL {},v50,z1,t;\n", target(at), target(other))),
+            ("a.ls", two(group(at), group(other))),
+            ("a.ls", two(track(at), track(other))),
         ]
     };
-    for (name, text, axis) in with("1000", "1000.0") {
-        let path = read(name, &text)?;
-        let said = sentence(&path, "external-axis");
-        assert!(said.contains(axis) && said.contains("stands at 1000 at every point"), "{name}: {:?}", path.findings);
+    let mut report = String::new();
+    for (name, text) in with("1000", "1000.0") {
+        report += &format!("» {name}\n{}\n\n", sentence(&read(name, &text)?, "external-axis"));
     }
-    for (name, text, _) in with("0", "0.0") {
+    for (name, text) in with("0", "0.0") {
         assert_eq!(sentence(&read(name, &text)?, "external-axis"), "");
     }
-    for (name, text, axis) in with("0", "100") {
-        let error = read(name, &text).unwrap_err();
-        assert!(error.message().contains(axis) && error.hint_text().is_some(), "{name}: {}", error.message());
-        assert!(error.place().line > Some(1));
+    for (name, text) in with("0", "100") {
+        report += &slip(&format!("{name}, moved"), read(name, &text));
     }
+    insta::assert_snapshot!("external_axes", report);
     // What a line leaves out stands where the last move left it.
     let text = format!("LIN {POINT}\nPTP {{A1 0,A2 -90,A3 90,A4 0,A5 0,A6 0,E1 500}}\nLIN {{X 5}}\n");
     assert!(read("a.src", &text).is_err());

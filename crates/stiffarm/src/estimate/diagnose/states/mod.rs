@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 use series::{Series, series};
 
 /// Degrees of freedom from which the scatter about the curves is used.
-const ENOUGH: usize = 6;
+const FEWEST_DEGREES: usize = 6;
 /// Level of each of the three pooled tests.
 const FAMILY: f64 = LEVEL / 3.0;
 
@@ -104,7 +104,7 @@ pub fn load_states(fit: &Fit, noise: Option<&NoiseTest>) -> Result<Option<LoadSt
     let (size, free) =
         all.iter().filter_map(Series::scatter).fold((0.0, 0), |(s, f), (size, free)| (s + size, f + free));
     let expected = fit.cell().noise.displacement_std();
-    let (scatter, degrees) = if free >= ENOUGH {
+    let (scatter, degrees) = if free >= FEWEST_DEGREES {
         ((size / free as f64).sqrt(), Some(free))
     } else {
         // The cell's noise, if the residuals bear it out.
@@ -183,7 +183,8 @@ impl LoadStates {
             add(
                 "load-curvature",
                 format!(
-                    "The arm {way} with the load: at the largest load {} ± {} of the displacement is beyond proportion.",
+                    "The arm {way} with the load: at the largest load {} ± {} of the displacement is beyond \
+                     proportion.",
                     percent(bend.value),
                     percent(bend.standard_error)
                 ),
@@ -227,8 +228,8 @@ impl LoadStates {
             add(
                 "load-scatter",
                 format!(
-                    "Load states scatter about their curves by {}, more than the cell's noise explains ({}): drift, or a \
-                     load that had not settled.",
+                    "Load states scatter about their curves by {}, more than the cell's noise explains ({}): drift, or \
+                     a load that had not settled.",
                     length(self.scatter_m),
                     probability(p)
                 ),

@@ -156,8 +156,8 @@ impl ElasticSimulation {
         let held = (axes.mean_interval_share(), mixed.mean_interval_share());
         if let (Some(axes_hold), Some(mixed_hold)) = held {
             out += &format!(
-                " The {:.0} % intervals of joint stiffness hold the true one in {} of the cases with the axes alone, in {} \
-                 with the mixed model.",
+                " The {:.0} % intervals of joint stiffness hold the true one in {} of the cases with the axes alone, \
+                 in {} with the mixed model.",
                 100.0 * axes.confidence,
                 percent(axes_hold),
                 percent(mixed_hold)

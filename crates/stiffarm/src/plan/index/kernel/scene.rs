@@ -58,7 +58,8 @@ impl SceneKernel {
         self.work.iter_mut().for_each(Work::forget);
     }
 
-    /// The margins of one lane, which holds that posture, behind the `before` ones on points, their penalty and its derivatives.
+    /// The margins of one lane, which holds that posture, behind the `before` ones on points, their penalty and its
+    /// derivatives.
     pub fn forward(&mut self, batch: &mut Batch, lane: usize, posture: usize, before: usize) {
         for (q, lanes) in self.q.iter_mut().zip(&batch.q) {
             *q = lanes.0[lane];

@@ -13,10 +13,10 @@ use crate::model::stiffness::joint_compliance;
 use nalgebra::DMatrix;
 
 /// Sizes of the classes of [`fitted`], sized by their joint, over what the prior compliance c (geometric mean over the
-/// joints) and the length L of the arm make of their units: c L², c, c L, c, c/L. The geometric mean, one digit, of what
-/// the mixed model finds on 43 measured postures of a FANUC R-2000iC/165F (0.003, 0, 0.01, 0, 0.7) and on 30 postures of
-/// fourteen arms of a structural code (0.0001, 0.005, 0.0004, 0.06, 0.3; bench/structural_arms.py), zeros left out. A
-/// plan hardly depends on them, what it promises does.
+/// joints) and the length L of the arm make of their units: c L², c, c L, c, c/L. The geometric mean, one digit, of
+/// what the mixed model finds on 43 measured postures of a FANUC R-2000iC/165F (0.003, 0, 0.01, 0, 0.7) and on 30
+/// postures of fourteen arms of a structural code (0.0001, 0.005, 0.0004, 0.06, 0.3; bench/structural_arms.py), zeros
+/// left out. A plan hardly depends on them, what it promises does.
 const EXPECTED: [f64; 5] = [0.0005, 0.005, 0.002, 0.06, 0.5];
 
 /// Entries of all springs, and the square root of their prior covariance.
@@ -26,7 +26,8 @@ pub(super) struct Prior {
     pub(super) entries: Vec<Effect>,
     /// Entries × effects: what an effect of variance one adds to each entry.
     pub(super) root: DMatrix<f64>,
-    /// How many of the effects, the last, a drawing knows: they are as far off as it says, whatever is expected besides.
+    /// How many of the effects, the last, a drawing knows: they are as far off as it says, whatever is expected
+    /// besides.
     pub(super) drawn: usize,
 }
 
@@ -68,8 +69,8 @@ impl Prior {
         Prior::new(robot, &all, false)
     }
 
-    /// Effects with their standard deviations as scale, those of a drawing last; with `means` those of a class that cannot
-    /// be negative scatter about a common mean, which is of their own size.
+    /// Effects with their standard deviations as scale, those of a drawing last; with `means` those of a class that
+    /// cannot be negative scatter about a common mean, which is of their own size.
     fn new(robot: &Robot, effects: &[Effect], means: bool) -> Self {
         let joints = robot.joint_count();
         let entries = all_entries(joints);

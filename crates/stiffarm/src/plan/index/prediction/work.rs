@@ -8,14 +8,14 @@ use crate::plan::random::{StartKind, random_group};
 use nalgebra::Vector3;
 
 /// Postures that stand for the work of a cell without tasks.
-const STATED: usize = 20;
+const WORK_POSTURES: usize = 20;
 /// Seed and stream of their draw.
 const STATED_DRAW: (u64, u64) = (1, 0x5747);
 
 /// Where deflections of the tip are to be predicted, and under which load: at the cell's tasks if it has any, and
-/// anywhere, which few tasks say nothing of: at random postures inside its limits, always the same, under forces as large
-/// as its load's along each axis at the first measuring point, which together stand for all directions (under the load as
-/// it is where that has no force, and where all of them turn a joint that it never turns).
+/// anywhere, which few tasks say nothing of: at random postures inside its limits, always the same, under forces as
+/// large as its load's along each axis at the first measuring point, which together stand for all directions (under the
+/// load as it is where that has no force, and where all of them turn a joint that it never turns).
 ///
 /// # Errors
 /// No tasks where the load comes with measurements; no posture inside the limits.
@@ -54,7 +54,7 @@ fn anywhere(cell: &Cell) -> Result<Vec<(Setup, PostureTerms)>> {
     let cases = cell.setup.cases();
     let (seed, stream) = STATED_DRAW;
     let (mut all_directions, mut as_it_is) = (Vec::new(), Vec::new());
-    for q in random_group(cell, StartKind::Uniform, STATED, seed, stream)? {
+    for q in random_group(cell, StartKind::Uniform, WORK_POSTURES, seed, stream)? {
         let loaded: Vec<PostureTerms> =
             cases.iter().map(|setup| PostureTerms::new(setup, &q, None)).collect::<Result<_>>()?;
         let sizes = loaded.iter().map(|terms| terms.wrench().force.norm());

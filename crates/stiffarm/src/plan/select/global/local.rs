@@ -6,7 +6,7 @@ use super::plan::Plan;
 use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::numerics::optimise::smooth::{SmoothOptions, minimise_smooth};
-use crate::plan::index::inputs::Given;
+use crate::plan::index::inputs::FixedPostures;
 use crate::plan::index::prediction::PredictionFunction;
 use crate::plan::index::{Index, IndexFunction};
 use crate::plan::select::accept::Accept;
@@ -50,7 +50,7 @@ impl Effort {
     }
 }
 
-/// Searches over groups of a fixed number of postures beside given ones.
+/// Searches over groups of a fixed number of postures beside those that are held.
 #[derive(Debug, Clone)]
 pub(super) struct Local {
     function: IndexFunction,
@@ -61,7 +61,7 @@ pub(super) struct Local {
     /// Whether no two postures may be as good as the same.
     apart: bool,
     joints: usize,
-    /// Angles of the given postures.
+    /// Angles of the postures that are not searched for: the fixed ones, or those that [`Self::hold`] named last.
     held_postures: Vec<Vec<f64>>,
     angles: usize,
     lower: Vec<f64>,
@@ -114,18 +114,18 @@ impl Local {
         self
     }
 
-    /// Angles of the given postures \[rad\], from which others keep apart where they have to.
+    /// Angles of the postures that are not searched for \[rad\], from which others keep apart where they have to.
     pub fn keeps_from(&self) -> Option<&[Vec<f64>]> {
         self.apart.then_some(self.held_postures.as_slice())
     }
 
-    /// Angles of the given postures \[rad\].
+    /// Angles of the postures that are not searched for \[rad\].
     pub fn held_postures(&self) -> &[Vec<f64>] {
         &self.held_postures
     }
 
-    /// The given postures.
-    pub fn fixed_postures(&self) -> &Given {
+    /// The postures that are measured whatever the search does.
+    pub fn fixed_postures(&self) -> &FixedPostures {
         self.function.fixed_postures()
     }
 

@@ -24,8 +24,8 @@ pub struct GlobalOptions {
     pub load: LoadDesign,
     /// A constraint of the caller's own on the postures that are chosen; `None` for none.
     pub accept: Option<Accept>,
-    /// Whether the index `prediction` may choose a posture within 15° in every joint of another, a given one included; the
-    /// others may in any case.
+    /// Whether the index `prediction` may choose a posture within 15° in every joint of another, a given one included;
+    /// the others may in any case.
     pub repeats: bool,
 }
 
