@@ -22,7 +22,7 @@ pub enum Command {
     /// Every test; closes with one line, `total: N passed, N failed, N skipped`.
     ///
     /// Tests on the reference data run when STIFFARM_REFERENCE_DATA names its folder.
-    Test(TestOptions),
+    Test(Test),
     /// Sheets filled by openpyxl and by LibreOffice, a part of test, alone.
     Sheets {
         /// Install what the machine lacks.
@@ -30,9 +30,9 @@ pub enum Command {
         install: bool,
     },
     /// Pages of stiffarm in Chromium and Firefox, a part of test, alone.
-    Pages(PagesOptions),
+    Pages(Pages),
     /// The Python package, a part of test, alone: one wheel, built and installed into target/python.
-    Python(PythonOptions),
+    Python(Python),
     /// Write the generated files: docs/errors.md, docs/cell.schema.json, cells/, the licences of the
     /// Python package.
     Generate {
@@ -41,7 +41,7 @@ pub enum Command {
         check: bool,
     },
     /// Run the commands of xtask/src/outputs/commands.txt and keep everything that they print and write.
-    Outputs(OutputsOptions),
+    Outputs(Outputs),
     /// Write crates/stiffarm/data/robots.toml, the catalogue's data, from robot descriptions.
     Robots {
         /// Folder of the descriptions, for example ../shared/reference/robots.
@@ -81,11 +81,11 @@ pub enum Command {
     Lint,
     /// Lint, half a minute of fuzz, brief outputs on 1 and 4 threads, then test: what the continuous integration
     /// runs.
-    Ci(TestOptions),
+    Ci(Test),
 }
 
 #[derive(Debug, Default, PartialEq, Args)]
-pub struct TestOptions {
+pub struct Test {
     /// Install what a part needs and the machine lacks: LibreOffice for the sheets, Chromium and Firefox for the pages,
     /// Python (apt-get, as root).
     #[arg(long)]
@@ -96,7 +96,7 @@ pub struct TestOptions {
 }
 
 #[derive(Debug, Default, PartialEq, Args)]
-pub struct PythonOptions {
+pub struct Python {
     /// Install what the machine lacks.
     #[arg(long)]
     pub install: bool,
@@ -120,7 +120,7 @@ pub enum Checks {
 }
 
 #[derive(Debug, Default, PartialEq, Args)]
-pub struct PagesOptions {
+pub struct Pages {
     /// Install what the machine lacks.
     #[arg(long)]
     pub install: bool,
@@ -139,7 +139,7 @@ pub struct PagesOptions {
 }
 
 #[derive(Debug, Default, PartialEq, Args)]
-pub struct OutputsOptions {
+pub struct Outputs {
     /// Folder to fill: new, empty, or filled by an earlier run.
     pub folder: PathBuf,
     /// Compare the folder with this one, the outputs before a change, byte by byte.
@@ -192,16 +192,16 @@ mod tests {
     #[test]
     fn parts_are_named_with_commas_or_one_by_one() {
         let line = "ci --install --require rust,other-pythons --require=browser";
-        let expected = TestOptions { install: true, require: vec![Part::Rust, Part::OtherPythons, Part::Browser] };
+        let expected = Test { install: true, require: vec![Part::Rust, Part::OtherPythons, Part::Browser] };
         assert_eq!(parsed(line).unwrap(), Command::Ci(expected));
     }
 
     #[test]
     fn what_other_programs_get_is_taken_as_it_stands() {
-        let expected = PythonOptions {
+        let expected = Python {
             only: Some(Checks::Pytest),
             words: ["-k", "cell", "-h"].map(String::from).to_vec(),
-            ..PythonOptions::default()
+            ..Python::default()
         };
         let line = "python --only pytest -- -k cell -h";
         assert_eq!(parsed(line).unwrap(), Command::Python(expected));

@@ -1,6 +1,6 @@
 //! `cargo xtask lint` and `cargo xtask ci`: what must hold before a change is taken.
 
-use crate::arguments::{OutputsOptions, TestOptions};
+use crate::arguments;
 use crate::run::{Failure, Workspace, beside, step, timed};
 use crate::{fuzz, generate, outputs, structure, test, tools};
 
@@ -13,17 +13,17 @@ pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
 
 /// What [`lint`] does, a little fuzzing, all commands on 1 and 4 threads, then the tests. Their closing line is the
 /// last line of all. What neither a compiler nor a search keeps busy runs beside other work.
-pub fn ci(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
+pub fn ci(workspace: &Workspace, options: &arguments::Test) -> Result<(), Failure> {
     check_code(workspace)?;
     check_dependencies(workspace)?;
     let build = workspace.build();
     step(&build, || build.run())?;
-    let threads = OutputsOptions {
+    let threads = arguments::Outputs {
         folder: workspace.root().join("target/outputs"),
         threads: vec![1, 4],
         binary: Some(tools::stiffarm()?),
         is_brief: true,
-        ..OutputsOptions::default()
+        ..arguments::Outputs::default()
     };
     println!("\n== cargo xtask generate --check, outputs and fuzz");
     let generate = || timed("generate", || generate::run(workspace, true));

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::Command;
 
-use crate::arguments::PagesOptions;
+use crate::arguments;
 use crate::checked::{Checked, Script};
 use crate::run::{Failure, Workspace};
 use crate::tools::{self, Missing, first_that_runs};
@@ -24,7 +24,7 @@ const INSTALL: &str = "cargo xtask pages --install, as root on Debian";
 const SCRIPT: Script = Script { name: "pages.py", word: "pages", fix: INSTALL };
 
 /// Makes the pages and checks them.
-pub fn run(workspace: &Workspace, options: &PagesOptions) -> Result<Checked, Failure> {
+pub fn run(workspace: &Workspace, options: &arguments::Pages) -> Result<Checked, Failure> {
     workspace.built()?;
 
     let mut checked = Checked::default();
@@ -82,7 +82,7 @@ pub fn run(workspace: &Workspace, options: &PagesOptions) -> Result<Checked, Fai
 }
 
 /// `cargo xtask pages`: this part alone.
-pub fn alone(workspace: &Workspace, options: &PagesOptions) -> Result<(), Failure> {
+pub fn alone(workspace: &Workspace, options: &arguments::Pages) -> Result<(), Failure> {
     run(workspace, options)?.tell()
 }
 

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use crate::arguments::{PagesOptions, Part, PythonOptions, TestOptions};
+use crate::arguments;
+use crate::arguments::Part;
 use crate::checked::Checked;
 use crate::reference::{REFERENCE_VARIABLE, reference_folder};
 use crate::run::{Failure, Workspace, beside, quoted, timed};
@@ -20,7 +21,7 @@ struct Skip {
 }
 
 /// Runs all parts and prints the closing line last; a failure has been told by then.
-pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
+pub fn run(workspace: &Workspace, options: &arguments::Test) -> Result<(), Failure> {
     let start = Instant::now();
     let reference = reference_folder(std::env::var_os(REFERENCE_VARIABLE));
 
@@ -67,11 +68,11 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> 
 fn of_other_programs(workspace: &Workspace, install: bool) -> Result<Vec<(Part, Checked)>, Failure> {
     let pages = || -> Result<_, Failure> {
         let sheets = timed("sheets", || sheets::run(workspace, install))?;
-        let browsers = PagesOptions { install, ..PagesOptions::default() };
+        let browsers = arguments::Pages { install, ..arguments::Pages::default() };
         let pages = timed("pages", || pages::run(workspace, &browsers))?;
         Ok([(Part::Sheets, sheets), (Part::Browser, pages)])
     };
-    let python = PythonOptions { install, ..PythonOptions::default() };
+    let python = arguments::Python { install, ..arguments::Python::default() };
     let python = || timed("Python", || python::run(workspace, &python));
     let (pages, python) = beside(pages, python);
     let mut parts = python?;

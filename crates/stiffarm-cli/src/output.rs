@@ -10,6 +10,11 @@ use stiffarm::{Code, Error, Result};
 use stiffarm_files::envelope::Envelope;
 use stiffarm_report::summary::{Context, Summarise, Summary};
 
+/// Options of a result that depends on none.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct NoOptions {}
+
 /// How a command ended, where it ended without an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Exit {

@@ -97,7 +97,7 @@ pub mod internals {
         arrangements, half_width, information, jobs, nelder_mead, optimise, sample, scalar, streams,
     };
     pub use crate::plan::index::kernel::lanes::{Lanes, WIDTH, sin_cos};
-    pub use crate::plan::index::kernel::{Kernel, KernelRequest};
+    pub use crate::plan::index::kernel::{Kernel, KernelOutputs};
     pub use crate::plan::index::minimax::Minimax;
     pub use crate::plan::route::places::Places;
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::Instant;
 
-use crate::arguments::OutputsOptions;
+use crate::arguments;
 use crate::files;
 use crate::run::{Failure, Workspace};
 use crate::tools;
@@ -21,7 +21,7 @@ const UNSET: [&str; 5] = ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "COLUMNS", "
 const TOLD_EVERY: usize = 100;
 
 /// Fills the folder, and compares it where that is asked for. The closing line is the last one.
-pub fn run(workspace: &Workspace, options: &OutputsOptions) -> Result<(), Failure> {
+pub fn run(workspace: &Workspace, options: &arguments::Outputs) -> Result<(), Failure> {
     let folder = absolute(&options.folder)?;
     folder::check(&folder)?;
     let against = options.against.as_deref();

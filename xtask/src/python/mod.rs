@@ -8,7 +8,8 @@ mod wheel;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::arguments::{Checks, Part, PythonOptions};
+use crate::arguments;
+use crate::arguments::{Checks, Part};
 use crate::checked::{Checked, Script};
 use crate::reference::{REFERENCE_VARIABLE, reference_folder};
 use crate::run::{Failure, Workspace, beside};
@@ -39,7 +40,7 @@ struct Place<'a> {
 }
 
 /// Builds the wheel and checks it; what comes of it, by the part of the tests it belongs to.
-pub fn run(workspace: &Workspace, options: &PythonOptions) -> Result<Vec<(Part, Checked)>, Failure> {
+pub fn run(workspace: &Workspace, options: &arguments::Python) -> Result<Vec<(Part, Checked)>, Failure> {
     let mut checked = Checked::default();
     let place = match Place::prepared(workspace, options.install) {
         Ok(place) => place,
@@ -80,7 +81,7 @@ pub fn run(workspace: &Workspace, options: &PythonOptions) -> Result<Vec<(Part, 
 }
 
 /// `cargo xtask python`: this part alone.
-pub fn alone(workspace: &Workspace, options: &PythonOptions) -> Result<(), Failure> {
+pub fn alone(workspace: &Workspace, options: &arguments::Python) -> Result<(), Failure> {
     let mut all = Checked::default();
     for (_, checked) in run(workspace, options)? {
         all.add(checked);

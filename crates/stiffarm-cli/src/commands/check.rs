@@ -3,7 +3,7 @@
 use crate::answer::Answer;
 use crate::args;
 use crate::files::{Files, only_target};
-use crate::output::Exit;
+use crate::output::{Exit, NoOptions};
 use crate::picture::check_picture_name;
 use crate::session::Session;
 use crate::table::title;
@@ -17,11 +17,6 @@ use stiffarm_report::{Full, cell_drawing, render_drawing, usual_posture};
 
 /// Value of `--posture` that draws none in full.
 const ALL: &str = "all";
-
-/// A check has no options.
-#[derive(serde::Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Options {}
 
 /// Checks the cell, and draws it where that is asked for.
 pub fn run(session: &Session, args: &args::Check) -> Result<Answer> {
@@ -47,7 +42,7 @@ pub fn run(session: &Session, args: &args::Check) -> Result<Answer> {
         }
         picture = Some(Files::one(target, render_drawing(&drawing)));
     }
-    let envelope = session.envelope("check", None, Options {}, result);
+    let envelope = session.envelope("check", None, NoOptions {}, result);
     let answer = Answer::summary(exit, envelope, named, args.details).with(picture);
     Ok(Answer { notes, ..answer })
 }

@@ -30,7 +30,7 @@ use stiffarm_files::envelope::{Written, to_json};
 pub fn generated() -> Result<BTreeMap<String, String>> {
     let schemas = [
         ("cell".to_string(), cell_schema()),
-        of::<check::Options, CellCheck>("check"),
+        of::<NoOptions, CellCheck>("check"),
         of::<EvaluatedOptions, Evaluated>("evaluate"),
         of::<SelectResultOptions, select::Plan>("select"),
         of::<SelectResultOptions, select::DropResult>("select --drop"),
@@ -53,7 +53,7 @@ pub fn generated() -> Result<BTreeMap<String, String>> {
         of::<measure::MeasureOptions, measure::Judgement>("measure"),
         of::<pose::Options, pose::Poses>("pose"),
         of::<pose::Options, pose::PoseSolutions>("pose --poses"),
-        of::<super::report::Options, super::report::Reported>("report"),
+        of::<NoOptions, super::report::Reported>("report"),
         of::<route::DriveOptions, route::Routed>("route"),
         of::<export::Options, export::Exported>("export"),
         of::<export::Options, export::compare::Compared>("export --compare"),

@@ -3,7 +3,7 @@
 use crate::answer::Answer;
 use crate::args;
 use crate::files::{Files, Said, check_folder, only_target, shown};
-use crate::output::Exit;
+use crate::output::{Exit, NoOptions};
 use crate::page::check_page_name;
 use crate::session::Session;
 use serde::Serialize;
@@ -19,11 +19,6 @@ use stiffarm_report::report::{WithCell, report};
 
 /// The page where nothing else is asked for.
 const PAGE: &str = "report.html";
-
-/// Options of the result: none, where files go changes nothing.
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Options {}
 
 /// What the page shows.
 #[derive(Serialize)]
@@ -90,7 +85,7 @@ pub fn run(session: &Session, args: &args::Report) -> Result<Answer> {
         .iter()
         .map(|one| Shown { command: one.saved.command.clone(), cell: one.cell.map(|cell| cell.name.clone()) });
     let result = Reported { results: shown.collect() };
-    let envelope = session.envelope("report", None, Options {}, result);
+    let envelope = session.envelope("report", None, NoOptions {}, result);
     let table = with_cells.iter().map(line).collect();
     let answer = Answer::table(Exit::Done, envelope, table);
     Ok(answer.with(page).with(pictures))

@@ -7,7 +7,7 @@ use super::value::{Minutes, Number, Spanned};
 use stiffarm::error::{Code, Result};
 use stiffarm::model::cell::MeasuringTime;
 use stiffarm::model::robot::{CatalogueEntry, Robot};
-use stiffarm::model::route::RouteRules;
+use stiffarm::model::route::RouteSettings;
 use stiffarm::units::deg_to_rad;
 
 /// Largest joint speed that is not a slip \[deg/s\].
@@ -21,8 +21,8 @@ pub(super) fn route(
     table: Option<&Spanned<RawRoute>>,
     robot: &Robot,
     entry: Option<&CatalogueEntry>,
-) -> Result<RouteRules> {
-    let mut rules = RouteRules::default();
+) -> Result<RouteSettings> {
+    let mut rules = RouteSettings::default();
     let catalogue_speeds = entry.map_or(&[][..], |entry| entry.speeds_deg_s);
     if catalogue_speeds.len() == robot.joint_count() {
         rules.joint_speeds = Some(catalogue_speeds.iter().map(|v| deg_to_rad(*v)).collect());

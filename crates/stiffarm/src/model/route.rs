@@ -5,7 +5,7 @@ const SPEED_SHARE: f64 = 0.1;
 
 /// What a cell says of the drive from posture to posture.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RouteRules {
+pub struct RouteSettings {
     /// Largest speed of each joint \[rad/s\], where they are known.
     pub joint_speeds: Option<Vec<f64>>,
     /// Share of them that is driven at, above 0 and at most 1.
@@ -19,8 +19,14 @@ pub struct RouteRules {
     pub load_stays_on: bool,
 }
 
-impl Default for RouteRules {
+impl Default for RouteSettings {
     fn default() -> Self {
-        RouteRules { joint_speeds: None, speed_share: SPEED_SHARE, start: None, approach: None, load_stays_on: false }
+        RouteSettings {
+            joint_speeds: None,
+            speed_share: SPEED_SHARE,
+            start: None,
+            approach: None,
+            load_stays_on: false,
+        }
     }
 }

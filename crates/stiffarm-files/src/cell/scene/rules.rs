@@ -9,7 +9,7 @@ use stiffarm::error::{Code, Result};
 use stiffarm::model::implausible::tool_in_metres;
 use stiffarm::model::load::Load;
 use stiffarm::model::observation::Setup;
-use stiffarm::model::scene::{DisplacementLimits, Facing, RopeRules, Scene, Sight, Station, TorqueLimits};
+use stiffarm::model::scene::{DisplacementLimits, Facing, RopeLimits, Scene, Sight, Station, TorqueLimits};
 use stiffarm::model::stiffness::joint_compliance;
 use stiffarm::units::{STANDARD_GRAVITY, deg_to_rad, mm_to_m};
 
@@ -40,7 +40,7 @@ pub(super) fn rope(
     table: Option<&RawClearance>,
     setup: &Setup,
     has_parts: bool,
-) -> Result<Option<RopeRules>> {
+) -> Result<Option<RopeLimits>> {
     let is_rope = setup.load.has_rope();
     if let (Some(table), false) = (table, is_rope) {
         let rope_keys = [
@@ -84,7 +84,7 @@ pub(super) fn rope(
             return Err(source.missing(angle, "clearance.rope_axis", hint));
         }
     };
-    Ok((has_parts || cone.is_some()).then_some(RopeRules { clearance: has_parts.then_some(clearance), free, cone }))
+    Ok((has_parts || cone.is_some()).then_some(RopeLimits { clearance: has_parts.then_some(clearance), free, cone }))
 }
 
 /// What is asked of the tracker's beams, where its stations are given.

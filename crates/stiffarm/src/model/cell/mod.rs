@@ -30,7 +30,7 @@ use crate::model::load::{Load, Wrench};
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::posture::Posture;
 use crate::model::robot::Robot;
-use crate::model::route::RouteRules;
+use crate::model::route::RouteSettings;
 use crate::model::scene::Scene;
 use crate::model::tool::Tool;
 use crate::model::work::Work;
@@ -137,7 +137,7 @@ pub struct Cell {
     /// Tool tip, workpiece and process.
     pub work: Work,
     /// How the robot drives from posture to posture.
-    pub route: RouteRules,
+    pub route: RouteSettings,
     /// What measuring takes.
     pub time: MeasuringTime,
 }
@@ -181,7 +181,7 @@ impl Cell {
             uncertainty: Uncertainty::default(),
             columns: Columns::default(),
             work: Work::default(),
-            route: RouteRules::default(),
+            route: RouteSettings::default(),
             time: MeasuringTime::default(),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::pairs::Pair;
 use super::placed_parts::{PlacedParts, Shapes};
-use super::{Carrier, DisplacementLimits, Part, RopeRules, Scene, Sight, TorqueLimits};
+use super::{Carrier, DisplacementLimits, Part, RopeLimits, Scene, Sight, TorqueLimits};
 use crate::error::{Code, Error, Result};
 use crate::model::kinematics::Frames;
 use crate::model::robot::Robot;
@@ -21,7 +21,7 @@ pub struct SceneParts {
     /// Pairs, by name, that may come as near as they like.
     pub ignored: Vec<(String, String)>,
     /// What is asked of the rope.
-    pub rope: Option<RopeRules>,
+    pub rope: Option<RopeLimits>,
     /// What is asked of the tracker's beams.
     pub sight: Option<Sight>,
     /// What the joints may carry.

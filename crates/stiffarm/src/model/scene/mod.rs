@@ -24,7 +24,7 @@ pub use closest::ClosestPair;
 pub use displacement::DisplacementLimits;
 pub use margins::SceneMargin;
 pub use part::{Carrier, Part};
-pub use rope::RopeRules;
+pub use rope::RopeLimits;
 pub use sight::{Facing, SeenFrom, Sight, Station};
 pub use torque::TorqueLimits;
 pub(crate) use work::Work;
@@ -42,7 +42,7 @@ pub struct Scene {
     clearance: f64,
     pairs: Vec<Pair>,
     dropped: Vec<(usize, usize)>,
-    rope: Option<RopeRules>,
+    rope: Option<RopeLimits>,
     sight: Option<Sight>,
     torque: Option<TorqueLimits>,
     displacement: Option<DisplacementLimits>,
@@ -79,7 +79,7 @@ impl Scene {
     }
 
     /// What is asked of the rope.
-    pub fn rope(&self) -> Option<&RopeRules> {
+    pub fn rope(&self) -> Option<&RopeLimits> {
         self.rope.as_ref()
     }
 
@@ -113,7 +113,7 @@ impl Scene {
         let rope = rope.filter(|rope| rope.clearance.is_some());
         Scene {
             clearance: 0.5 * self.clearance,
-            rope: rope.map(|rope| RopeRules {
+            rope: rope.map(|rope| RopeLimits {
                 clearance: rope.clearance.map(|clearance| 0.5 * clearance),
                 cone: None,
                 ..rope.clone()

@@ -7,7 +7,7 @@ use nalgebra::{Unit, Vector3};
 
 /// What the rope must not touch, and the cone in which its loading device may pull.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RopeRules {
+pub struct RopeLimits {
     /// Distance kept between the rope and every part \[m\]; `None` lets it touch.
     pub clearance: Option<f64>,
     /// Lengths at the loading point and at the anchor that may touch what they are fixed to \[m\].

@@ -2,7 +2,7 @@
 //! tasks, and the postures that are given.
 
 use super::criterion::Criterion;
-use super::kernel::{Kernel, KernelRequest};
+use super::kernel::{Kernel, KernelOutputs};
 use super::kinds::Index;
 use crate::error::Result;
 use crate::model::cell::{Cell, task_matrix};
@@ -49,9 +49,9 @@ impl Inputs {
     }
 
     /// The same as the kernel wants it.
-    pub fn wanted(&self, limits: bool) -> KernelRequest<'_> {
+    pub fn wanted(&self, limits: bool) -> KernelOutputs<'_> {
         let information = self.information.as_ref();
-        KernelRequest {
+        KernelOutputs {
             dexterity: self.dexterity,
             information: information.map(|(compliance, weight)| (compliance.as_slice(), *weight)),
             limits,
@@ -85,13 +85,13 @@ impl FixedPostures {
     ///
     /// # Errors
     /// As [`Kernel::new`].
-    pub fn new<Q: AsRef<[f64]>>(cell: &Cell, wanted: KernelRequest<'_>, fixed_postures: &[Q]) -> Result<Self> {
+    pub fn new<Q: AsRef<[f64]>>(cell: &Cell, wanted: KernelOutputs<'_>, fixed_postures: &[Q]) -> Result<Self> {
         let mut fixed =
             FixedPostures { count: fixed_postures.len(), each: Vec::new(), log_dexterity: f64::NEG_INFINITY };
         if fixed_postures.is_empty() {
             return Ok(fixed);
         }
-        let mut kernel = Kernel::new(cell, KernelRequest { limits: false, ..wanted }, fixed_postures.len())?;
+        let mut kernel = Kernel::new(cell, KernelOutputs { limits: false, ..wanted }, fixed_postures.len())?;
         let q: Vec<f64> = fixed_postures.iter().flat_map(|q| q.as_ref().to_vec()).collect();
         kernel.forward(&q);
         for p in 0..fixed_postures.len() {

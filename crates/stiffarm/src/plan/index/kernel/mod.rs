@@ -20,7 +20,7 @@ mod model;
 mod reverse;
 mod scene;
 
-pub use model::KernelRequest;
+pub use model::KernelOutputs;
 
 use crate::error::Result;
 use crate::model::cell::Cell;
@@ -51,10 +51,10 @@ impl Kernel {
     ///
     /// # Errors
     /// A load that only a measurement gives; k(J_N) with fewer than six joints.
-    pub fn new(cell: &Cell, wanted: KernelRequest<'_>, count: usize) -> Result<Self> {
+    pub fn new(cell: &Cell, wanted: KernelOutputs<'_>, count: usize) -> Result<Self> {
         let each = cell.limit_cases().into_iter().enumerate();
         let cases = each.map(|(number, case)| {
-            let wanted = KernelRequest {
+            let wanted = KernelOutputs {
                 // k(J_N) is the posture's, whatever the load.
                 dexterity: wanted.dexterity.filter(|_| number == 0),
                 ..wanted
@@ -278,7 +278,7 @@ fn live(count: usize, b: usize) -> usize {
 }
 
 impl LoadKernel {
-    fn new(cell: &Cell, wanted: KernelRequest<'_>, count: usize) -> Result<Self> {
+    fn new(cell: &Cell, wanted: KernelOutputs<'_>, count: usize) -> Result<Self> {
         let model = Model::new(cell, wanted)?;
         let scene = if wanted.limits { SceneKernel::new(cell, count)?.map(Box::new) } else { None };
         let margins = model.limit_count + scene.as_ref().map_or(0, |scene| scene.count());
