@@ -341,14 +341,15 @@ fn an_approach_needs_a_start_and_a_turn_that_takes_up_lost_motion() {
         assert_eq!(error.place().key.as_deref(), Some("route.approach_deg"), "{wrong}: {error}");
         report += &format!("{wrong}: {}\n", error.message());
     }
-    report += &format!("no start: {}\n", of("approach_deg = 0.5").unwrap_err());
+    let error = of("approach_deg = 0.5").unwrap_err();
+    assert_eq!(error.place().key.as_deref(), Some("route.approach_deg"), "no start: {error}");
+    report += &format!("no start: {} {}\n", error.message(), error.hint_text().unwrap_or_default());
     insta::assert_snapshot!(report, @"
     0: The value must be above 0, got 0.
     -0.5: The value must be above 0, got -0.5.
     0.01: 0.01° is no turn that takes up lost motion.
     45: 45° is no turn that takes up lost motion.
     nan: NaN is not a finite number.
-    no start: cell.toml:132:16: route.approach_deg: Nothing says how the first posture is reached.
-      hint: give start_deg, a safe posture that the robot starts from
+    no start: Nothing says how the first posture is reached. give start_deg, a safe posture that the robot starts from
     ");
 }
