@@ -28,6 +28,7 @@ mod register;
 mod report;
 mod same_as_library;
 mod saved;
+mod schemas;
 mod select;
 mod shapes;
 mod sheets;
