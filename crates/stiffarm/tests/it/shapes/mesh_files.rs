@@ -241,7 +241,7 @@ fn texts_of_stl_may_be_written_in_many_ways() {
         ("endfacet", "facet", "corners"),
         ("outer loop", "outer loop\nvertex 1 2 3", "4 corners"),
         ("vertex", "vertex 1,5", "is not a corner of a triangle"),
-        ("outer loop", "inner loop", "is no line"),
+        ("outer loop", "inner loop", "is not a line"),
     ] {
         // Behind the first facet, where what is unknown is no head.
         let (head, tail) = text.split_once("endfacet").unwrap();
