@@ -3,15 +3,17 @@
 use crate::screen::{columns, wrapped};
 use crate::table::weight;
 use stiffarm::findings::Finding;
+use stiffarm::units::sentence_with_minus;
 
 /// A finding as a line of its own.
 pub fn finding_line(finding: &Finding) -> String {
     let severity = weight(finding.severity);
     // Many sentences begin with what they are about.
+    let sentence = sentence_with_minus(&finding.sentence);
     if finding.sentence.to_lowercase().starts_with(&finding.subject.to_lowercase()) {
-        format!("{severity}: {}\n", finding.sentence)
+        format!("{severity}: {sentence}\n")
     } else {
-        format!("{severity}: {}: {}\n", finding.subject, finding.sentence)
+        format!("{severity}: {}: {sentence}\n", finding.subject)
     }
 }
 

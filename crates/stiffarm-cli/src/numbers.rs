@@ -1,7 +1,6 @@
 //! Numbers as tables show them.
 
-use stiffarm::units::m_to_mm;
-use stiffarm_report::tell;
+use stiffarm::units::{m_to_mm, rounded, significant_text};
 pub use stiffarm_report::tell::counted;
 
 /// Shown where a value does not exist.
@@ -10,7 +9,7 @@ pub const NONE: &str = "-";
 /// `value` with `digits` significant digits, in powers of ten where it is very
 /// large or small.
 pub fn significant(value: f64, digits: usize) -> String {
-    if value.is_finite() { tell::significant(value, digits) } else { NONE.to_string() }
+    if value.is_finite() { significant_text(value, digits) } else { NONE.to_string() }
 }
 
 /// Joint stiffness \[N·m/rad\], always four digits and a power of ten.
@@ -20,8 +19,7 @@ pub fn stiffness(value: f64) -> String {
 
 /// Metres in whole millimetres, or to a tenth where that is needed.
 pub fn coarse_mm(m: f64) -> String {
-    let tenths = (m_to_mm(m) * 10.0).round() / 10.0 + 0.0;
-    tenths.to_string()
+    rounded(m_to_mm(m), 1).to_string()
 }
 
 /// A count from the command line as a number of things in memory.

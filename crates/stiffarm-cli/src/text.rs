@@ -4,6 +4,7 @@ use crate::screen::{columns, paint, wrapped};
 use crate::table::{Align, Table, title, weight};
 use anstyle::Style;
 use stiffarm::findings::{Finding, Severity};
+use stiffarm::units::sentence_with_minus;
 use stiffarm_report::tell::{Block, DataTable, Depth, Piece, SEEN_AT_ONCE, Section, Text, Told};
 
 /// Most rows of a table without details: a few dozen can be read.
@@ -112,7 +113,7 @@ fn blocks(all: &[Block], details: bool) -> String {
 /// A finding with its weight.
 fn finding(finding: &Finding) -> String {
     let word = weight(finding.severity);
-    line(&format!("{word}: {}", finding.sentence))
+    line(&format!("{word}: {}", sentence_with_minus(&finding.sentence)))
 }
 
 /// A text in lines of the terminal's width; one that is only to be typed is a line of its own.
@@ -122,8 +123,10 @@ fn sentence(text: &Text) -> String {
         return format!("{words}\n");
     }
     let pieces = text.0.iter().map(|piece| match piece {
-        Piece::Words(words) | Piece::Link(words, _) | Piece::Different(words) => words.clone(),
-        Piece::Strong(words) => paint(Style::new().bold(), words),
+        Piece::Words(words) | Piece::Link(words, _) | Piece::Different(words) => {
+            sentence_with_minus(words).into_owned()
+        }
+        Piece::Strong(words) => paint(Style::new().bold(), &sentence_with_minus(words)),
         Piece::Code(words) => format!("`{words}`"),
         Piece::Number(number) => number.text(),
     });

@@ -24,9 +24,9 @@ def command() -> Command:
     named = os.environ.get("STIFFARM_COMMAND")
     if not named:
         pytest.skip("STIFFARM_COMMAND does not name the command stiffarm of the same state")
-    found = shutil.which(named)
-    assert found, f"STIFFARM_COMMAND names {named}, which is no program"
-    program = str(Path(found).resolve())
+    program_path = shutil.which(named)
+    assert program_path, f"STIFFARM_COMMAND names {named}, which is no program"
+    program = str(Path(program_path).resolve())
 
     def run(words: Sequence[str]) -> subprocess.CompletedProcess[str]:
         return subprocess.run(

@@ -164,14 +164,14 @@ def test_junk(calls: dict[str, dict[str, Any]], name: str, tmp_path: Path, monke
     if name != "study":
         function(**working)
     # Where a mode is tested, what it takes itself is; the others are tested with the function.
-    known = inspect.signature(function).parameters
-    parameters = [key for key in known if name not in MODES or key in (*working, "seed", "index", "angle_step_deg")]
+    signature = inspect.signature(function).parameters
+    parameters = [key for key in signature if name not in MODES or key in (*working, "seed", "index", "angle_step_deg")]
     faults = []
     for key in parameters:
         count = 0
         for kind, value in JUNK.items():
             # None where it is the default is the call that has worked already.
-            default = value is None and key not in working and known[key].default is None
+            default = value is None and key not in working and signature[key].default is None
             if default or (key, kind) in SLOW.get(name, []):
                 continue
             try:
@@ -200,38 +200,17 @@ def refused(call: Callable[[], Any], code: str, *, key: str | None = None, said:
     return raised.value
 
 
-def test_what_excludes_each_other(cell: stiffarm.Cell) -> None:
+def test_what_python_alone_refuses(cell: stiffarm.Cell) -> None:
+    """Where a command line has no such words: all else is in test_refusals.py."""
     group = stiffarm.Postures.read("builtin:comau-group1", cell)
     measured = stiffarm.simulate_measurements(cell, group)
-    select, validate = stiffarm.select, stiffarm.validate
-    refused(lambda: select(cell, count=6, initial=group), "usage", key="initial", said="count")
-    refused(lambda: select(cell, initial=group, given=group), "usage", key="initial")
-    refused(lambda: select(cell, add=2), "usage", key="given")
-    refused(lambda: select(cell, candidates=group, rounds=1), "usage", key="rounds", said="candidates")
-    refused(lambda: select(cell, given=group, largest_load_n=600), "usage", key="given")
-    refused(lambda: validate(cell, [1e6] * 6, measured, folds=3), "usage", key="stiffness")
-    refused(lambda: validate(cell, None, measured), "usage", said="folds")
-    refused(lambda: validate(cell, None, measured, folds=1), "usage", key="folds")
-    refused(lambda: validate(cell, None, measured, folds="some"), "usage", key="folds")
-    refused(lambda: validate(cell, [1e6] * 6, measured, estimator="huber"), "usage", key="estimator")
+    refused(lambda: stiffarm.validate(cell, [1e6] * 6, measured, folds=3), "usage", key="stiffness")
     refused(lambda: stiffarm.identify(cell, [measured, measured], clamped=True), "usage", key="clamped")
     refused(lambda: stiffarm.map(cell, "prior", plane=("z", 800)), "wrong-type", key="plane")
     refused(lambda: stiffarm.select(cell, output=[1, 2]), "wrong-type", key="output")
     refused(lambda: stiffarm.cell.weight(), "usage", key="mass_kg")
     with pytest.raises(StiffarmError, match=r"seed=int\(generator.integers\(2\*\*32\)\) draws one"):
         stiffarm.select(cell, 6, seed=np.random.default_rng(1))  # type: ignore[call-overload]
-
-
-def test_unknown_names(cell: stiffarm.Cell) -> None:
-    group = stiffarm.Postures.read("builtin:comau-group1", cell)
-    measured = stiffarm.simulate_measurements(cell, group)
-    assert "expected_error" in str(refused(lambda: stiffarm.select(cell, index="expected"), "unknown-name").hint)
-    choices: list[dict[str, Any]] = [{"estimator": "best"}, {"elastic": "all"}, {"weights": "mine"}, {"noise": "low"}]
-    for option in choices:
-        refused(lambda option=option: stiffarm.identify(cell, measured, **option), "usage", key=next(iter(option)))
-    refused(lambda: stiffarm.identify(cell, measured, exclude=["nobody"]), "unknown-name", key="exclude")
-    refused(lambda: stiffarm.identify(cell, measured, extra=["wobble"]), "unknown-name", key="extra")
-    refused(lambda: stiffarm.validate(cell, [1e6] * 6, measured, model="exact"), "usage", key="model", said="equilibrium")
     refused(lambda: stiffarm.indices(cell, group.angles, ["d", "e"]), "unknown-name")
     refused(lambda: stiffarm.Cell.built_in("comauu"), "unknown-name", said="comau-reference")
     refused(lambda: stiffarm.Robot.catalogue("x"), "unknown-name", key="robot.catalogue")
@@ -240,17 +219,13 @@ def test_unknown_names(cell: stiffarm.Cell) -> None:
 
 
 def test_files(cell: stiffarm.Cell, tmp_path: Path) -> None:
-    """Broken files: file, line and column say where."""
+    """What reads and writes files without a command."""
     missing = tmp_path / "missing.csv"
     # Of a file whose name begins as an option does, too.
     refused(lambda: stiffarm.evaluate(cell, "-missing.csv"), "file-read")
     for call in (
         lambda: stiffarm.Cell(missing),
         lambda: stiffarm.Postures.read(missing, cell),
-        lambda: stiffarm.evaluate(cell, missing),
-        lambda: stiffarm.identify(cell, missing),
-        lambda: stiffarm.register(missing),
-        lambda: stiffarm.predict(cell, missing, "builtin:contour"),
         lambda: stiffarm.Result.load(missing),
         lambda: stiffarm.Robot.urdf(missing),
     ):
@@ -263,18 +238,6 @@ def test_files(cell: stiffarm.Cell, tmp_path: Path) -> None:
 
     error = refused(lambda: stiffarm.Cell(written("a = [\n")), "toml-syntax")
     assert (error.place["line"], Path(error.place["file"]).name) == (1, "broken")
-    error = refused(lambda: stiffarm.Cell(written("format = 1\nnonsense = 2\n")), "unknown-key", key="nonsense")
-    assert error.place["line"] == 2
-    refused(lambda: stiffarm.Cell(written(b"\xff\xfe\x00")), "encoding")
-
-    heading = "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n"
-    error = refused(lambda: stiffarm.evaluate(cell, written(heading + "1,0,0,-90,0,0,0\n2,0,0,-90,x,0,0\n")), "table-row")
-    assert (error.place["line"], error.place["key"]) == (3, "q4_deg")
-    refused(lambda: stiffarm.evaluate(cell, written(heading)), "too-few-data")
-    refused(lambda: stiffarm.evaluate(cell, written("posture,q1_deg\n1,2\n")), "table-heading")
-    refused(lambda: stiffarm.evaluate(cell, written(heading + "1,0,0,900,0,0,0\n")), "outside-limits")
-    refused(lambda: stiffarm.predict(cell, written("{"), "builtin:contour"), "result-file")
-    refused(lambda: stiffarm.predict(cell, written("{}"), "builtin:contour"), "result-file")
     refused(lambda: stiffarm.Result.load(written("[]")), "result-file")
     refused(lambda: stiffarm.Result.load(written(b"\xff")), "result-file")
     refused(lambda: stiffarm.Robot.urdf(written("<robot>")), "urdf")

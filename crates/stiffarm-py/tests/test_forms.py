@@ -61,8 +61,8 @@ def test_postures(plan: stiffarm.Postures, tmp_path: Path) -> None:
     assert file.read_text(encoding="utf-8") == plan.to_csv() == table.to_csv()
     bounds = [stiffarm.certificate(CELL, one, samples=2).to_dict() for one in (plan, str(file), plan.angles)]
     assert bounds[0] == bounds[1] == bounds[2]
-    given = [stiffarm.certificate(CELL, plan[:4], given=one, samples=2).to_dict() for one in (plan[4:], plan[4:].table())]
-    assert given[0] == given[1]
+    beside = [stiffarm.certificate(CELL, plan[:4], given=one, samples=2).to_dict() for one in (plan[4:], plan[4:].table())]
+    assert beside[0] == beside[1]
     built_in = [stiffarm.Postures.read("builtin:comau-group1", CELL), "builtin:comau-group1"]
     assert stiffarm.simulate_measurements(CELL, built_in[0]) == stiffarm.simulate_measurements(CELL, built_in[1])
 
@@ -94,21 +94,21 @@ def test_results(plan: stiffarm.Postures, measured: stiffarm.Table, tmp_path: Pa
     selected.postures.save(tmp_path / "selected.csv")
     by_file = stiffarm.evaluate(CELL, tmp_path / "selected.csv")
     assert unsigned(by_file) == unsigned(stiffarm.evaluate(CELL, {"selected": selected}))
-    found = stiffarm.identify(CELL, measured)
-    saved = found.save(tmp_path / "stiffness.json")
-    values = found.stiffness.tolist()
-    bare = [values, found.stiffness, {"stiffness_nm_per_rad": values}, {"stiffness_nm_per_rad": found.stiffness}]
+    fit = stiffarm.identify(CELL, measured)
+    saved = fit.save(tmp_path / "stiffness.json")
+    values = fit.stiffness.tolist()
+    bare = [values, fit.stiffness, {"stiffness_nm_per_rad": values}, {"stiffness_nm_per_rad": fit.stiffness}]
     for function, rest in (
         (stiffarm.predict, ["builtin:contour"]),
         (stiffarm.compensate, ["builtin:contour"]),
         (stiffarm.validate, [measured]),
     ):
         # A dictionary may be the whole result as json reads it.
-        same = [unsigned(function(CELL, one, *rest)) for one in (saved, found, json.loads(found.to_json()))]
+        same = [unsigned(function(CELL, one, *rest)) for one in (saved, fit, json.loads(fit.to_json()))]
         assert same[0] == same[1] and same[0]["result"] == same[2]["result"]
         lists = [function(CELL, one, *rest).to_dict() for one in bare]
         assert all(one == lists[0] for one in lists)
-    changed = json.loads(found.to_json())
+    changed = json.loads(fit.to_json())
     changed["result"]["confidence"] = 0.5
     with pytest.raises(stiffarm.StiffarmError, match="changed after it was written"):
         stiffarm.predict(CELL, changed, "builtin:contour")
@@ -117,7 +117,7 @@ def test_results(plan: stiffarm.Postures, measured: stiffarm.Table, tmp_path: Pa
         stiffarm.predict(CELL, changed, "builtin:contour")
     other = CELL.with_changes({"load": {"magnitude_n": 500}})
     with pytest.warns(stiffarm.StiffarmWarning, match="another version of this cell"):
-        stiffarm.predict(other, found, "builtin:contour")
+        stiffarm.predict(other, fit, "builtin:contour")
     pairs = stiffarm.register("builtin:example-pairs")
     readings = stiffarm.simulate_measurements(CELL, plan, readings=True)
     by_either = [
@@ -130,11 +130,11 @@ def test_results(plan: stiffarm.Postures, measured: stiffarm.Table, tmp_path: Pa
 def test_files_are_those_of_the_command(command: Any, measured: stiffarm.Table, tmp_path: Path) -> None:
     file = tmp_path / "measured.csv"
     file.write_text(measured.to_csv(), encoding="utf-8")
-    found = stiffarm.identify(CELL, file)
-    saved = found.save(tmp_path / "own.json")
+    fit = stiffarm.identify(CELL, file)
+    saved = fit.save(tmp_path / "own.json")
     command(["identify", "builtin:comau", str(file), "--quiet", f"--output={tmp_path / 'command.json'}"])
-    theirs = type(found).load(tmp_path / "command.json")
-    assert type(found).load(saved) == found and unsigned(theirs) == unsigned(found)
+    theirs = type(fit).load(tmp_path / "command.json")
+    assert type(fit).load(saved) == fit and unsigned(theirs) == unsigned(fit)
     with pytest.raises(stiffarm.StiffarmError, match="its class is Identified, not Predicted"):
         stiffarm.results.Predicted.load(saved)
     plan = stiffarm.select(CELL, count=3, rounds=1, no_certificate=True, output=str(tmp_path / "option.csv"))
@@ -155,5 +155,5 @@ def test_whatever_is_identified_can_be_used() -> None:
     cell = stiffarm.Cell.built_in("comau-shapes")
     postures = stiffarm.select(cell, space_filling=True, count=8, seed=5)
     for seed in range(2):
-        found = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, postures, seed=seed))
-        stiffarm.predict(cell, found, postures, cell_load=True)
+        fit = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, postures, seed=seed))
+        stiffarm.predict(cell, fit, postures, cell_load=True)

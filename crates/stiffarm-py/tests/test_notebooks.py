@@ -54,8 +54,8 @@ def outputs(notebook: Any) -> list[Any]:
 
 
 def figures(notebook: Any) -> list[bytes]:
-    found = [one.get("data", {}).get("image/png") for one in outputs(notebook)]
-    return [base64.b64decode(png) for png in found if png]
+    pictures = [one.get("data", {}).get("image/png") for one in outputs(notebook)]
+    return [base64.b64decode(png) for png in pictures if png]
 
 
 def text(notebook: Any) -> str:

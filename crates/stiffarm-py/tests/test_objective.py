@@ -61,10 +61,10 @@ def test_smoothed(full: stiffarm.Cell) -> None:
 
 def test_beside_given_postures(cell: stiffarm.Cell) -> None:
     """What the index is of both together."""
-    given = stiffarm.Postures(drawn(cell, 4, 1))
+    group = stiffarm.Postures(drawn(cell, 4, 1))
     more = drawn(cell, 2, 2)
-    objective = stiffarm.Objective(cell, "expected_error", postures=2, given=given)
-    together = stiffarm.indices(cell, np.vstack([given.angles, more]), ["expected_error"])
+    objective = stiffarm.Objective(cell, "expected_error", postures=2, given=group)
+    together = stiffarm.indices(cell, np.vstack([group.angles, more]), ["expected_error"])
     assert objective(more) == pytest.approx(together["expected_error"], rel=1e-12)
 
 
@@ -109,12 +109,12 @@ def test_scipy_reaches_our_optimum(cell: stiffarm.Cell) -> None:
     ends = []
     for _ in range(40):
         start = random_numbers.uniform(low, high)
-        found = scipy.optimize.minimize(objective.log_and_gradient, start, options={"maxiter": 200}, **inside)
-        ends.append((found.fun, found.x))
+        minimum = scipy.optimize.minimize(objective.log_and_gradient, start, options={"maxiter": 200}, **inside)
+        ends.append((minimum.fun, minimum.x))
     # The best three once more, each searched about in steps of random size.
     values = []
     for number, (_, at) in enumerate(sorted(ends, key=lambda end: end[0])[:3]):
-        found = scipy.optimize.basinhopping(
+        minimum = scipy.optimize.basinhopping(
             objective.log_and_gradient,
             at,
             niter=60,
@@ -124,7 +124,7 @@ def test_scipy_reaches_our_optimum(cell: stiffarm.Cell) -> None:
             rng=number,
         )
         fine = {"maxiter": 3000, "maxfun": 20_000, "maxcor": 40, "ftol": 0.0, "gtol": 1e-10}
-        at = scipy.optimize.minimize(objective.log_and_gradient, found.x, options=fine, **inside).x
+        at = scipy.optimize.minimize(objective.log_and_gradient, minimum.x, options=fine, **inside).x
         assert (at >= low).all() and (at <= high).all()
         values.append(objective(at))
     best = min(values)

@@ -29,15 +29,15 @@ OBLIQUE = """<robot name="oblique">
 
 def urdfs(tmp_path: Path) -> list[tuple[Path, str]]:
     """Our own URDF, and those of the reference data where they are at hand: with the frame that is the flange."""
-    own = tmp_path / "oblique.urdf"
-    own.write_text(OBLIQUE)
-    found = [(own, "tool0")]
+    oblique = tmp_path / "oblique.urdf"
+    oblique.write_text(OBLIQUE)
+    robots = [(oblique, "tool0")]
     reference = os.environ.get("STIFFARM_REFERENCE_DATA")
     if reference:
         folder = Path(reference) / "robots" / "urdf"
-        found += [(folder / "ur10e.urdf", "tool0"), (folder / "kuka_kr210_r2700_2.urdf", "tool0")]
-        found = [(path, frame) for path, frame in found if path.exists()]
-    return found
+        robots += [(folder / "ur10e.urdf", "tool0"), (folder / "kuka_kr210_r2700_2.urdf", "tool0")]
+        robots = [(path, frame) for path, frame in robots if path.exists()]
+    return robots
 
 
 def worst(ours: stiffarm.Robot, pose, jacobian, limits: np.ndarray) -> float:
@@ -61,9 +61,9 @@ def test_poses_and_jacobians_are_those_of_pinocchio(tmp_path: Path) -> None:
         def angles(q: np.ndarray, model=model) -> np.ndarray:
             out = pin.neutral(model)
             for joint in range(1, model.njoints):
-                own, value = model.joints[joint], q[joint - 1]
-                at = own.idx_q
-                out[at : at + own.nq] = value if own.nq == 1 else (np.cos(value), np.sin(value))
+                axis, value = model.joints[joint], q[joint - 1]
+                at = axis.idx_q
+                out[at : at + axis.nq] = value if axis.nq == 1 else (np.cos(value), np.sin(value))
             return out
 
         def pose(q: np.ndarray, model=model, data=data, which=which, angles=angles) -> np.ndarray:
@@ -123,8 +123,8 @@ def test_jax_and_casadi_differentiate_an_index() -> None:
         function = for_jax(objective)
         assert float(function(q)) == value
         twice = jax.jit(jax.value_and_grad(lambda q: 2.0 * function(q)))
-        found, slope = twice(q)
-        assert float(found) == pytest.approx(2 * value, rel=1e-15)
+        doubled, slope = twice(q)
+        assert float(doubled) == pytest.approx(2 * value, rel=1e-15)
         assert np.allclose(slope, 2 * gradient, rtol=1e-14, atol=0)
     try:
         import casadi

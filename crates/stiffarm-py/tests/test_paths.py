@@ -1,4 +1,4 @@
-"""Paths: programs as tables of points, and back."""
+"""Programs are read as tables of points and written back, and what does not fit its program is refused."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ def test_a_prediction_of_the_table_is_that_of_the_program(cell: stiffarm.Cell, p
     stiffness = [3e6, 3e6, 2e6, 5e5, 4e5, 2e5]
     of_file = stiffarm.predict(cell, stiffness, program)
     of_table = stiffarm.predict(cell, stiffness, stiffarm.read_path(cell, program))
-    found = [[point["deflection_m"] for point in one.points] for one in (of_file, of_table)]
-    assert np.abs(np.array(found[0]) - np.array(found[1])).max() < 1e-12
-    assert np.abs(found[0]).max() > 1e-5
+    deflections = [[point["deflection_m"] for point in one.points] for one in (of_file, of_table)]
+    assert np.abs(np.array(deflections[0]) - np.array(deflections[1])).max() < 1e-12
+    assert np.abs(deflections[0]).max() > 1e-5
 
 
 def test_a_program_goes_out_as_it_came_in_and_moved(cell: stiffarm.Cell, program: Path, tmp_path: Path) -> None:
@@ -74,9 +74,9 @@ def test_what_is_not_followed_is_among_the_findings(cell: stiffarm.Cell, program
     program.write_text(GCODE + "/G1 Y20\nG777\nG1 Y30\n")
     with pytest.warns(stiffarm.StiffarmWarning, match="G777"):
         points = stiffarm.read_path(cell, program)
-    found = {finding.code: (finding.severity, finding.sentence) for finding in points.findings}
-    assert found["optional-blocks"][0] == "note" and "line 9" in found["optional-blocks"][1]
-    assert found["not-followed"][0] == "caution" and "line 10" in found["not-followed"][1]
+    findings = {finding.code: (finding.severity, finding.sentence) for finding in points.findings}
+    assert findings["optional-blocks"][0] == "note" and "line 9" in findings["optional-blocks"][1]
+    assert findings["not-followed"][0] == "caution" and "line 10" in findings["not-followed"][1]
 
 
 def test_points_beside_a_program_are_written_beside_it(cell: stiffarm.Cell, tmp_path: Path) -> None:
@@ -93,13 +93,13 @@ def test_slips(cell: stiffarm.Cell, program: Path, tmp_path: Path) -> None:
     table = tmp_path / "path.csv"
     table.write_text(points.to_csv())
     short = {name: column[:-1] for name, column in points.items()}
-    for path, given, code in [
+    for path, columns, code in [
         (table, points, "unsupported"),
         (program, short, "dimension"),
         (tmp_path / "none.nc", points, "file-read"),
     ]:
         with pytest.raises(stiffarm.StiffarmError) as error:
-            stiffarm.write_path(cell, path, given, tmp_path / "out.nc")
+            stiffarm.write_path(cell, path, columns, tmp_path / "out.nc")
         assert error.value.code == code
     assert not (tmp_path / "out.nc").exists()
     program.write_text("G1 X1 Y2 Z3\nG41 X5\n")

@@ -24,16 +24,16 @@ def cell() -> stiffarm.Cell:
 
 
 def test_progress(cell: stiffarm.Cell) -> None:
-    told: list[tuple[str, int, int]] = []
+    steps: list[tuple[str, int, int]] = []
     main = threading.get_ident()
 
     def tell(what: str, done: int, of: int) -> None:
         assert threading.get_ident() == main
-        told.append((what, done, of))
+        steps.append((what, done, of))
 
     stiffarm.select(cell, count=6, rounds=60, no_certificate=True, progress=tell)
-    assert told and all(isinstance(what, str) and 0 <= done <= max(of, done) for what, done, of in told)
-    assert [done for _, done, _ in told] == sorted(done for _, done, _ in told)
+    assert steps and all(isinstance(what, str) and 0 <= done <= max(of, done) for what, done, of in steps)
+    assert [done for _, done, _ in steps] == sorted(done for _, done, _ in steps)
 
 
 def test_an_exception_of_the_callback_ends_the_work(cell: stiffarm.Cell) -> None:
@@ -88,11 +88,11 @@ def test_the_interpreter_goes_on(cell: stiffarm.Cell) -> None:
 INTERRUPTED = """
 import stiffarm, warnings
 cell = stiffarm.Cell.built_in("comau-reference")
-told = []
+steps = []
 def tell(what, done, of):
-    if not told:
+    if not steps:
         print("working", flush=True)
-    told.append(what)
+    steps.append(what)
 with warnings.catch_warnings(record=True) as caught:
     warnings.simplefilter("always")
     plan = stiffarm.select(cell, count=6, rounds=1_000_000, progress=tell)
@@ -139,8 +139,8 @@ def test_control_c_without_a_result_is_keyboard_interrupt() -> None:
     assert process.returncode == 0 and out.endswith("stopped\n")
 
 
-def job(given: tuple[stiffarm.Cell, int]) -> tuple[str, float]:
-    cell, seed = given
+def job(task: tuple[stiffarm.Cell, int]) -> tuple[str, float]:
+    cell, seed = task
     plan = stiffarm.select(cell, space_filling=True, count=4, seed=1)
     simulated = stiffarm.simulate(cell, plan, runs=50, levels=[1.0], seed=seed).to_json()
     return simulated, float(stiffarm.indices(cell, [plan.postures.angles] * 50, ["d"])["d"][7])
@@ -149,8 +149,8 @@ def job(given: tuple[stiffarm.Cell, int]) -> tuple[str, float]:
 @pytest.fixture(scope="module")
 def jobs() -> tuple[list[tuple[stiffarm.Cell, int]], list[tuple[str, float]]]:
     """Jobs, and what they give in this process."""
-    given = [(stiffarm.Cell.built_in(name), seed) for name, seed in (("comau-shapes", 1), ("comau", 2))]
-    return given, [job(one) for one in given]
+    tasks = [(stiffarm.Cell.built_in(name), seed) for name, seed in (("comau-shapes", 1), ("comau", 2))]
+    return tasks, [job(one) for one in tasks]
 
 
 @pytest.mark.parametrize("method", ["fork", "spawn"])
@@ -158,10 +158,10 @@ def test_another_process_works_and_gives_the_same(method: str, jobs: Any) -> Non
     """Also one that was forked after the library had worked: its parent's threads are not there."""
     if method not in multiprocessing.get_all_start_methods():
         pytest.skip(f"{sys.platform} has no {method}")
-    given, own = jobs
+    tasks, answers = jobs
     with multiprocessing.get_context(method).Pool(2) as pool:
         # A process that waits for threads that are not there would wait for ever.
-        assert pool.map_async(job, given).get(timeout=120) == own
+        assert pool.map_async(job, tasks).get(timeout=120) == answers
 
 
 def away(q: np.ndarray) -> bool:
@@ -171,20 +171,20 @@ def away(q: np.ndarray) -> bool:
 
 def test_every_posture_of_the_plan_is_accepted_as_it_is_written() -> None:
     cell = stiffarm.Cell.built_in("comau")
-    asked = []
+    shapes = []
 
     def accept(q: np.ndarray) -> bool:
-        asked.append(q.shape)
+        shapes.append(q.shape)
         return away(q)
 
-    own = stiffarm.select(cell, index="expected_error", count=6, rounds=2, no_certificate=True, accept=accept)
+    plan = stiffarm.select(cell, index="expected_error", count=6, rounds=2, no_certificate=True, accept=accept)
     free = stiffarm.select(cell, index="expected_error", count=6, rounds=2, no_certificate=True)
-    assert all(away(q) for q in own.postures.angles)
+    assert all(away(q) for q in plan.postures.angles)
     assert not all(away(q) for q in free.postures.angles)
-    assert own.value > free.value
-    assert asked and set(asked) == {(6,)}
+    assert plan.value > free.value
+    assert shapes and set(shapes) == {(6,)}
     again = stiffarm.select(cell, index="expected_error", count=6, rounds=2, no_certificate=True, accept=away)
-    assert again.to_json() == own.to_json()
+    assert again.to_json() == plan.to_json()
 
 
 def test_what_the_constraint_raises_is_raised_and_ends_the_search() -> None:

@@ -96,20 +96,20 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], di
 
 def call(name: str, memory: Mapping[str, Any]) -> Any:
     """The function with what is in memory."""
-    given, options = CASES[name]
-    known = {key: memory.get(value, value) if isinstance(value, str) else value for key, value in options.items()}
-    return getattr(stiffarm, name)(*[memory[key] for key in given], **known)
+    names, options = CASES[name]
+    keywords = {key: memory.get(value, value) if isinstance(value, str) else value for key, value in options.items()}
+    return getattr(stiffarm, name)(*[memory[key] for key in names], **keywords)
 
 
 def words(name: str, files: Mapping[str, str]) -> list[str]:
     """The command with the same as files."""
-    given, options = CASES[name]
-    found = [name, *[files[key] for key in given if key in files]]
+    names, options = CASES[name]
+    line = [name, *[files[key] for key in names if key in files]]
     for key, value in options.items():
-        known = ",".join(map(str, value)) if isinstance(value, list) else files.get(value, value)
+        text = ",".join(map(str, value)) if isinstance(value, list) else files.get(value, value)
         option = f"--{key.replace('_', '-')}"
-        found.append(known if key == "what" else option if value is True else f"{option}={known}")
-    return found
+        line.append(text if key == "what" else option if value is True else f"{option}={text}")
+    return line
 
 
 def compared(document: dict[str, Any]) -> dict[str, Any]:
@@ -123,11 +123,11 @@ def test_json_and_words(command: Any, inputs: Any, name: str, monkeypatch: pytes
     monkeypatch.chdir(folder)
     done = command([*words(name, files), "--json", "--quiet"])
     assert done.returncode in (0, 1), done.stdout
-    found = call(name, memory)
-    document = found if name == "schema" else json.loads(found.to_json())
+    answer = call(name, memory)
+    document = answer if name == "schema" else json.loads(answer.to_json())
     assert compared(document) == compared(json.loads(done.stdout))
     if name in TOLD:
-        assert command([*words(name, files), "--quiet"]).stdout.startswith(str(found))
+        assert command([*words(name, files), "--quiet"]).stdout.startswith(str(answer))
 
 
 def test_long_work_stops_with_the_best_so_far() -> None:
@@ -139,12 +139,12 @@ PROGRAM = """
 import hashlib, sys, stiffarm
 cell, plan, measured = stiffarm.Cell(sys.argv[1]), sys.argv[2], sys.argv[3]
 group = stiffarm.Postures.read(plan, cell).angles
-found = [
+answers = [
     stiffarm.select(cell, count=3, rounds=1, seed=3, no_certificate=True), stiffarm.identify(cell, measured, bootstrap=200),
     stiffarm.map(cell, "prior", plane="z=800", steps=4), stiffarm.coverage(cell, plan, runs=50),
     stiffarm.Table(stiffarm.indices(cell, [group] * 50)).to_csv(), repr(stiffarm.certificate(cell, plan, samples=8).to_dict()),
 ]
-for one in found:
+for one in answers:
     print(hashlib.sha256((one if isinstance(one, str) else one.to_json()).encode()).hexdigest())
 """
 

@@ -48,18 +48,18 @@ evaluated: results.Evaluated = stiffarm.evaluate(cell, {"mine": np.zeros((3, 6))
 evaluated = stiffarm.evaluate(cell, [plan, "plan.csv", folder / "other.csv"])
 simulated: results.Simulation = stiffarm.simulate(cell, plan, levels=[1.0, 2.0], elastic="mixed")
 covered: results.Coverage = stiffarm.coverage(cell, plan, runs=100, progress=lambda what, done, of: None)
-found: results.Identified = stiffarm.identify(cell, measured, exclude=["3"], registration=stiffarm.register("pairs.csv"))
-stiffness: NDArray[np.float64] = found.stiffness
-error: float | None = found.joints[0].standard_error
-validated: results.Validated = stiffarm.validate(cell, found, measured, tolerance_mm=0.1)
+fit: results.Identified = stiffarm.identify(cell, measured, exclude=["3"], registration=stiffarm.register("pairs.csv"))
+stiffness: NDArray[np.float64] = fit.stiffness
+error: float | None = fit.joints[0].standard_error
+validated: results.Validated = stiffarm.validate(cell, fit, measured, tolerance_mm=0.1)
 validated = stiffarm.validate(cell, measurements=measured, folds="all")
 validated = stiffarm.validate(cell, measurements=measured, folds=4)
-predicted: results.Predicted = stiffarm.predict(cell, found, "path.csv", force_n=[0, 0, -100.0], free_turn=4)
+predicted: results.Predicted = stiffarm.predict(cell, fit, "path.csv", force_n=[0, 0, -100.0], free_turn=4)
 predicted = stiffarm.predict(cell, [1e6] * 6, near_deg=[0.0] * 6, free_turn=True)
 deflection: float = predicted.deflection_max_m
 compensated: results.Compensated = stiffarm.compensate(cell, "prior", "path.csv", output=folder / "commands.csv")
-mapped: results.StiffnessMap = stiffarm.map(cell, found, plane="z=800", steps=5, direction=(1.0, 0.0, 0.0))
-placed: results.Placement = stiffarm.map(cell, found, place="path.csv", steps=[3, 3, 2], yaw_deg=[0.0, 45.0])
+mapped: results.StiffnessMap = stiffarm.map(cell, fit, plane="z=800", steps=5, direction=(1.0, 0.0, 0.0))
+placed: results.Placement = stiffarm.map(cell, fit, place="path.csv", steps=[3, 3, 2], yaw_deg=[0.0, 45.0])
 registered: results.Registered = stiffarm.register(measured, std_mm=0.03)
 others: list[stiffarm.Result] = [
     stiffarm.capsules(["a.stl", folder / "b.stl"], unit="mm"),
@@ -68,14 +68,14 @@ others: list[stiffarm.Result] = [
     stiffarm.measure(cell, plan, measured, once=True, until="2%"),
     stiffarm.pose(cell, plan, convention="kuka"),
     stiffarm.pose(cell, poses="poses.csv"),
-    stiffarm.report([found, "saved.json"], cell=[cell], output="page.html"),
+    stiffarm.report([fit, "saved.json"], cell=[cell], output="page.html"),
     stiffarm.robots(),
     stiffarm.route(cell, plan, keep_order=True),
     stiffarm.study(cell, runs=10, indices=["novel", "d"]),
     stiffarm.zones(cell, steps=5),
 ]
 keys: dict[str, object] = stiffarm.schema("cell")
-words: str = found.told(details=True) + found.command_line
+words: str = fit.told(details=True) + fit.command_line
 '''
 
 

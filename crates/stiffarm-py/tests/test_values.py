@@ -34,7 +34,7 @@ def group(cell: stiffarm.Cell) -> stiffarm.Postures:
 
 
 @pytest.fixture(scope="module")
-def found(cell: stiffarm.Cell, group: stiffarm.Postures) -> stiffarm.results.Identified:
+def fit(cell: stiffarm.Cell, group: stiffarm.Postures) -> stiffarm.results.Identified:
     return stiffarm.identify(cell, stiffarm.simulate_measurements(cell, group))
 
 
@@ -63,14 +63,14 @@ def test_degrees_and_radians_round_trip(cell: stiffarm.Cell, tmp_path: Path) -> 
     """Angles in degrees come back as they were typed; what was read once does not change any more."""
     random_numbers = np.random.default_rng(1)
     radians = random_numbers.uniform(-1, 0, (500, 6)) * np.array([1.5, 0.5, 0.6, 3.0, 1.5, 3.0]) - [0, 0, 1, 0, 0, 0]
-    own = stiffarm.Postures(radians)
-    assert np.array_equal(own.angles, radians)
+    postures = stiffarm.Postures(radians)
+    assert np.array_equal(postures.angles, radians)
     # Some angles lie between those that numbers of degrees reach: these are off by the last bit, once and for all.
-    again = stiffarm.Postures(own.degrees, degrees=True)
+    again = stiffarm.Postures(postures.degrees, degrees=True)
     assert np.abs(again.angles - radians).max() <= np.spacing(3.0)
-    assert np.array_equal(again.degrees, own.degrees)
+    assert np.array_equal(again.degrees, postures.degrees)
     assert stiffarm.Postures(again.degrees, degrees=True) == again
-    own.save(tmp_path / "own.csv")
+    postures.save(tmp_path / "own.csv")
     assert stiffarm.Postures.read(tmp_path / "own.csv", cell) == again
     degrees = np.round(random_numbers.uniform(-179, 179, (500, 6)), 2)
     assert np.array_equal(stiffarm.Postures(degrees, degrees=True).degrees, degrees)
@@ -80,9 +80,9 @@ def test_arrays_are_read_only_and_ones_own(group: stiffarm.Postures) -> None:
     with pytest.raises(ValueError, match="read-only"):
         group.angles[0, 0] = 1.0
     mine = np.zeros((2, 6))
-    own = stiffarm.Postures(mine)
+    postures = stiffarm.Postures(mine)
     mine[0, 0] = 5.0
-    assert own.angles[0, 0] == 0.0
+    assert postures.angles[0, 0] == 0.0
     assert not pickle.loads(pickle.dumps(group)).angles.flags.writeable
 
 
@@ -110,33 +110,33 @@ def test_tables() -> None:
 
 
 def test_results(
-    found: stiffarm.results.Identified, cell: stiffarm.Cell, group: stiffarm.Postures, tmp_path: Path
+    fit: stiffarm.results.Identified, cell: stiffarm.Cell, group: stiffarm.Postures, tmp_path: Path
 ) -> None:
-    document = json.loads(found.to_json())
-    assert found.to_dict() == document["result"]
-    assert set(found) == set(document["result"]) and len(found) == len(document["result"])
-    assert found.command == "identify" and found.seed == 1 and found.version == stiffarm.__version__
-    assert set(found.inputs) == {"cell", "measurements"}
-    assert found.command_line == "stiffarm identify builtin:comau-reference '{measurements}'"
-    assert found.options.to_dict() == document["options"]
-    joint = found.joints[0]
-    assert isinstance(joint, stiffarm.Record) and joint.stiffness == found["joints"][0]["stiffness"] == found.stiffness[0]
+    document = json.loads(fit.to_json())
+    assert fit.to_dict() == document["result"]
+    assert set(fit) == set(document["result"]) and len(fit) == len(document["result"])
+    assert fit.command == "identify" and fit.seed == 1 and fit.version == stiffarm.__version__
+    assert set(fit.inputs) == {"cell", "measurements"}
+    assert fit.command_line == "stiffarm identify builtin:comau-reference '{measurements}'"
+    assert fit.options.to_dict() == document["options"]
+    joint = fit.joints[0]
+    assert isinstance(joint, stiffarm.Record) and joint.stiffness == fit["joints"][0]["stiffness"] == fit.stiffness[0]
     assert joint.interval.shape == (2,) and isinstance(joint.interval, np.ndarray)
     with pytest.raises(AttributeError, match="there are: .*joints"):
-        found.nothing  # noqa: B018
+        fit.nothing  # noqa: B018
     with pytest.raises(KeyError):
-        found["nothing"]
-    assert "joints" in dir(found)
-    changed = found.to_dict()
+        fit["nothing"]
+    assert "joints" in dir(fit)
+    changed = fit.to_dict()
     changed["joints"].clear()
-    assert found.joints
-    frame = found.to_frame("pandas")
+    assert fit.joints
+    frame = fit.to_frame("pandas")
     assert len(frame) == 6 and list(frame.columns)[:6] == [
         "joint", "stiffness_nm_per_rad", "relative_half_width", "standard_error_nm_per_rad", "interval_low_nm_per_rad",
         "interval_high_nm_per_rad",
     ]  # fmt: skip
     # The intervals of a frame are those of the page, readings and systematic errors together.
-    totals = [own["interval_nm_per_rad"] for own in document["result"]["systematic_errors"]["uncertainty"]]
+    totals = [joint_total["interval_nm_per_rad"] for joint_total in document["result"]["systematic_errors"]["uncertainty"]]
     low, high = (frame[f"interval_{end}_nm_per_rad"] for end in ("low", "high"))
     assert [list(ends) for ends in zip(low, high, strict=True)] == totals
     assert set(frame["interval_holds"]) == {"all_errors"}
@@ -144,46 +144,46 @@ def test_results(
     brief = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, group), brief=True)
     assert set(brief.to_frame("pandas")["interval_holds"]) == {"readings"}
     parts = document["result"]["diagnosis"], document["result"]["systematic_errors"]
-    assert [f.sentence for f in found.findings] == [f["sentence"] for part in parts for f in part["findings"]]
+    assert [f.sentence for f in fit.findings] == [f["sentence"] for part in parts for f in part["findings"]]
     # The verdict of the command with all that it warns of.
-    said = " ".join(repr(found).split())
+    said = " ".join(repr(fit).split())
     assert said.startswith("<Identified: The stiffness is known to ± ")
-    assert [f.sentence in said for f in found.findings] == [f.severity != "note" for f in found.findings]
+    assert [f.sentence in said for f in fit.findings] == [f.severity != "note" for f in fit.findings]
     with pytest.raises(stiffarm.StiffarmError, match="exists"):
-        found.save(found.save(tmp_path / "found.json"))
-    assert found.save(tmp_path / "found.json", overwrite=True).read_text(encoding="utf-8") == found.to_json()
+        fit.save(fit.save(tmp_path / "found.json"))
+    assert fit.save(tmp_path / "found.json", overwrite=True).read_text(encoding="utf-8") == fit.to_json()
     assert (tmp_path / "found.json").stat().st_mode & 0o044 == 0o044 & ~umask()
 
 
 def test_every_result_tells_itself(
-    cell: stiffarm.Cell, group: stiffarm.Postures, found: stiffarm.results.Identified, tmp_path: Path
+    cell: stiffarm.Cell, group: stiffarm.Postures, fit: stiffarm.results.Identified, tmp_path: Path
 ) -> None:
     """Each is of its class, has its table, is told in words, makes a page, and lives on in a file and in a pickle."""
     full = stiffarm.Cell.built_in("comau")
     measured = stiffarm.simulate_measurements(cell, group)
     quick: dict[str, Any] = {"rounds": 1, "no_certificate": True}
-    own = stiffarm.results
+    kinds = stiffarm.results
     results: list[tuple[type[stiffarm.Result], stiffarm.Result]] = [
-        (own.Checked, stiffarm.check(full)),
-        (own.Chosen, stiffarm.select(cell, count=4, candidates=group)),
-        (own.Compensated, stiffarm.compensate(full, "prior", "builtin:contour")),
-        (own.Coverage, stiffarm.coverage(cell, group, runs=50)),
-        (own.Curve, stiffarm.select(cell, curve=True, count=4, **quick)),
-        (own.Dropped, stiffarm.select(cell, given=group, drop=1)),
-        (own.Evaluated, stiffarm.evaluate(full, group)),
-        (own.Identified, found),
-        (own.Identified, stiffarm.identify(cell, measured, elastic="mixed", bootstrap=200)),
-        (own.Placement, stiffarm.map(full, "prior", place="builtin:contour", steps=2)),
-        (own.Plan, stiffarm.select(cell, count=3, sensitivity=True, **quick)),
-        (own.Plan, stiffarm.select(full, count=3, prices=True, largest_load_n=700, **quick)),
-        (own.Predicted, stiffarm.predict(full, found.stiffness, "builtin:contour", matrix=True)),
-        (own.Registered, stiffarm.register("builtin:example-pairs")),
-        (own.Simulation, stiffarm.simulate(cell, group, runs=3)),
-        (own.Simulation, stiffarm.simulate(cell, group, runs=2, elastic="mixed")),
-        (own.SpaceFilling, stiffarm.select(full, space_filling=True, count=3)),
-        (own.StiffnessMap, stiffarm.map(full, "prior", plane="z=1200", steps=4)),
-        (own.Validated, stiffarm.validate(cell, found, measured)),
-        (own.Validated, stiffarm.validate(cell, None, measured, folds=3)),
+        (kinds.Checked, stiffarm.check(full)),
+        (kinds.Chosen, stiffarm.select(cell, count=4, candidates=group)),
+        (kinds.Compensated, stiffarm.compensate(full, "prior", "builtin:contour")),
+        (kinds.Coverage, stiffarm.coverage(cell, group, runs=50)),
+        (kinds.Curve, stiffarm.select(cell, curve=True, count=4, **quick)),
+        (kinds.Dropped, stiffarm.select(cell, given=group, drop=1)),
+        (kinds.Evaluated, stiffarm.evaluate(full, group)),
+        (kinds.Identified, fit),
+        (kinds.Identified, stiffarm.identify(cell, measured, elastic="mixed", bootstrap=200)),
+        (kinds.Placement, stiffarm.map(full, "prior", place="builtin:contour", steps=2)),
+        (kinds.Plan, stiffarm.select(cell, count=3, sensitivity=True, **quick)),
+        (kinds.Plan, stiffarm.select(full, count=3, prices=True, largest_load_n=700, **quick)),
+        (kinds.Predicted, stiffarm.predict(full, fit.stiffness, "builtin:contour", matrix=True)),
+        (kinds.Registered, stiffarm.register("builtin:example-pairs")),
+        (kinds.Simulation, stiffarm.simulate(cell, group, runs=3)),
+        (kinds.Simulation, stiffarm.simulate(cell, group, runs=2, elastic="mixed")),
+        (kinds.SpaceFilling, stiffarm.select(full, space_filling=True, count=3)),
+        (kinds.StiffnessMap, stiffarm.map(full, "prior", plane="z=1200", steps=4)),
+        (kinds.Validated, stiffarm.validate(cell, fit, measured)),
+        (kinds.Validated, stiffarm.validate(cell, None, measured, folds=3)),
     ]
     for kind, one in results:
         assert type(one) is kind and repr(one).startswith(f"<{kind.__name__}: ")
@@ -201,7 +201,7 @@ def test_every_result_tells_itself(
         assert again == one == pickle.loads(pickle.dumps(one)) and again.to_dict() == one.to_dict()
         if one.command != "check":
             with pytest.raises(stiffarm.StiffarmError, match=f"its class is {kind.__name__}, not Checked"):
-                own.Checked.load(tmp_path / "result.json")
+                kinds.Checked.load(tmp_path / "result.json")
 
 
 def umask() -> int:
@@ -226,8 +226,8 @@ def test_null_is_nan(cell: stiffarm.Cell) -> None:
 
 def test_the_measured_robot_is_built_in() -> None:
     readings = "builtin:fanuc-r2000ic-readings"
-    found = stiffarm.validate("builtin:fanuc-r2000ic", None, readings, folds="all")
-    assert found.folds == 43 and found.component_rms_m == pytest.approx(1.340e-4, abs=5e-8)
+    validated = stiffarm.validate("builtin:fanuc-r2000ic", None, readings, folds="all")
+    assert validated.folds == 43 and validated.component_rms_m == pytest.approx(1.340e-4, abs=5e-8)
 
 
 def test_cells(cell: stiffarm.Cell, tmp_path: Path) -> None:
@@ -252,8 +252,8 @@ def test_cells(cell: stiffarm.Cell, tmp_path: Path) -> None:
 
     again = stiffarm.Cell.from_dict(cell.to_dict())
     assert again.to_dict() == cell.to_dict()
-    kept = stiffarm.evaluate(again, "builtin:comau-group1").to_dict()
-    assert kept == stiffarm.evaluate(cell, "builtin:comau-group1").to_dict()
+    evaluated = stiffarm.evaluate(again, "builtin:comau-group1").to_dict()
+    assert evaluated == stiffarm.evaluate(cell, "builtin:comau-group1").to_dict()
     saved = stiffarm.Cell(cell.save(tmp_path / "cell.toml"))
     assert saved == cell and hash(saved) == hash(cell) and saved != more
     assert stiffarm.Cell.from_toml("\ufeff" + cell.to_toml()).to_toml() == cell.to_toml()
@@ -264,13 +264,13 @@ def test_robots(cell: stiffarm.Cell) -> None:
     robot = cell.robot
     assert robot.name.startswith("COMAU") and robot.joint_count == 6 and robot.limits.shape == (6, 2)
     rows = [[0, 0, 400, 0], [-90, 150, 0, -90], [0, 700, 0, 0]]
-    own = stiffarm.Robot.dh(rows, limits_deg=[[-180, 180]] * 3, name="three")
-    assert own == pickle.loads(pickle.dumps(own)) and own != robot and own.name == "three"
+    three = stiffarm.Robot.dh(rows, limits_deg=[[-180, 180]] * 3, name="three")
+    assert three == pickle.loads(pickle.dumps(three)) and three != robot and three.name == "three"
     q = np.array([0.3, -0.4, 0.9])
     step = 1e-6
     for j in range(3):
-        moved = (own.pose(q + step * np.eye(3)[j]) - own.pose(q - step * np.eye(3)[j]))[:3, 3] / (2 * step)
-        assert np.allclose(own.jacobian(q)[:3, j], moved, atol=1e-8)
+        moved = (three.pose(q + step * np.eye(3)[j]) - three.pose(q - step * np.eye(3)[j]))[:3, 3] / (2 * step)
+        assert np.allclose(three.jacobian(q)[:3, j], moved, atol=1e-8)
     at = robot.pose(np.radians([10, -20, -100, 30, 40, 50]))
     branches = robot.inverse(at)
     assert any(np.allclose(branch.angles, np.radians([10, -20, -100, 30, 40, 50])) for branch in branches)
@@ -288,18 +288,18 @@ print(stiffarm.select(cell, count=3, rounds=1, no_certificate=True).to_json(), e
 """
 
 
-def test_pickles(found: stiffarm.results.Identified, group: stiffarm.Postures, tmp_path: Path) -> None:
+def test_pickles(fit: stiffarm.results.Identified, group: stiffarm.Postures, tmp_path: Path) -> None:
     """Cells with their meshes, robots, results and errors live on in another process."""
     shapes = stiffarm.Cell.built_in("comau-shapes")
     # An obstacle of a mesh beside the cell file, which is gone when the cell comes back.
     mesh = tmp_path / "table.obj"
     mesh.write_text("v 2 0 0\nv 3 0 0\nv 2 1 0\nv 2 0 0.5\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", encoding="utf-8")
     obstacle = {"name": "table", "kind": "mesh", "file": "table.obj", "unit": "m"}
-    own = stiffarm.Cell.from_dict({**shapes.to_dict(), "obstacle": [obstacle]}, folder=tmp_path)
-    assert list(own.inputs) == ["cell", "cell mesh table.obj"]
+    with_mesh = stiffarm.Cell.from_dict({**shapes.to_dict(), "obstacle": [obstacle]}, folder=tmp_path)
+    assert list(with_mesh.inputs) == ["cell", "cell mesh table.obj"]
     mesh.unlink()
     objective = stiffarm.Objective(shapes, "d", postures=3, given=group)
-    values: list[Any] = [shapes, own, own.robot, group, found, found.joints[0], group.table(), objective]
+    values: list[Any] = [shapes, with_mesh, with_mesh.robot, group, fit, fit.joints[0], group.table(), objective]
     values.append(stiffarm.StiffarmError("No.", "usage", {"key": "x"}, "yes"))
     with (tmp_path / "in").open("wb") as file:
         pickle.dump(values, file)
@@ -310,7 +310,7 @@ def test_pickles(found: stiffarm.results.Identified, group: stiffarm.Postures, t
         again = pickle.load(file)
     for before, after in zip(values[:5], again[:5], strict=True):
         assert after == before and type(after) is type(before)
-    assert again[1].inputs == own.inputs and again[5].to_dict() == values[5].to_dict() and again[6] == values[6]
+    assert again[1].inputs == with_mesh.inputs and again[5].to_dict() == values[5].to_dict() and again[6] == values[6]
     q = group.angles[:3]
     assert again[7](q) == objective(q)
     assert str(again[8]) == str(values[8])
@@ -318,17 +318,17 @@ def test_pickles(found: stiffarm.results.Identified, group: stiffarm.Postures, t
 
 def tags(page: str) -> set[str]:
     """Kinds of elements of a page; an attribute anywhere counts as one."""
-    found: set[str] = set()
+    tags: set[str] = set()
 
     class Reader(HTMLParser):
         def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-            found.update([tag, *(f"{tag} {name}" for name, _ in attrs)])
+            tags.update([tag, *(f"{tag} {name}" for name, _ in attrs)])
 
     Reader().feed(page)
-    return found
+    return tags
 
 
-def test_pages(cell: stiffarm.Cell, found: stiffarm.results.Identified) -> None:
+def test_pages(cell: stiffarm.Cell, fit: stiffarm.results.Identified) -> None:
     """What notebooks show: names are text, whatever they are."""
     named = stiffarm.Postures(np.zeros((2, 6)) - [0, 0, 1.5, 0, 0, 0], [HOSTILE, "2"])
     shown = [named._repr_html_(), stiffarm.Table({HOSTILE: [1.0], "x": [HOSTILE]})._repr_html_()]
@@ -343,7 +343,7 @@ def test_pages(cell: stiffarm.Cell, found: stiffarm.results.Identified) -> None:
         plain = ("class", "scope", "role", "tabindex")
         assert all(name in plain or name.startswith(("aria-", "data-")) for name in attributes), page
     assert "&lt;script&gt;" in shown[0]
-    for page in (found._repr_html_(), stiffarm.select(cell, count=3, rounds=1)._repr_html_()):
+    for page in (fit._repr_html_(), stiffarm.select(cell, count=3, rounds=1)._repr_html_()):
         assert page.count("<table") == page.count("</table>") == 1
     many = stiffarm.Table({"x": list(range(100))})._repr_html_()
     assert "80 further rows" in many and many.count("<tr>") == 21
@@ -396,12 +396,12 @@ def test_a_changed_built_in_cell_is_the_one_that_is_used(tmp_path: Path) -> None
     assert stiffarm.check(heavier).command_line == "stiffarm check '{cell}'"
     group = stiffarm.Postures.read("builtin:comau-group1", cell)
     errors = [stiffarm.indices(one, group, ["expected_error"])["expected_error"] for one in (cell, heavier)]
-    found = [stiffarm.evaluate(one, group) for one in (cell, heavier, lighter)]
-    assert [one.table()["expected_error"][0] for one in found[:2]] == pytest.approx(errors, rel=1e-9)
+    evaluated = [stiffarm.evaluate(one, group) for one in (cell, heavier, lighter)]
+    assert [one.table()["expected_error"][0] for one in evaluated[:2]] == pytest.approx(errors, rel=1e-9)
     assert errors[0] > errors[1]
     # Two cells of one name at once.
-    told = stiffarm.report(found[1:], cell=[heavier, lighter], output=str(tmp_path / "page.html"))
-    assert told.inputs["cell"] in (heavier.inputs["cell"], lighter.inputs["cell"])
+    page = stiffarm.report(evaluated[1:], cell=[heavier, lighter], output=str(tmp_path / "page.html"))
+    assert page.inputs["cell"] in (heavier.inputs["cell"], lighter.inputs["cell"])
 
 
 def test_groups_have_their_names(
@@ -437,25 +437,25 @@ def test_a_wrong_keyword_is_said_with_the_function_and_the_name_that_was_meant()
 
 def test_a_frame_of_postures_is_in_the_unit_that_its_headings_say() -> None:
     cell = stiffarm.Cell.built_in("comau")
-    own = stiffarm.select(cell, space_filling=True, count=4).postures
-    frame = own.to_frame()
-    assert stiffarm.Postures.of(frame) == own
-    assert stiffarm.Postures.of(frame.drop(columns="posture")) == own
-    found = stiffarm.indices(cell, own.angles, ["d"])
-    assert stiffarm.indices(cell, frame, ["d"]) == stiffarm.indices(cell, own, ["d"]) == found
-    assert np.array_equal(stiffarm.observation_matrix(cell, frame), stiffarm.observation_matrix(cell, own.angles))
+    postures = stiffarm.select(cell, space_filling=True, count=4).postures
+    frame = postures.to_frame()
+    assert stiffarm.Postures.of(frame) == postures
+    assert stiffarm.Postures.of(frame.drop(columns="posture")) == postures
+    indices = stiffarm.indices(cell, postures.angles, ["d"])
+    assert stiffarm.indices(cell, frame, ["d"]) == stiffarm.indices(cell, postures, ["d"]) == indices
+    assert np.array_equal(stiffarm.observation_matrix(cell, frame), stiffarm.observation_matrix(cell, postures.angles))
     with pytest.raises(stiffarm.StiffarmError, match="not those of postures"):
         stiffarm.Postures.of(frame.rename(columns={"q2_deg": "q2"}))
     # The frame of a path has what its points are beside their postures.
-    bend = stiffarm.predict(cell, "prior", own, cell_load=True)
-    assert stiffarm.Postures.of(bend.to_frame()) == own
+    bend = stiffarm.predict(cell, "prior", postures, cell_load=True)
+    assert stiffarm.Postures.of(bend.to_frame()) == postures
     # A table of readings has each of its postures many times.
     with pytest.raises(stiffarm.StiffarmError, match="not those of postures: state, dx_mm"):
-        stiffarm.Postures.of(stiffarm.simulate_measurements(cell, own))
+        stiffarm.Postures.of(stiffarm.simulate_measurements(cell, postures))
 
 
-def test_arrays_of_a_result_cannot_be_written_to(found: stiffarm.results.Identified) -> None:
-    for array in (found.joints[0].interval, found.covariance):
+def test_arrays_of_a_result_cannot_be_written_to(fit: stiffarm.results.Identified) -> None:
+    for array in (fit.joints[0].interval, fit.covariance):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0.0
 
@@ -476,24 +476,24 @@ def test_serious_findings_of_readings_are_counted() -> None:
 
 def test_plates_leave_joint_1_out_everywhere(cell: stiffarm.Cell, group: stiffarm.Postures) -> None:
     hung = cell.with_changes({"load": stiffarm.cell.weight(mass_kg=50), "task": None})
-    found = stiffarm.evaluate(hung, group)
-    assert found.to_dict()["joints"] == [f"joint {j}" for j in range(2, 7)]
-    assert [finding.subject for finding in found.findings if finding.code == "joint-left-out"] == ["joint 1"]
+    evaluated = stiffarm.evaluate(hung, group)
+    assert evaluated.to_dict()["joints"] == [f"joint {j}" for j in range(2, 7)]
+    assert [finding.subject for finding in evaluated.findings if finding.code == "joint-left-out"] == ["joint 1"]
     of_arrays = stiffarm.indices(hung, group.angles, ["expected_error", "d"])
     for name, value in of_arrays.items():
-        assert value == pytest.approx(found.to_dict()["groups"][0]["indices"][name], rel=1e-9)
-    ticks = found.plot("expected-deviation").axes[0].get_xticklabels()
+        assert value == pytest.approx(evaluated.to_dict()["groups"][0]["indices"][name], rel=1e-9)
+    ticks = evaluated.plot("expected-deviation").axes[0].get_xticklabels()
     assert [tick.get_text() for tick in ticks] == [f"joint {j}" for j in range(2, 7)]
 
 
 def test_dropped_postures_are_no_longer_there() -> None:
     cell = stiffarm.Cell.built_in("comau")
     group = stiffarm.Postures.read("builtin:comau-group1", cell)
-    found = stiffarm.select(cell, index="expected_error", given=group, drop=2)
-    kept = [name for name, stays in zip(found.table()["posture"], found.table()["kept"]) if stays]
-    assert found.postures.names == kept and len(kept) == 4
-    value = stiffarm.evaluate(cell, found).table()["expected_error"][0]
-    assert value == pytest.approx(found.to_dict()["value"], rel=1e-12)
+    fewer = stiffarm.select(cell, index="expected_error", given=group, drop=2)
+    staying = [name for name, stays in zip(fewer.table()["posture"], fewer.table()["kept"]) if stays]
+    assert fewer.postures.names == staying and len(staying) == 4
+    value = stiffarm.evaluate(cell, fewer).table()["expected_error"][0]
+    assert value == pytest.approx(fewer.to_dict()["value"], rel=1e-12)
 
 
 def test_what_is_no_cell_and_no_stiffness_is_named() -> None:

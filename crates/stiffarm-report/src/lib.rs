@@ -6,7 +6,7 @@
 //! one legend per figure, the same colour for the same label everywhere, and
 //! the same bytes for the same data.
 //!
-//! A [`scene::Scene`] is a cell in three dimensions as data, and the script of a page that shows it.
+//! A [`scene::Scene`] is a cell at postures as data: a script shows it in three dimensions, and it has a drawing.
 //!
 //! [`tell`] is what a saved result says, as data: the command shows it in the terminal, [`report`] as a page.
 //!

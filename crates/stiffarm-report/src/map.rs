@@ -2,12 +2,12 @@
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::study::{Cell, Table};
-use stiffarm::units::{rad_to_deg, rad_to_shortest_deg};
+use stiffarm::units::{m_to_mm, rad_to_deg, rad_to_shortest_deg, rounded, with_minus};
 use stiffarm::work::map::{MapNode, MapRange, NodeValues, Status, StiffnessMap};
 
 /// Ratio of the largest to the smallest value from which on a colour bar is
 /// logarithmic.
-const WIDE: f64 = 10.0;
+const LOGARITHMIC_RATIO: f64 = 10.0;
 /// Most planes of a box.
 const PLANES: usize = 9;
 /// Most strokes along the longer side of a plane.
@@ -19,14 +19,61 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// What is not reachable, in the order of the legend.
 const REFUSED: [Status; 3] = [Status::Forbidden, Status::Unreachable, Status::OutsideJointLimits];
 
-/// One quantity of a map.
+/// What a map says of each reachable node: figure, table of the nodes and words read it here.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct NodeQuantity {
+    /// Heading in the table of all nodes.
+    key: &'static str,
+    /// Unit for people; empty for a ratio.
+    pub unit: &'static str,
+    /// The shown number is that in SI units times this.
+    pub factor: f64,
+    at: fn(&NodeValues) -> Option<f64>,
+    /// Its range over the map.
+    pub range: fn(&StiffnessMap) -> Option<MapRange>,
+}
+
+impl NodeQuantity {
+    pub(crate) const DEFLECTION: Self = NodeQuantity {
+        key: "deflection_um_per_n",
+        unit: "µm/N",
+        factor: 1e6,
+        at: |v| Some(v.deflection_per_newton_m),
+        range: |map| map.deflection_per_newton_m,
+    };
+    pub(crate) const STIFFNESS: Self = NodeQuantity {
+        key: "stiffness_n_per_um",
+        unit: "N/µm",
+        factor: 1e-6,
+        at: |v| v.stiffness_n_per_m,
+        range: |map| map.stiffness_n_per_m,
+    };
+    pub(crate) const SOFTEST: Self = NodeQuantity {
+        key: "softest_n_per_um",
+        at: |v| v.softest.stiffness_n_per_m,
+        range: |map| map.softest_n_per_m,
+        ..Self::STIFFNESS
+    };
+    pub(crate) const K_JN: Self =
+        NodeQuantity { key: "k_jn", unit: "", factor: 1.0, at: |v| v.k_jn, range: |map| map.k_jn };
+
+    fn shown(&self, values: &NodeValues) -> Option<f64> {
+        (self.at)(values).map(|number| self.factor * number)
+    }
+
+    fn cell(&self, values: Option<&NodeValues>) -> Cell {
+        values.and_then(|values| self.shown(values)).into()
+    }
+}
+
+/// One quantity of a map in a figure.
 struct Quantity {
     /// Heading of its panel.
     title: String,
     /// Colour bar or vertical axis.
     axis: Axis,
-    /// Its value at a node, in the unit of the axis.
-    value: fn(&NodeValues) -> Option<f64>,
+    /// What it is.
+    of: NodeQuantity,
     /// Whether small values are the good ones, as of a deflection.
     small_is_good: bool,
 }
@@ -82,28 +129,33 @@ pub fn map_figure(map: &StiffnessMap) -> Figure {
     Figure { id: "map".into(), title: title(map), caption: caption(map), columns, panels }
 }
 
-fn quantities(map: &StiffnessMap) -> [Quantity; 3] {
-    let scaled = |label: &str, unit: &str, range: Option<MapRange>| match range {
-        Some(r) if r.smallest > 0.0 && r.largest > WIDE * r.smallest => Axis::log(label, unit),
+/// The colour bar of such a range.
+pub(crate) fn ranged_axis(label: &str, unit: &str, range: Option<MapRange>) -> Axis {
+    match range {
+        Some(r) if r.smallest > 0.0 && r.largest > LOGARITHMIC_RATIO * r.smallest => Axis::log(label, unit),
         _ => Axis::linear(label, unit),
-    };
+    }
+}
+
+fn quantities(map: &StiffnessMap) -> [Quantity; 3] {
+    let scaled = |label: &str, of: NodeQuantity| ranged_axis(label, of.unit, (of.range)(map));
     [
         Quantity {
             title: "deflection under the load".into(),
-            axis: scaled("deflection per newton", "µm/N", map.deflection_per_newton_m),
-            value: |v| Some(1e6 * v.deflection_per_newton_m),
+            axis: scaled("deflection per newton", NodeQuantity::DEFLECTION),
+            of: NodeQuantity::DEFLECTION,
             small_is_good: true,
         },
         Quantity {
             title: format!("stiffness along {}", direction_words(map)),
-            axis: scaled("stiffness", "N/µm", map.stiffness_n_per_m),
-            value: |v| v.stiffness_n_per_m.map(|k| 1e-6 * k),
+            axis: scaled("stiffness", NodeQuantity::STIFFNESS),
+            of: NodeQuantity::STIFFNESS,
             small_is_good: false,
         },
         Quantity {
             title: "softest direction".into(),
-            axis: scaled("stiffness along it", "N/µm", map.softest_n_per_m),
-            value: |v| v.softest.stiffness_n_per_m.map(|k| 1e-6 * k),
+            axis: scaled("stiffness along it", NodeQuantity::SOFTEST),
+            of: NodeQuantity::SOFTEST,
             small_is_good: false,
         },
     ]
@@ -124,8 +176,7 @@ fn direction_words(map: &StiffnessMap) -> String {
 
 /// Components to two digits, without zeros behind the point.
 fn vector(v: [f64; 3]) -> String {
-    let parts = v.map(|c| ((c * 100.0).round() / 100.0 + 0.0).to_string());
-    format!("({})", parts.join(", ")).replace('-', "−")
+    format!("({})", v.map(|c| with_minus(rounded(c, 2).to_string())).join(", "))
 }
 
 fn title(map: &StiffnessMap) -> String {
@@ -142,7 +193,6 @@ fn title(map: &StiffnessMap) -> String {
 }
 
 fn caption(map: &StiffnessMap) -> String {
-    let force = map.force_n.map(|f| (f * 100.0).round() / 100.0);
     let column = [0, 1, 2].map(|i| map.rotation[i][2]);
     let turn = match map.free_turn {
         Some(turns) => format!(", the best of {turns} turns about it"),
@@ -158,7 +208,7 @@ fn caption(map: &StiffnessMap) -> String {
         "Deflection per newton under a force of {} N on the robot at the tip, stiffness along {}, and stiffness \
          along the softest direction, over the position of the tip in the base frame. Tool axis {}{turn}; at each \
          place the posture that bends least.{colours} {} of {} places are reachable{left}.",
-        vector(force),
+        vector(map.force_n),
         vector(map.direction),
         vector(column),
         map.counts.reachable,
@@ -167,7 +217,7 @@ fn caption(map: &StiffnessMap) -> String {
 }
 
 fn millimetres(m: f64) -> String {
-    ((1e4 * m).round() / 10.0 + 0.0).to_string()
+    with_minus(rounded(m_to_mm(m), 1).to_string())
 }
 
 /// Planes of a box across its axis of fewest nodes, with one colour bar for all.
@@ -189,13 +239,13 @@ fn planes(map: &StiffnessMap, quantity: &Quantity) -> (usize, Vec<Panel>) {
     });
     let mut axis = quantity.axis.clone();
     let values = map.nodes.iter().filter_map(|n| n.values.as_ref());
-    let values: Vec<f64> = values.filter_map(quantity.value).collect();
+    let values: Vec<f64> = values.filter_map(|v| quantity.of.shown(v)).collect();
     let ends = values.iter().fold([f64::INFINITY, 0.0], |[low, high], v| [v.min(low), v.max(high)]);
     if ends[0] < ends[1] {
         axis = axis.with_range(ends[0], ends[1]);
     }
     let quantity =
-        Quantity { title: quantity.title.clone(), axis, value: quantity.value, small_is_good: quantity.small_is_good };
+        Quantity { title: quantity.title.clone(), axis, of: quantity.of, small_is_good: quantity.small_is_good };
     let panels = places.map(|at| {
         let plane = Plane { across, at, horizontal, vertical };
         let title = format!("{} = {} mm", AXES[across], millimetres(axes[across][at]));
@@ -220,7 +270,7 @@ fn panel(map: &StiffnessMap, plane: &Plane, quantity: &Quantity, title: String, 
     let reached: Vec<&MapNode> = nodes.iter().copied().filter(is_reached).collect();
     let [x, y] = places(&reached);
     let values = reached.iter().filter_map(|n| n.values.as_ref());
-    let values = values.map(|v| (quantity.value)(v).unwrap_or(f64::NAN));
+    let values = values.map(|v| quantity.of.shown(v).unwrap_or(f64::NAN));
     let values = Series::new("", Style::Map, x, y)
         .with_colour(quantity.axis.clone(), values.collect())
         .with_small_bright(quantity.small_is_good);
@@ -274,7 +324,7 @@ fn directions(map: &StiffnessMap, plane: &Plane) -> Series {
 /// A quantity along a line.
 fn line(map: &StiffnessMap, axis: usize, quantity: &Quantity) -> Panel {
     let values = map.nodes.iter().map(|node| {
-        let value = node.values.as_ref().and_then(quantity.value);
+        let value = node.values.as_ref().and_then(|v| quantity.of.shown(v));
         value.unwrap_or(f64::NAN)
     });
     // A gap is said by the legend, not by a count of lost values.
@@ -310,15 +360,15 @@ pub fn map_table(map: &StiffnessMap) -> Table {
         "status",
         "reason",
         "distance_mm",
-        "deflection_um_per_n",
+        NodeQuantity::DEFLECTION.key,
         "deflection_um",
         "half_width_um",
-        "stiffness_n_per_um",
-        "softest_n_per_um",
+        NodeQuantity::STIFFNESS.key,
+        NodeQuantity::SOFTEST.key,
         "softest_x",
         "softest_y",
         "softest_z",
-        "k_jn",
+        NodeQuantity::K_JN.key,
         "turn_deg",
     ]
     .map(String::from)
@@ -330,20 +380,19 @@ pub fn map_table(map: &StiffnessMap) -> Table {
     let rows = map.nodes.iter().map(|node| {
         let values = node.values.as_ref();
         let softest = values.map(|v| v.softest);
-        let stiffness = |k: Option<f64>| Cell::Number(k.map(|k| 1e-6 * k));
         let mut row: Vec<Cell> = node.position_m.map(|p| shortest_mm(p).into()).to_vec();
         row.extend([
             node.status.describe().into(),
             node.reason.clone().unwrap_or_default().into(),
             Cell::Number(node.distance_m.map(|d| 1e3 * d)),
-            micro(values.map(|v| v.deflection_per_newton_m)),
+            NodeQuantity::DEFLECTION.cell(values),
             micro(values.map(|v| v.deflection_m)),
             micro(values.and_then(|v| v.half_width_m)),
-            stiffness(values.and_then(|v| v.stiffness_n_per_m)),
-            stiffness(softest.and_then(|s| s.stiffness_n_per_m)),
+            NodeQuantity::STIFFNESS.cell(values),
+            NodeQuantity::SOFTEST.cell(values),
         ]);
         row.extend([0, 1, 2].map(|i| Cell::Number(softest.map(|s| s.direction[i]))));
-        row.push(values.and_then(|v| v.k_jn).into());
+        row.push(NodeQuantity::K_JN.cell(values));
         row.push(values.and_then(|v| v.turn.map(rad_to_deg)).into());
         row.extend((0..joints).map(|j| Cell::Number(values.map(|v| rad_to_shortest_deg(v.q[j])))));
         row
@@ -358,5 +407,5 @@ pub fn map_table(map: &StiffnessMap) -> Table {
 
 /// Metres in millimetres, to a nanometre.
 pub(crate) fn shortest_mm(m: f64) -> f64 {
-    (1e9 * m).round() / 1e6 + 0.0
+    rounded(m_to_mm(m), 6)
 }

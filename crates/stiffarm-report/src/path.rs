@@ -1,6 +1,7 @@
 //! Deflection along a path, before and after compensation, as a figure.
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
+use crate::level::level;
 use crate::part::{PartPoint, part_panels};
 use stiffarm::nalgebra::Isometry3;
 use stiffarm::work::compensate::Compensation;
@@ -100,7 +101,7 @@ pub(crate) fn way_axis(moves: bool) -> Axis {
 
 /// What a band is called in a legend.
 pub(crate) fn band_name(confidence: Option<f64>) -> String {
-    confidence.map_or_else(|| "band".to_string(), |c| format!("{} % band", (1000.0 * c).round() / 10.0))
+    confidence.map_or_else(|| "band".to_string(), |c| format!("{} % band", level(c)))
 }
 
 /// Deflection along a path with its band (`confidence` as a fraction) and, where

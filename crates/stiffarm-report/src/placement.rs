@@ -4,7 +4,7 @@ use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::map::{fitted, shortest_mm};
 use crate::study::{Cell, Table};
 use stiffarm::findings::each_once;
-use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::units::{rad_to_shortest_deg, rounded, with_minus};
 use stiffarm::work::map::{Placement, PlacementCandidate, Status};
 
 /// What a place cannot be, in the order of the legend.
@@ -87,7 +87,7 @@ fn panel(placement: &Placement, yaw: f64, height: f64, axis: &Axis) -> Panel {
     }
     let [x, y] = axes;
     Panel {
-        title: format!("workpiece turned by {}°", (rad_to_shortest_deg(yaw) * 1e6).round() / 1e6),
+        title: format!("workpiece turned by {}°", with_minus(rounded(rad_to_shortest_deg(yaw), 6).to_string())),
         equal_aspect: x.range.is_some() && y.range.is_some(),
         x,
         y,

@@ -9,7 +9,7 @@ use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::ReadingTarget;
 use stiffarm::model::posture::Posture;
 use stiffarm::model::robot::{Controller, Robot};
-use stiffarm::units::rad_to_deg;
+use stiffarm::units::{rad_to_deg, with_minus};
 use stiffarm_files::table::{Sheet, SheetRow};
 
 /// A4 with a margin; every posture begins a page.
@@ -71,9 +71,8 @@ fn angles(out: &mut String, robot: &Robot, q: &[f64]) {
     }
     *out += "</tr><tr>";
     for angle in q {
-        // Adding 0 makes −0 a 0.
-        let rounded = (rad_to_deg(*angle) * 100.0).round() / 100.0 + 0.0;
-        let _ = write!(out, "<td class=\"n\">{rounded:.2}</td>");
+        let shown = with_minus(format!("{:.2}", rad_to_deg(*angle)));
+        let _ = write!(out, "<td class=\"n\">{shown}</td>");
     }
     *out += "</tr></table>\n";
 }

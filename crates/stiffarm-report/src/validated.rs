@@ -2,6 +2,7 @@
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::identified::place;
+use crate::level::level;
 use crate::order::{in_order, places};
 use stiffarm::estimate::validate::{PointDeviation, Validation};
 use stiffarm::findings::visible;
@@ -51,8 +52,7 @@ pub fn validation_figure(validation: &Validation) -> Figure {
         let several = KINDS.iter().find(|(_, of)| in_order(points.iter().map(of)).len() > 1);
         let (axis, of) = *several.unwrap_or(&KINDS[0]);
         let names = in_order(points.iter().map(of));
-        let x = points.iter().map(|p| place(&names, of(p)) as f64).collect();
-        let y = points.iter().map(|p| 1e3 * p.deviation_m).collect();
+        let (x, y) = points.iter().filter_map(|p| Some((place(&names, of(p))? as f64, 1e3 * p.deviation_m))).unzip();
         let dots = Series::new("deviation δb", Style::Points, x, y);
         let labels = names.into_iter().map(String::from).collect();
         (labels, axis.to_string(), dots)
@@ -77,7 +77,7 @@ pub fn validation_figure(validation: &Validation) -> Figure {
     let all = measured.iter().chain(&calculated).copied();
     let largest = all.fold(0.0, f64::max);
     let label = match &validation.band {
-        Some(band) => format!("calculated, ± {} %", (1000.0 * band.confidence).round() / 10.0),
+        Some(band) => format!("calculated, ± {} %", level(band.confidence)),
         None => "calculated".to_string(),
     };
     let against = vec![

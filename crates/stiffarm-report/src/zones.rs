@@ -1,26 +1,22 @@
 //! Dumas' zones as a figure and a table.
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
+use crate::map::ranged_axis;
 use crate::study::{Cell, Table};
-use stiffarm::plan::zones::{MapRange, ZoneMap, Zones};
-use stiffarm::units::rad_to_shortest_deg;
-
-/// Ratio of the largest to the smallest value from which on a colour bar is
-/// logarithmic.
-const WIDE: f64 = 10.0;
+use stiffarm::plan::zones::{ZoneMap, Zones};
+use stiffarm::units::{rad_to_shortest_deg, rounded, with_minus};
 
 /// Three maps over joints 2 and 3, side by side: dexterity 1/k(J_N), and the
 /// relative deviation of translation and rotation with and without K_C \[%\].
 pub fn zones_figure(zones: &Zones) -> Figure {
-    let deviation = |range: Option<MapRange>| match range {
-        Some(r) if r.smallest > 0.0 && r.largest > WIDE * r.smallest => Axis::log("relative deviation", "%"),
-        _ => Axis::linear("relative deviation", "%"),
-    };
+    let deviation = |range| ranged_axis("relative deviation", "%", range);
     let held: Vec<String> = zones
         .held
         .iter()
         .enumerate()
-        .filter_map(|(j, q)| q.map(|q| format!("q{} = {}°", j + 1, (rad_to_shortest_deg(q) * 1e6).round() / 1e6)))
+        .filter_map(|(j, q)| {
+            q.map(|q| format!("q{} = {}°", j + 1, with_minus(rounded(rad_to_shortest_deg(q), 6).to_string())))
+        })
         .collect();
     Figure {
         id: "zones".into(),

@@ -81,7 +81,7 @@ impl Code {
 
 /// Place of an error: file, 1-based line and column, key path, byte span.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Place {
+pub struct Location {
     /// File name as the user gave it, or `builtin:…`.
     pub file: Option<String>,
     /// Line, counted from 1.
@@ -103,7 +103,7 @@ pub struct Error(Box<Inner>);
 struct Inner {
     code: Code,
     message: String,
-    place: Place,
+    place: Location,
     hint: Option<String>,
 }
 
@@ -136,7 +136,7 @@ impl fmt::Display for DisplayError<'_> {
 impl Error {
     /// An error with its code and a full sentence.
     pub fn new(code: Code, message: impl Into<String>) -> Self {
-        Error(Box::new(Inner { code, message: readable(message.into()), place: Place::default(), hint: None }))
+        Error(Box::new(Inner { code, message: readable(message.into()), place: Location::default(), hint: None }))
     }
 
     /// A value that cannot be meant ([`Code::InvalidValue`]), with a full sentence.
@@ -218,7 +218,7 @@ impl Error {
     }
 
     /// Where the fault lies.
-    pub fn place(&self) -> &Place {
+    pub fn place(&self) -> &Location {
         &self.0.place
     }
 

@@ -89,7 +89,7 @@ pub mod internals {
         estimates, measured_system, quantile, solutions_without,
     };
     pub use crate::estimate::mixed::internals::MixedModel;
-    pub use crate::estimate::quantity::answer::internals::{Way, both_ways, quantities};
+    pub use crate::estimate::quantity::answer::internals::{QuantityResponse, both_ways, quantities};
     pub use crate::estimate::systematic::posterior::{moments, noise, sizes};
     pub use crate::model::elastic::elastic_effects;
     pub use crate::model::observation::internals::link_axes;
@@ -97,7 +97,7 @@ pub mod internals {
         arrangements, half_width, information, jobs, nelder_mead, optimise, sample, scalar, streams,
     };
     pub use crate::plan::index::kernel::lanes::{Lanes, WIDTH, sin_cos};
-    pub use crate::plan::index::kernel::{Kernel, Wanted};
+    pub use crate::plan::index::kernel::{Kernel, KernelRequest};
     pub use crate::plan::index::minimax::Minimax;
     pub use crate::plan::route::places::Places;
 

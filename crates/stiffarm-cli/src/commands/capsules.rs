@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
 use stiffarm::model::shape::{Capsule, capsules_of_mesh, hull_volume};
-use stiffarm::units::m_to_mm;
+use stiffarm::units::{m_to_mm, rounded};
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::mesh::parse_mesh;
 use stiffarm_files::source::Source;
@@ -107,7 +107,7 @@ fn fitted(session: &Session, role: &str, from: &str, args: &CapsulesArgs) -> Res
 
 /// In whole hundredths of a millimetre, which ends and radii are.
 fn hundredths(m: f64) -> f64 {
-    (m_to_mm(m) * 100.0).round() / 100.0 + 0.0
+    rounded(m_to_mm(m), 2)
 }
 
 fn in_millimetres(capsule: &Capsule) -> InMillimetres {

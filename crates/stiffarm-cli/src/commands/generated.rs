@@ -10,7 +10,7 @@ use stiffarm::Result;
 use stiffarm::ask::coverage::CoverageOptions;
 use stiffarm::ask::path::PathOptions;
 use stiffarm::ask::register::PairOptions;
-use stiffarm::ask::select::{self, Asked};
+use stiffarm::ask::select::{self, SelectResultOptions};
 use stiffarm::ask::{compensate, identify, map, measure, place, pose, predict, route, simulate, validate, zones};
 use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::estimate::coverage::Coverage;
@@ -32,11 +32,11 @@ pub fn generated() -> Result<BTreeMap<String, String>> {
         ("cell".to_string(), cell_schema()),
         of::<check::Options, CellCheck>("check"),
         of::<EvaluatedOptions, Evaluated>("evaluate"),
-        of::<Asked, select::Plan>("select"),
-        of::<Asked, select::DropResult>("select --drop"),
-        of::<Asked, select::Curve>("select --curve"),
-        of::<Asked, select::SpaceFillingPlan>("select --space-filling"),
-        of::<Asked, select::Chosen>("select --candidates"),
+        of::<SelectResultOptions, select::Plan>("select"),
+        of::<SelectResultOptions, select::DropResult>("select --drop"),
+        of::<SelectResultOptions, select::Curve>("select --curve"),
+        of::<SelectResultOptions, select::SpaceFillingPlan>("select --space-filling"),
+        of::<SelectResultOptions, select::Chosen>("select --candidates"),
         of::<simulate::Options, Simulation>("simulate"),
         of::<ElasticSimulationOptions, ElasticSimulation>("simulate --elastic"),
         of::<CoverageOptions, Coverage>("coverage"),
@@ -48,11 +48,11 @@ pub fn generated() -> Result<BTreeMap<String, String>> {
         of::<PathOptions, compensate::Compensated>("compensate"),
         of::<map::Options, StiffnessMap>("map"),
         of::<place::Options, Placement>("map --place"),
-        of::<zones::Asked, Zones>("zones"),
+        of::<zones::ZonesResultOptions, Zones>("zones"),
         of::<capsules::Options, capsules::Fitted>("capsules"),
         of::<measure::MeasureOptions, measure::Judgement>("measure"),
         of::<pose::Options, pose::Poses>("pose"),
-        of::<pose::Options, pose::Found>("pose --poses"),
+        of::<pose::Options, pose::PoseSolutions>("pose --poses"),
         of::<super::report::Options, super::report::Reported>("report"),
         of::<route::DriveOptions, route::Routed>("route"),
         of::<export::Options, export::Exported>("export"),

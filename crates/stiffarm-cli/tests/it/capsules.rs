@@ -1,4 +1,4 @@
-//! `stiffarm capsules`: tables, TOML and the object.
+//! `stiffarm capsules` prints tables and TOML that a cell takes, and refuses what is no mesh.
 
 use crate::support;
 

@@ -2,6 +2,7 @@
 
 use crate::support;
 
+use insta::assert_snapshot;
 use support::{Folder, block};
 
 /// The default cell with more tables.
@@ -23,8 +24,8 @@ fn a_mesh_is_found_beside_the_cell_and_its_hash_is_kept() {
     folder.write("own/meshes/fixture.stl", block([800.0, 400.0, 600.0]));
     let line = "check own/cell.toml";
     let first = folder.json(line);
-    let hash = |found: &serde_json::Value| {
-        let inputs = found["inputs"].as_object().unwrap();
+    let hash = |checked: &serde_json::Value| {
+        let inputs = checked["inputs"].as_object().unwrap();
         let roles: Vec<&str> = inputs.keys().map(String::as_str).collect();
         let all = ["cell", "cell mesh builtin:spindle.obj", "cell mesh meshes/fixture.stl"];
         assert_eq!(roles, all);
@@ -35,8 +36,21 @@ fn a_mesh_is_found_beside_the_cell_and_its_hash_is_kept() {
     folder.write("own/meshes/fixture.stl", block([800.0, 400.0, 1200.0]));
     assert_ne!(hash(&folder.json(line)), hash(&first));
     // It is not overwritten.
-    let said = folder.refused("select own/cell.toml --rounds 1 --output own/meshes/fixture.stl --force");
-    assert!(said.contains("input of the same command"), "{said}");
+    let line = "select own/cell.toml --rounds 1 --output own/meshes/fixture.stl --force";
+    assert_snapshot!(folder.each_refused(&[(line, "conflict", "own/cell.toml:134:8 obstacle[1].file")]), @r#"
+    $ stiffarm select own/cell.toml --rounds 1 --output own/meshes/fixture.stl --force
+    conflict
+
+      × meshes/fixture.stl: This file is an input of the same command, and it is not overwritten even with --force.
+         ╭─[own/cell.toml:134:8]
+     133 │ kind = "mesh"
+     134 │ file = "meshes/fixture.stl"
+         ·        ──────────┬─────────
+         ·                  ╰── obstacle[1].file
+     135 │ unit = "mm"
+         ╰────
+      help: give the output another name
+    "#);
 }
 
 #[test]

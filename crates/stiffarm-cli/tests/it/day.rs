@@ -1,7 +1,8 @@
 //! A whole day in the cell: plan, program, sheet, readings that come one posture after the other with three
 //! mistakes among them, each named at once and corrected, until the goal is reached before the plan is through.
 
-use crate::support::{Folder, command};
+use crate::support::{Folder, command, in_lines, printed_sentence};
+use insta::assert_snapshot;
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Stdio};
@@ -39,10 +40,10 @@ impl Watched {
             .spawn()
             .unwrap();
         let said = Arc::new(Mutex::new(String::new()));
-        let (out, own) = (child.stdout.take().unwrap(), Arc::clone(&said));
+        let (out, all) = (child.stdout.take().unwrap(), Arc::clone(&said));
         std::thread::spawn(move || {
             for line in BufReader::new(out).lines().map_while(Result::ok) {
-                *own.lock().unwrap() += &(line + "\n");
+                *all.lock().unwrap() += &(line + "\n");
             }
         });
         Watched { child, said }
@@ -100,7 +101,7 @@ impl Readings {
     }
 
     fn column(&self, name: &str) -> usize {
-        self.heading.iter().position(|own| own == name).unwrap()
+        self.heading.iter().position(|heading| heading == name).unwrap()
     }
 
     /// The table of the first postures, the last of them with its first rows only.
@@ -126,12 +127,6 @@ impl Readings {
         }
         out
     }
-}
-
-/// A line that is refused, and what its message says.
-fn refused(folder: &Folder, line: &str, word: &str) {
-    let said = folder.refused(line);
-    assert!(said.contains(word), "{said}");
 }
 
 /// The file is there as a whole or not at all.
@@ -234,13 +229,13 @@ fn a_day_beside_the_robot() {
     assert_eq!(again["result"]["measured"].as_array().unwrap().len(), ended);
 
     // The arm that was simulated has the prior stiffness: it is within what is stated.
-    let found = folder.json("identify cell.toml day.csv --postures plan.csv");
+    let identified = folder.json("identify cell.toml day.csv --postures plan.csv");
     let truth = [950e3, 3000e3, 900e3, 250e3, 200e3, 150e3];
-    let stated = found["result"]["systematic_errors"]["uncertainty"].as_array().unwrap();
-    for (j, (own, k)) in stated.iter().zip(truth).enumerate() {
-        let end = |at: usize| own["interval_nm_per_rad"][at].as_f64().unwrap();
-        assert!(end(0) < k && k < end(1), "joint {}: {own}", j + 1);
-        assert!(own["total"].as_f64().unwrap() <= 0.035, "{own}");
+    let stated = identified["result"]["systematic_errors"]["uncertainty"].as_array().unwrap();
+    for (j, (joint, k)) in stated.iter().zip(truth).enumerate() {
+        let end = |at: usize| joint["interval_nm_per_rad"][at].as_f64().unwrap();
+        assert!(end(0) < k && k < end(1), "joint {}: {joint}", j + 1);
+        assert!(joint["total"].as_f64().unwrap() <= 0.035, "{joint}");
     }
     assert_eq!(stated.len(), 6);
 }
@@ -249,16 +244,18 @@ fn a_day_beside_the_robot() {
 fn what_cannot_be_waited_for_is_refused_and_a_partly_filled_sheet_is_judged() {
     let folder = Folder::new();
     folder.ok("select builtin:comau -n 3 --rounds 1 --no-certificate --output plan.csv --sheet sheet.csv");
-    let ran = folder.run("measure builtin:comau plan.csv sheet.csv --json");
-    assert_eq!(ran.code, Some(2));
-    assert!(ran.out.contains("add --once"), "{}", ran.out);
-    refused(&folder, "measure builtin:comau plan.csv -", "cannot be waited for");
-    refused(&folder, "measure builtin:comau plan.csv sheet.csv --once --until 200%", "percentage");
+    let until_told = "measure builtin:comau plan.csv sheet.csv";
+    assert_eq!(folder.error(until_told)["code"], "usage");
+    assert_snapshot!(folder.refusals([
+        format!("{until_told} --json").as_str(),
+        "measure builtin:comau plan.csv -",
+        "measure builtin:comau plan.csv sheet.csv --once --until 200%",
+    ]));
     let empty = folder.json("measure builtin:comau plan.csv sheet.csv --once");
     assert_eq!(empty["result"]["standing"], Value::Null);
     assert_eq!(empty["result"]["left"].as_array().unwrap().len(), 3);
     let why = empty["result"]["standing_missing"].as_str().unwrap();
-    assert!(why.contains("not filled in"), "{why}");
+    assert_snapshot!(why, @"The sheet is not filled in: all 24 rows lack their position.");
 }
 
 #[test]
@@ -268,23 +265,24 @@ fn the_goal_may_be_a_deflection_at_the_tasks() {
     folder.ok("simulate builtin:comau plan.csv --runs 1 --readings all.csv");
     let line = "measure builtin:comau plan.csv all.csv --once --until";
     let near = folder.json(&format!("{line} 0.5mm"));
-    let found = &near["result"]["deflection"];
-    assert_eq!(found["reached"], true);
+    let deflection = &near["result"]["deflection"];
+    assert_eq!(deflection["reached"], true);
     // The same half width as that of the prediction with the saved stiffness.
     folder.ok("identify builtin:comau all.csv --output k.json");
     let predicted = folder.json("predict builtin:comau k.json");
     let points = predicted["result"]["points"].as_array().unwrap();
     let widths = points.iter().map(|p| p["band"]["size_m"][3].as_f64().unwrap());
     let largest = widths.fold(0.0, f64::max);
-    let own = found["largest_m"].as_f64().unwrap();
-    assert!((own / largest - 1.0).abs() < 1e-6, "{own} {largest}");
+    let half_width = deflection["largest_m"].as_f64().unwrap();
+    assert!((half_width / largest - 1.0).abs() < 1e-6, "{half_width} {largest}");
     // Below it the goal is not reached, and the plan is through: a finding.
     let goal = 0.9e3 * largest;
     let ran = folder.run(&format!("{line} {goal}mm"));
     assert_eq!(ran.code, Some(1), "{}", ran.out);
-    let words: Vec<&str> = ran.out.split_whitespace().collect();
-    let said = "The deflection at the tasks is predicted to ±";
-    assert!(words.join(" ").contains(said), "{}", ran.out);
+    assert_snapshot!(in_lines(printed_sentence(&ran.out, "The deflection at the tasks")), @r"
+    The deflection at the tasks is predicted to ± 0.042 mm or better (titanium, front is worst); the
+    goal is not reached (± 0.0382 mm).
+    ");
     let all = folder.read("all.csv");
     // A table that the day has not begun to fill.
     folder.write("heading.csv", all.lines().next().unwrap());
@@ -300,7 +298,14 @@ fn the_goal_may_be_a_deflection_at_the_tasks() {
     assert_eq!(early["result"]["deflection"]["reached"], false);
     let findings = &early["result"]["standing"]["findings"];
     assert_eq!(findings[0]["code"], "too-few-postures");
-    refused(&folder, "measure builtin:fanuc-r2000ic plan.csv all.csv --once --until 1mm", "[[task]]");
+    let line = "measure builtin:fanuc-r2000ic plan.csv all.csv --once --until 1mm";
+    assert_snapshot!(folder.each_refused(&[(line, "missing-key", "--until")]), @r"
+    $ stiffarm measure builtin:fanuc-r2000ic plan.csv all.csv --once --until 1mm
+    missing-key
+
+      × --until: A goal in mm is for the deflection at the cell's tasks, of one tip.
+      help: add [[task]] to the cell, or give a percentage of the stiffness, such as 2%
+    ");
 }
 
 #[test]
@@ -323,9 +328,8 @@ fn what_a_tracker_states_weighs_its_readings() {
     });
     folder.write("all.csv", lines.collect::<String>());
     let ran = folder.run(&format!("{plain} --weights tracker"));
-    let words: Vec<&str> = ran.out.split_whitespace().collect();
-    let words = words.join(" ");
-    assert!(words.contains("times what the tracker's uncertainty explains."), "{words}");
+    let shown = printed_sentence(&ran.out, "What the fit leaves");
+    assert_snapshot!(shown, @"What the fit leaves is 6.6 times what the tracker's uncertainty explains.");
     let weighed = folder.json(&format!("{plain} --weights tracker"));
     let stiffness = |result: &Value| -> Vec<f64> {
         let joints = result["result"]["joints"].as_array().unwrap();
@@ -364,7 +368,6 @@ fn a_rehearsal_comes_state_by_state() {
     assert_eq!(folder.read("day.csv"), folder.read("at_once.csv"));
     // Heading, then each of five states of two postures.
     assert!(sizes.len() > 5 && sizes.is_sorted(), "{sizes:?}");
-    refused(&folder, "simulate builtin:comau plan.csv --runs 1 --readings - --slowly 1", "need a file");
 }
 
 /// Of a posture and the same with its wrist the other way round the second is turned, unless the wrist is to stay.

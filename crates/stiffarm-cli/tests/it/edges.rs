@@ -1,8 +1,8 @@
-//! Set-ups that every newcomer meets once: what the command says about them.
+//! Set-ups that every newcomer meets once are named, not calculated with.
 
 use crate::support;
 
-use support::Folder;
+use support::{Folder, HEADING, replaced};
 
 const CELL: &str = include_str!("../../../stiffarm-files/data/cells/comau.toml");
 
@@ -17,11 +17,6 @@ fn one_point() -> String {
     )
 }
 
-fn replaced(text: &str, from: &str, to: &str) -> String {
-    assert!(text.contains(from), "{from}");
-    text.replace(from, to)
-}
-
 /// The lines of the load's table replaced.
 fn with_load(text: &str, load: &str) -> String {
     let start = text.find("[load]").unwrap();
@@ -31,12 +26,11 @@ fn with_load(text: &str, load: &str) -> String {
 
 fn folder() -> Folder {
     let folder = Folder::new();
-    let heading = "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n";
     let equal: String = (1..=6).map(|p| format!("{p},10,5,-100,-20,-15,-30\n")).collect();
-    folder.write("equal.csv", format!("{heading}{equal}"));
-    folder.write("one.csv", format!("{heading}1,10,5,-100,-20,-15,-30\n"));
-    folder.write("inf.csv", format!("{heading}1,inf,5,-100,-20,-15,-30\n"));
-    folder.write("nan.csv", format!("{heading}1,10,NaN,-100,-20,-15,-30\n"));
+    folder.write("equal.csv", format!("{HEADING}{equal}"));
+    folder.write("one.csv", format!("{HEADING}1,10,5,-100,-20,-15,-30\n"));
+    folder.write("inf.csv", format!("{HEADING}1,inf,5,-100,-20,-15,-30\n"));
+    folder.write("nan.csv", format!("{HEADING}1,10,NaN,-100,-20,-15,-30\n"));
     folder.write("one-point.toml", one_point());
     folder.write("axis-6.toml", replaced(CELL, "loading_point_mm = [200, 0, 250]", "loading_point_mm = [0, 0, 250]"));
     let without_rope: String =

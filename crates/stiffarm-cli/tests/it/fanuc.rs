@@ -34,13 +34,14 @@ fn the_measured_fanuc_is_identified() {
     assert!((result["residual_rms_m"].as_f64().unwrap() / RESIDUAL_RMS - 1.0).abs() < 1e-9);
 
     // Every fourth posture kept out: the prediction is better than none.
-    let kept: Vec<String> = (1..=43).step_by(4).map(|i: u32| i.to_string()).collect();
-    let kept = kept.join(",");
+    let excluded: Vec<String> = (1..=43).step_by(4).map(|i: u32| i.to_string()).collect();
+    let excluded = excluded.join(",");
     folder.ok(&format!(
-        "identify builtin:fanuc-r2000ic builtin:fanuc-r2000ic-readings --exclude {kept} --output stiffness.json"
+        "identify builtin:fanuc-r2000ic builtin:fanuc-r2000ic-readings --exclude {excluded} --output stiffness.json"
     ));
-    let value = folder
-        .json(&format!("validate builtin:fanuc-r2000ic stiffness.json builtin:fanuc-r2000ic-readings --only {kept}"));
+    let value = folder.json(&format!(
+        "validate builtin:fanuc-r2000ic stiffness.json builtin:fanuc-r2000ic-readings --only {excluded}"
+    ));
     let result = &value["result"];
     assert_eq!(result["points"].as_array().unwrap().len(), 11);
     let share = result["deviation_rms_m"].as_f64().unwrap() / result["displacement_rms_m"].as_f64().unwrap();

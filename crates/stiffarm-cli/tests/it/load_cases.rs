@@ -97,9 +97,9 @@ fn a_sheet_with_two_sizes_of_one_load_asks_for_them() {
     assert_eq!(folder.run(line).code, Some(0));
     let sheet = std::fs::read_to_string(folder.path("sheet.csv")).unwrap();
     let loads = |sheet: &str| -> Vec<String> {
-        let own = sheet.lines().filter(|line| line.starts_with("1,"));
-        let own = own.filter(|line| line.split(',').nth(2) == Some("1"));
-        let fields = own.map(|line| line.split(',').map(String::from).collect::<Vec<_>>());
+        let rows = sheet.lines().filter(|line| line.starts_with("1,"));
+        let rows = rows.filter(|line| line.split(',').nth(2) == Some("1"));
+        let fields = rows.map(|line| line.split(',').map(String::from).collect::<Vec<_>>());
         fields.map(|f| format!("{} {}", f[1], f[6])).collect()
     };
     // Sizes are those of the names, else those of the cell: a mass of 50 kg weighs 490 N.

@@ -23,6 +23,7 @@ mod own_robot;
 mod papers;
 mod pictures;
 mod pose;
+mod refusals;
 mod register;
 mod report;
 mod same_as_library;

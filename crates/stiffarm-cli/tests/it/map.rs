@@ -1,10 +1,10 @@
-//! `stiffarm map`: the table, the object, the files, and the best place.
+//! Table, object, files and picture of `stiffarm map` agree, and the best place holds what it promises.
 
 use crate::support;
 
 use insta::assert_snapshot;
 use serde_json::Value;
-use support::{Folder, measurements, stiffness};
+use support::{Folder, codes, in_lines, measurements, printed_sentence, sentence, stiffness, unbroken};
 
 /// The default cell with a workpiece and a load on it.
 fn working_cell(load: &str) -> String {
@@ -88,9 +88,10 @@ fn the_load_of_the_cell_is_taken_in_its_axes() {
     // A path's axes are no axes of a map.
     folder.write("cell.toml", working_cell("force_n = [10, 20, 30]\naxes = \"path\""));
     assert_eq!(force(&folder.json(line)), [0.0, 0.0, 1.0]);
-    let said = folder.ok(line);
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(said.contains("axes of a path, which a map has not"), "{said}");
+    assert_snapshot!(in_lines(printed_sentence(&folder.ok(line), "1 N along the direction:")), @r"
+    1 N along the direction: the cell's [work] gives a load in the axes of a path, which a map has not;
+    10 of them are reachable within all limits.
+    ");
 }
 
 #[test]
@@ -132,7 +133,13 @@ fn the_best_place_of_a_path() {
     let far = "map cell.toml prior --place path.csv --from-mm 5000,0,700 --to-mm 6000,0,700 --steps 2";
     let ran = folder.run(far);
     assert_eq!(ran.code, Some(1), "{}{}", ran.out, ran.err);
-    assert!(ran.out.contains("At no place of the grid"), "{}", ran.out);
+    let findings = folder.json(far)["result"]["findings"].clone();
+    assert!(codes(&findings).contains(&"nowhere"), "{findings}");
+    assert_snapshot!(in_lines(sentence(&findings, "nowhere")), @r"
+    At no place of the grid can the arm go along the path. At x = 5000, y = 0, z = 700 mm, for one,
+    point 1: 1823.3 mm out of the arm's reach.
+    ");
+    assert!(unbroken(&ran.out).contains(sentence(&findings, "nowhere")), "{}", ran.out);
 }
 
 #[test]

@@ -1,7 +1,10 @@
-//! Numbers of the command line: what cannot be meant is refused with its option and
-//! unit, what can hardly be meant is a finding, and nothing is infinite.
+//! A number that cannot be meant is refused with its option, one that can hardly be meant is a finding, and nothing is
+//! infinite.
 
-use crate::support::Folder;
+use crate::support::{Folder, codes, in_lines, place, replaced, sentence, unbroken};
+use insta::assert_snapshot;
+use serde_json::Value;
+use std::collections::BTreeSet;
 use std::ffi::OsString;
 use stiffarm_cli::{Host, run_captured};
 
@@ -40,13 +43,19 @@ fn a_number_that_cannot_be_meant_is_refused() {
         for number in ["1e300", "nan", "inf"] {
             let line = format!("{before}{number}{after}");
             // In this process: nothing but the words counts, and there are many of them.
-            let words = ["stiffarm"].into_iter().chain(line.split(' '));
-            let words: Vec<OsString> = words.map(OsString::from).collect();
-            let host = Host { inputs: [("m.csv".to_string(), table.clone())].into(), ..Host::default() };
-            let ran = run_captured(&words, host);
-            assert_eq!(ran.code, 2, "{line}\n{}{}", ran.out, ran.err);
+            let run = |line: &str| {
+                let words: Vec<OsString> =
+                    ["stiffarm"].into_iter().chain(line.split(' ')).map(OsString::from).collect();
+                let host = Host { inputs: [("m.csv".to_string(), table.clone())].into(), ..Host::default() };
+                run_captured(&words, host)
+            };
+            let ran = run(&line);
+            assert_eq!((ran.code, ran.out.as_str()), (2, ""), "{line}\n{}", ran.err);
+            assert_ne!(ran.err, "", "{line}");
+            let printed: Value = serde_json::from_str(&run(&format!("{line} --json")).out).unwrap();
+            let error = &printed["error"];
             let option = before.split(' ').rfind(|word| word.starts_with("--")).unwrap();
-            assert!(ran.err.contains(option), "{line}\n{}", ran.err);
+            assert_eq!((error["code"].as_str(), place(error)), (Some("usage"), option.to_string()), "{line}");
         }
     }
 }
@@ -55,23 +64,33 @@ fn a_number_that_cannot_be_meant_is_refused() {
 fn a_load_that_can_hardly_be_meant_is_a_finding() {
     let folder = Folder::new();
     let load = "--axes base --force-n";
+    let mut sentences = BTreeSet::new();
     for command in [
         format!("compensate builtin:comau prior builtin:contour {load}"),
         format!("predict builtin:comau prior builtin:contour {load}"),
         "map builtin:comau prior --plane z=800 --steps 5 --force-n".to_string(),
     ] {
-        let ran = folder.run(&format!("{command} 200000,0,0"));
+        let line = format!("{command} 200000,0,0");
+        let ran = folder.run(&line);
         assert_eq!(ran.code, Some(1), "{command}\n{}{}", ran.out, ran.err);
         // The whole result is there, and what is wrong with it.
-        assert!(ran.out.contains("2.0000e5 N can hardly be meant"), "{}", ran.out);
-        assert!(ran.out.contains("weighs 1618 N"), "{}", ran.out);
+        let findings = folder.json(&line)["result"]["findings"].clone();
+        assert!(codes(&findings).contains(&"implausible-load"), "{command}\n{findings}");
+        let said = sentence(&findings, "implausible-load");
+        assert!(unbroken(&ran.out).contains(&format!("SERIOUS: {said}")), "{said}\n{}", ran.out);
+        sentences.insert(said.to_string());
         folder.ok(&format!("{command} 300,0,0"));
     }
+    assert_eq!(sentences.len(), 1);
+    let said = sentences.pop_first().unwrap();
+    assert_snapshot!(in_lines(&said), @r"
+    A load of 2.0000e5 N can hardly be meant: the payload of COMAU SMART5 NJ 165-3.0 weighs 1618 N, and
+    no process pushes with 5 times that. Check its unit (N, N·m).
+    ");
     let line = format!("compensate builtin:comau prior builtin:contour {load} 200000,0,0 --beyond-data --output -");
     let ran = folder.run(&line);
     assert_eq!(ran.code, Some(1));
-    assert!(ran.err.contains("can hardly be meant"), "{}", ran.err);
-    assert!(!ran.out.contains("can hardly be meant"), "{}", ran.out);
+    assert_eq!([&ran.out, &ran.err].map(|text| unbroken(text).contains(&said)), [false, true], "{}", ran.err);
 }
 
 /// What three small counts multiply to is said before the work, in one line.
@@ -88,18 +107,12 @@ fn work_that_outgrows_its_counts_says_so_first() {
     assert_eq!(folder.run("map builtin:comau prior --plane z=800 --steps 5").err, "");
 }
 
-/// A cell file of the repository with one line replaced.
-fn cell_with(from: &str, to: &str) -> String {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../cells/comau.toml");
-    let text = std::fs::read_to_string(path).unwrap();
-    assert!(text.contains(from), "{from}");
-    text.replace(from, to)
-}
-
 #[test]
 fn a_joint_that_is_held_stays_where_it_is() {
     let folder = Folder::new();
-    folder.write("held.toml", cell_with("[-60, 40]", "[20, 20]"));
+    let cell = include_str!("../../../../cells/comau.toml");
+    let held = replaced(cell, "[-60, 40]", "[20, 20]");
+    folder.write("held.toml", &held);
     folder.ok("check held.toml");
     for line in [
         "select held.toml --rounds 1 -n 4 --output plan.csv --force",
@@ -114,14 +127,18 @@ fn a_joint_that_is_held_stays_where_it_is() {
     folder.ok("zones held.toml --steps 5 --output-dir zones");
     assert!(!folder.read("zones/zones.svg").contains("NaN"));
     // Every joint held: nothing to choose, and it says so.
-    let text = cell_with("[-60, 40]", "[20, 20]");
     let all = ["[-90, 90]", "[-180, -40]", "[-180, 180]"];
     let text = all
         .iter()
         .zip(["[0, 0]", "[-90, -90]", "[30, 30]"])
-        .fold(text, |text, (range, place)| text.replace(range, place));
+        .fold(held, |text, (range, place)| text.replace(range, place));
     folder.write("held.toml", text);
     let ran = folder.run("select held.toml --rounds 1");
-    assert_eq!(ran.code, Some(1), "{}{}", ran.out, ran.err);
-    assert!(ran.err.contains("cannot determine joint"), "{}", ran.err);
+    assert_eq!((ran.code, ran.out.as_str()), (Some(1), ""), "{}", ran.err);
+    assert_snapshot!(ran.err, @r"
+    not-identifiable
+
+      × 6 postures with this load cannot determine joint 4 and joint 6.
+      help: add postures that differ, or measuring points, or move the load off the joint's axis
+    ");
 }

@@ -1,8 +1,9 @@
-//! Files that are written: checked before the work, whole or not at all, and no
-//! result lost with them.
+//! Files are checked before the work, written whole or not at all, and no result is lost with them.
 
 use crate::support;
 
+use insta::assert_snapshot;
+use std::collections::BTreeSet;
 use std::fs;
 use support::{Folder, measurements};
 
@@ -13,11 +14,16 @@ fn two_results_in_one_file_are_refused_in_every_spelling() {
     let folder = Folder::new();
     fs::create_dir(folder.path("a")).unwrap();
     let absolute = folder.path("p.csv").display().to_string();
+    let mut messages = Vec::new();
     for other in ["p.csv", "./p.csv", "a/../p.csv", &absolute] {
-        let ran = folder.run(&format!("{PLAN} --output p.csv --sheet {other}"));
-        assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""), "{other}");
-        assert!(ran.err.contains("Two results would go to the same file"), "{}", ran.err);
+        let line = format!("{PLAN} --output p.csv --sheet {other}");
+        let error = folder.error(&line);
+        assert_eq!(error["code"], "usage", "{other}");
+        messages.push(error["message"].clone());
+        folder.refused(&line);
     }
+    messages.dedup();
+    assert_snapshot!(serde_json::Value::from(messages), @r#"["Two results would go to the same file."]"#);
     assert_eq!(folder.names(), ["a"]);
 }
 
@@ -29,9 +35,7 @@ fn links_and_second_names_are_the_same_file() {
     std::os::unix::fs::symlink("p.csv", folder.path("link.csv")).unwrap();
     fs::hard_link(folder.path("p.csv"), folder.path("second.csv")).unwrap();
     for other in ["link.csv", "second.csv"] {
-        let ran = folder.run(&format!("{PLAN} --output p.csv --sheet {other} --force"));
-        assert_eq!(ran.code, Some(2), "{other}");
-        assert!(ran.err.contains("same file"), "{}", ran.err);
+        assert_eq!(folder.error(&format!("{PLAN} --output p.csv --sheet {other} --force"))["code"], "usage", "{other}");
     }
     assert_eq!(folder.read("p.csv"), "old");
 }
@@ -42,9 +46,13 @@ fn a_link_to_nothing_is_not_replaced_unasked() {
     let folder = Folder::new();
     std::os::unix::fs::symlink("real.csv", folder.path("link.csv")).unwrap();
     let line = format!("{PLAN} --output link.csv");
-    let ran = folder.run(&line);
-    assert_eq!(ran.code, Some(2));
-    assert!(ran.err.contains("a link to a file that is not there"), "{}", ran.err);
+    assert_snapshot!(folder.each_refused(&[(line.as_str(), "file-exists", "link.csv")]), @r"
+    $ stiffarm select builtin:comau --initial builtin:comau-group1 --output link.csv
+    file-exists
+
+      × link.csv: This is a link to a file that is not there.
+      help: add --force to overwrite it, or choose another name
+    ");
     assert!(folder.path("link.csv").is_symlink());
     // The second time it is a link to a file.
     for _ in 0..2 {
@@ -70,18 +78,30 @@ fn standard_input_is_not_overwritten() {
         .output()
         .unwrap();
     assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("input of the same command"));
+    assert_snapshot!(String::from_utf8_lossy(&output.stderr), @r"
+    conflict
+
+      × standard input: This file is an input of the same command, and it is not overwritten even with --force.
+      help: give the output another name
+    ");
     assert_eq!(folder.read("m.csv"), before);
 }
 
 #[test]
-fn an_input_as_output_is_refused_before_the_work() {
+fn what_cannot_be_written_is_refused_before_the_work() {
     let folder = Folder::new();
     folder.write("plan.csv", stiffarm_files::builtin::postures_text("comau-group1").unwrap());
-    let line = "select builtin:comau --given plan.csv --add 2 --rounds 100000 --output ./plan.csv --force";
-    let ran = folder.run(line);
-    assert_eq!(ran.code, Some(2));
-    assert!(ran.err.contains("input of the same command"), "{}", ran.err);
+    let refused = folder.each_refused(&[
+        // An input as output.
+        (
+            "select builtin:comau --given plan.csv --add 2 --rounds 100000 --output ./plan.csv --force",
+            "conflict",
+            "plan.csv",
+        ),
+        // A rehearsal needs a file; that is said before anything is read, let alone simulated.
+        ("simulate none.toml none.csv --slowly 1 --readings -", "usage", ""),
+    ]);
+    assert_snapshot!(refused);
 }
 
 #[cfg(unix)]
@@ -151,10 +171,13 @@ fn a_file_that_appears_while_the_command_runs_is_kept() {
         let output = run.wait_with_output().unwrap();
         let err = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{err}");
-        assert!(err.contains("--force"), "{err}");
+        assert!(err.starts_with("file-exists\n") && err.contains(appears), "{err}");
         assert_eq!(folder.read(appears), "mine");
         // The result is not lost with it.
-        assert!(String::from_utf8_lossy(&output.stdout).contains("joint 1"));
+        let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+        let rows = printed.lines().filter_map(|line| line.split("  ").next()).filter(|name| name.starts_with("joint "));
+        let rows: Vec<&str> = rows.take(6).collect();
+        assert_eq!(rows, ["joint 1", "joint 2", "joint 3", "joint 4", "joint 5", "joint 6"], "{printed}");
         for name in ["k.json", "r.html"] {
             let _ = fs::remove_file(folder.path(name));
         }
@@ -186,14 +209,19 @@ fn a_disk_that_is_full_costs_the_file_and_not_the_result() {
     let folder = Folder::new();
     let ran = folder.run(&format!("{PLAN} --output /dev/full"));
     assert_eq!(ran.code, Some(2));
-    assert!(ran.err.contains("cannot be written"), "{}", ran.err);
+    assert_snapshot!(ran.err, @r"
+    file-write
+
+      × /dev/full: The file cannot be written: No space left on device (os error 28).
+      help: check the folder's permissions and the free space
+    ");
     // The plan that was to be written, and the table.
-    assert!(ran.out.contains("\nposture,q1_deg,"), "{}", ran.out);
-    assert!(ran.out.contains("cell: builtin:comau"), "{}", ran.out);
-    let ran = folder.run(&format!("{PLAN} --output /dev/full --json"));
-    assert_eq!(ran.code, Some(2));
-    assert!(serde_json::from_str::<serde_json::Value>(&ran.out).is_ok(), "{}", ran.out);
-    assert!(ran.err.contains("cannot be written"), "{}", ran.err);
+    for begin in ["posture,q1_deg,", "cell: builtin:comau"] {
+        assert_eq!(ran.out.lines().filter(|line| line.starts_with(begin)).count(), 1, "{begin}: {}", ran.out);
+    }
+    let with_object = folder.run(&format!("{PLAN} --output /dev/full --json"));
+    assert_eq!((with_object.code, &with_object.err), (Some(2), &ran.err));
+    assert!(serde_json::from_str::<serde_json::Value>(&with_object.out).is_ok(), "{}", with_object.out);
     let line = "compensate builtin:comau prior builtin:contour --output /dev/full";
     let ran = folder.run(line);
     assert_eq!(ran.code, Some(2));
@@ -238,6 +266,7 @@ const WITH_OUTPUTS: [(&str, &[&str]); 17] = [
 fn what_goes_to_standard_output_is_the_file_and_nothing_else() {
     let folder = Folder::with("m.csv", measurements());
     folder.ok("identify builtin:comau m.csv --brief --output k.json");
+    let mut refused = BTreeSet::new();
     let to_stdout = |option: &str| {
         let (name, _) = option.split_once(' ').unwrap();
         format!("{name} -")
@@ -260,16 +289,14 @@ fn what_goes_to_standard_output_is_the_file_and_nothing_else() {
         // Two results do not fit there, whatever kinds they are.
         for pair in options.windows(2) {
             let both = format!("{} {}", to_stdout(pair[0]), to_stdout(pair[1]));
-            let said = folder.refused(&line.replace('*', &both));
-            assert!(said.contains("can take one result only"), "{both}: {said}");
+            refused.insert(folder.refused(&line.replace('*', &both)));
         }
     }
-}
+    let refused: Vec<String> = refused.into_iter().collect();
+    assert_snapshot!(refused.join("\n"), @r"
+    usage
 
-/// A rehearsal needs a file; that is said before anything is read, let alone simulated.
-#[test]
-fn readings_that_come_slowly_need_a_file_before_any_work() {
-    let folder = Folder::new();
-    let said = folder.refused("simulate none.toml none.csv --slowly 1 --readings -");
-    assert!(said.contains("need a file"), "{said}");
+      × Standard output can take one result only.
+      help: write one of them to a file
+    ");
 }

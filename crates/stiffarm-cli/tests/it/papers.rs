@@ -1,8 +1,9 @@
-//! Pictures for papers: `report --figures`.
+//! `report --figures` writes pictures and their data for papers, and nothing where it is asked for what it cannot do.
 
 use crate::support;
 
-use support::Folder;
+use insta::assert_snapshot;
+use support::{Folder, place};
 
 /// A folder with a saved result under two names.
 fn folder() -> Folder {
@@ -26,8 +27,8 @@ fn pictures_and_data_without_a_page() {
     );
     let svg = folder.read("pictures/path.svg");
     assert!(svg.contains(r#"width="60mm""#), "{svg}");
-    let refused = folder.refused("report path.json --figures pictures");
-    assert!(refused.contains("--force"), "{refused}");
+    let error = folder.error("report path.json --figures pictures");
+    assert_eq!((error["code"].as_str(), place(&error)), (Some("file-exists"), "pictures/path.svg".to_string()));
     folder.ok("report path.json --figures pictures --width-mm 60 --force");
     assert_eq!(svg, folder.read("pictures/path.svg"));
 }
@@ -60,16 +61,14 @@ fn pictures_of_several_results_begin_with_their_names() {
 #[test]
 fn wrong_requests_are_answered_and_write_nothing() {
     let folder = folder();
-    for (options, answer) in [
-        ("--figures p --width-mm 10", "must be 20 to 500 mm, got 10"),
-        ("--figures p --font-pt 3", "must be 4 to 30 pt, got 3"),
-        ("--figures p --format gif", "invalid value 'gif' for '--format <FORMAT,...>': svg and csv are written"),
-        ("--figures p --format svg,PDF", "convert the SVG"),
-        ("--width-mm 88", "--figures <DIR>"),
-        ("--figures path.json", "the output is a folder"),
-    ] {
-        let said = folder.refused(&format!("report path.json {options}"));
-        assert!(said.contains(answer), "{options}: {said}");
-    }
+    let refused = folder.each_refused(&[
+        ("report path.json --figures p --width-mm 10", "invalid-value", ""),
+        ("report path.json --figures p --font-pt 3", "invalid-value", ""),
+        ("report path.json --figures p --format gif", "usage", "--format"),
+        ("report path.json --figures p --format svg,PDF", "usage", "--format"),
+        ("report path.json --width-mm 88", "usage", ""),
+        ("report path.json --figures path.json", "file-write", "path.json"),
+    ]);
+    assert_snapshot!(refused);
     assert_eq!(folder.names(), ["other.json", "path.json"]);
 }

@@ -1,5 +1,4 @@
-//! `register`: what it prints for good and bad pairs, what it saves, and what
-//! it says about wrong tables.
+//! `register` finds the frame, names a wrong point, saves what reads back, and refuses wrong tables with their place.
 
 use crate::support;
 

@@ -2,14 +2,18 @@
 
 use crate::support;
 
+use insta::assert_snapshot;
 use serde_json::{Value, json};
-use support::{Folder, measurements, readings, stiffness};
+use std::collections::BTreeSet;
+use support::{
+    Folder, codes, in_lines, measurements, paragraphs, place, printed_sentence, readings, sentence, stiffness, unbroken,
+};
 
 /// A table of displacements with dx, dy and dz in inches under the heading of millimetres.
 pub fn in_inches(folder: &Folder, from: &str, to: &str) {
     let text = folder.read(from);
     let mut lines = text.lines();
-    let heading = lines.find(|line| line.contains("dx_mm")).unwrap();
+    let heading = lines.find(|line| line.split(',').any(|name| name == "dx_mm")).unwrap();
     let columns: Vec<&str> = heading.split(',').collect();
     let mut out = vec![heading.to_string()];
     for line in lines {
@@ -68,6 +72,7 @@ fn a_scale_that_was_found_goes_with_the_stiffness() {
     assert_eq!(ran.code, Some(1), "{}", ran.out);
     let saved: Value = serde_json::from_str(&folder.read("inch.json")).unwrap();
     assert!(saved["result"]["screening"].is_object());
+    let mut verdicts = BTreeSet::new();
     for line in [
         "predict builtin:comau inch.json builtin:contour",
         "compensate builtin:comau inch.json builtin:contour",
@@ -75,52 +80,63 @@ fn a_scale_that_was_found_goes_with_the_stiffness() {
     ] {
         let ran = folder.run(line);
         assert_eq!(ran.code, Some(1), "{line}\n{}", ran.err);
-        assert!(ran.out.starts_with("SERIOUS: "), "{line}\n{}", ran.out);
         let last = ran.out.rfind("SERIOUS").unwrap();
         assert!(last < ran.out.find("cell: ").unwrap(), "{line}\n{}", ran.out);
-        // And on the page: before the first number of the verdict.
-        let told = folder.run(&format!("{line} --json --report page.html --force"));
-        let told: Value = serde_json::from_str(&told.out).unwrap();
-        let first = &told["result"]["findings"][0];
+        let answer = folder.run(&format!("{line} --json --report page.html --force"));
+        let answer: Value = serde_json::from_str(&answer.out).unwrap();
+        let first = &answer["result"]["findings"][0];
         assert_eq!(first["code"], "stiffness-doubtful", "{line}");
         assert_eq!(first["severity"], "serious", "{line}");
-        let page = folder.read("page.html");
-        for words in ["Not usable as it is", "Do not use these numbers"] {
-            assert!(page.contains(words), "{line}: {words}");
-        }
-        let verdict = page.find("<p class=\"result\">").unwrap();
-        let said = page[verdict..].find("The stiffness cannot be used as it is").unwrap();
-        assert!(said < page[verdict..].find("data-value").unwrap(), "{line}");
+        let sentence = first["sentence"].as_str().unwrap();
+        assert!(unbroken(&ran.out).starts_with(&format!("SERIOUS: {sentence}")), "{line}\n{}", ran.out);
+        // And on the page: before the first number of the verdict.
+        let verdict = paragraphs(&folder.read("page.html"), "verdict");
+        let [status, _, result, next] = verdict.lines().collect::<Vec<_>>()[..] else { panic!("{line}\n{verdict}") };
+        assert!(result.starts_with(sentence), "{line}\n{verdict}");
+        verdicts.insert([status, sentence, next].join("\n"));
     }
+    assert_snapshot!(verdicts.into_iter().collect::<Vec<_>>().join("\n"), @r"
+    ✗ Not usable as it is
+    The stiffness cannot be used as it is, its readings have a serious fault (The displacements look like inches under a heading in millimetres: factor 25.4): correct them and identify again.
+    Do not use these numbers: correct the readings behind the stiffness, identify again, and then this again.
+    ");
     // No correction is written but where it is asked for.
     let line = "compensate builtin:comau inch.json builtin:contour --output go.csv --figure go.svg";
     let ran = folder.run(line);
     assert_eq!(ran.code, Some(1), "{}", ran.out);
-    assert!(ran.err.contains("Nothing was written"), "{}", ran.err);
+    assert_snapshot!(ran.err, @"Nothing was written: the findings say why. `--beyond-data` writes it all the same.");
     let names = folder.names();
     assert!(!names.iter().any(|name| name.starts_with("go")), "{names:?}");
-    let ran = folder.run(&format!("{line} --json"));
-    assert_eq!(ran.code, Some(1));
-    assert!(ran.err.contains("--beyond-data"), "{}", ran.err);
+    let with_object = folder.run(&format!("{line} --json"));
+    assert_eq!((with_object.code, with_object.err), (Some(1), ran.err));
     let ran = folder.run(&format!("{line} --beyond-data"));
     assert_eq!(ran.code, Some(1), "{}", ran.out);
-    assert!(folder.names().contains(&"go.csv".to_string()));
+    assert!(folder.path("go.csv").exists());
 }
 
 /// A force beyond those of the experiment.
 #[test]
 fn corrections_beyond_the_data_are_written_where_they_are_asked_for() {
     let folder = Folder::with("k.json", stiffness());
-    let said = folder.ok("compensate builtin:comau k.json builtin:contour --output a.csv");
-    assert!(!said.contains("beyond its data"), "{said}");
+    folder.ok("compensate builtin:comau k.json builtin:contour --output a.csv");
+    let findings = folder.json("compensate builtin:comau k.json builtin:contour")["result"]["findings"].clone();
+    assert_eq!(codes(&findings), ["correction-beyond-uncertainty", "tip-assumed", "never-turned"]);
     folder.write("path.csv", "point,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n1,0,0,-90,0,20,0\n2,2,0,-90,0,20,0\n");
-    let line = "compensate builtin:comau k.json path.csv --axes base --force-n 0,0,-20000 --output b.csv";
-    let ran = folder.run(line);
+    let line = "compensate builtin:comau k.json path.csv --axes base --force-n 0,0,-20000";
+    let findings = folder.json(line)["result"]["findings"].clone();
+    let beyond = ["beyond-measured", "beyond-load", "tip-assumed", "implausible-load", "never-turned"];
+    assert_eq!(codes(&findings), [&["correction-beyond-uncertainty"], &beyond[..]].concat());
+    assert_snapshot!(beyond[..2].iter().map(|code| sentence(&findings, code)).collect::<Vec<_>>().join("\n"), @r"
+    100 % of the points bend by more than any displacement that the identification has seen (3.145 mm): the model is trusted beyond its data there.
+    100 % of the points are under a larger force than any that the identification has seen (500 N): the model is trusted beyond its data there.
+    ");
+    let line = format!("{line} --output b.csv");
+    let ran = folder.run(&line);
     assert_eq!(ran.code, Some(1), "{}{}", ran.out, ran.err);
-    assert!(ran.out.contains("larger force than any"), "{}", ran.out);
-    assert!(!folder.names().contains(&"b.csv".to_string()));
+    assert!(unbroken(&ran.out).contains(sentence(&findings, "beyond-load")), "{}", ran.out);
+    assert!(!folder.path("b.csv").exists());
     folder.run(&format!("{line} --beyond-data"));
-    assert!(folder.names().contains(&"b.csv".to_string()));
+    assert!(folder.path("b.csv").exists());
 }
 
 #[test]
@@ -128,11 +144,11 @@ fn an_edited_result_is_refused_by_every_command() {
     let folder = measured();
     folder.ok("identify builtin:comau m.csv --brief --elastic mixed --output k.json");
     let saved: Value = serde_json::from_str(&folder.read("k.json")).unwrap();
-    let (sealed, rest) = ("result.sealed", "no longer belong together");
-    for (pointer, value, said) in [
-        ("/result/sealed/values/0", json!(1e-9), sealed),
-        ("/result/joints/0/stiffness", Value::Null, rest),
-        ("/inputs/cell", json!("abc"), rest),
+    let mut messages = BTreeSet::new();
+    for (pointer, value) in [
+        ("/result/sealed/values/0", json!(1e-9)),
+        ("/result/joints/0/stiffness", Value::Null),
+        ("/inputs/cell", json!("abc")),
     ] {
         let mut edited = saved.clone();
         *edited.pointer_mut(pointer).unwrap() = value;
@@ -144,11 +160,17 @@ fn an_edited_result_is_refused_by_every_command() {
             "map builtin:comau edited.json --plane z=800 --steps 2",
             "report edited.json",
         ] {
-            let why = folder.refused(line);
-            let why = why.split_whitespace().collect::<Vec<_>>().join(" ");
-            assert!(why.contains(said), "{line} with {pointer}\n{why}");
+            let error = folder.error(line);
+            assert_eq!(error["code"], "result-file", "{line} with {pointer}");
+            folder.refused(line);
+            messages.insert(format!("{pointer}: {}: {}\n", place(&error), error["message"].as_str().unwrap()));
         }
     }
+    assert_snapshot!(messages.into_iter().collect::<String>(), @r"
+    /inputs/cell: edited.json: The file was changed after it was written, beside what is calculated with: its numbers no longer belong together.
+    /result/joints/0/stiffness: edited.json: The file was changed after it was written, beside what is calculated with: its numbers no longer belong together.
+    /result/sealed/values/0: edited.json result.sealed: What is calculated with was changed after it was written.
+    ");
     // Another layout is no edit.
     folder.write("short.json", saved.to_string());
     folder.ok("predict builtin:comau short.json");
@@ -158,18 +180,20 @@ fn an_edited_result_is_refused_by_every_command() {
 #[test]
 fn what_the_mixed_model_cannot_use_is_refused() {
     let folder = Folder::with("m.csv", measurements());
-    for (options, words) in [
-        ("--elastic mixed --extra tilt3", "leave the extra terms out"),
-        ("--elastic mixed --estimator ordinary", "two-variance"),
-        ("--elastic mixed --noise known", "noise from the residuals"),
-    ] {
-        let ran = folder.run(&format!("identify builtin:comau m.csv {options}"));
-        assert_eq!(ran.code, Some(2), "{options}: {}", ran.out);
-        assert!(ran.err.contains(words) && ran.err.contains("--elastic"), "{}", ran.err);
-    }
+    let refused = folder.each_refused(&[
+        ("identify builtin:comau m.csv --elastic mixed --extra tilt3", "conflict", "--elastic"),
+        ("identify builtin:comau m.csv --elastic mixed --estimator ordinary", "conflict", "--elastic"),
+        ("identify builtin:comau m.csv --elastic mixed --noise known", "conflict", "--elastic"),
+    ]);
+    assert_snapshot!(refused);
     // Two postures show nothing beyond the axes, and it is said.
-    let ran = folder.run("identify builtin:comau m.csv --elastic mixed --brief --exclude 1,2,3,4");
-    assert!(ran.out.contains("Fewer than 4 postures cannot show"), "{}{}", ran.out, ran.err);
+    let line = "identify builtin:comau m.csv --elastic mixed --brief --exclude 1,2,3,4";
+    let elastic = folder.json(line)["result"]["elastic"].clone();
+    assert_eq!(elastic["model"], "axes");
+    let shown = elastic["reasons"][0].as_str().unwrap();
+    let shown = shown;
+    assert_snapshot!(shown, @"The joint axes alone predict. Fewer than 4 postures cannot show what gives way beyond them.");
+    assert!(unbroken(&folder.ok(line)).contains(shown));
 }
 
 #[test]
@@ -177,26 +201,24 @@ fn what_is_free_is_told_and_what_cannot_be_is_refused() {
     let folder = measured();
     let ran = folder.run("identify builtin:comau r.csv --free anchor,common-shift --details --output k.json");
     assert!(matches!(ran.code, Some(0 | 1)), "{}{}", ran.out, ran.err);
-    assert!(ran.out.contains("With it these readings gave the anchor at ("), "{}", ran.out);
-    assert!(ran.out.contains("these readings"), "{}", ran.out);
+    assert_snapshot!(in_lines(printed_sentence(&ran.out, "With it these readings")), @r"
+    With it these readings gave the anchor at (1803, 10, 12) ± 39 mm; load.anchor_mm has (1800, 0, 0)
+    and a shift common to all loaded readings, (0.01, -0.01, 0.01) ± 0.01 mm.
+    ");
     let saved: Value = serde_json::from_str(&folder.read("k.json")).unwrap();
     let freed = saved["result"]["freed"].as_array().unwrap();
-    let names: Vec<&str> = freed.iter().filter_map(|own| own["name"].as_str()).collect();
+    let names: Vec<&str> = freed.iter().filter_map(|quantity| quantity["name"].as_str()).collect();
     assert_eq!(names, ["anchor", "common-shift"]);
     assert_eq!(freed[0]["key"], "load.anchor_mm");
     assert_eq!(saved["options"]["free"], json!(["anchor", "common-shift"]));
     folder.run("predict builtin:comau k.json --force");
-    for (options, words) in [
-        ("--free anchr", "did you mean \"anchor\"?"),
-        ("--free force-scale", "No reading tells"),
-        ("--free lost-motion", "extra term"),
-        ("--free sensor-axes", "they do on anchor"),
-        ("--free anchor --brief", "cannot be used with '--brief'"),
-        ("--free anchor --bootstrap 200", "cannot be used with '--bootstrap"),
-    ] {
-        let ran = folder.run(&format!("identify builtin:comau r.csv {options}"));
-        assert_eq!(ran.code, Some(2), "{options}: {}", ran.out);
-        let is_said = ran.err.contains(words) && ran.err.contains("--free");
-        assert!(is_said, "{options}: {}", ran.err);
-    }
+    let refused = folder.each_refused(&[
+        ("identify builtin:comau r.csv --free anchr", "unknown-name", "--free"),
+        ("identify builtin:comau r.csv --free force-scale", "unknown-name", "--free"),
+        ("identify builtin:comau r.csv --free lost-motion", "unknown-name", "--free"),
+        ("identify builtin:comau r.csv --free sensor-axes", "unsupported", "--free"),
+        ("identify builtin:comau r.csv --free anchor --brief", "usage", "--free"),
+        ("identify builtin:comau r.csv --free anchor --bootstrap 200", "usage", "--free"),
+    ]);
+    assert_snapshot!("free_refused", refused);
 }

@@ -1,10 +1,10 @@
-//! Paths as CL data, G-code and programs of robots, in and out.
+//! Paths as CL data, G-code and programs of robots go in and out, and the commanded program brings the loaded tip back.
 
 use crate::support;
 
 use insta::assert_snapshot;
 use serde_json::Value;
-use support::{Folder, measurements, number};
+use support::{Folder, codes, in_lines, measurements, number, printed_sentence, sentence, unbroken};
 
 const FORCE: &str = "--axes base --force-n 80,-200,300";
 
@@ -45,8 +45,8 @@ fn the_commanded_program_brings_the_loaded_tip_back() {
         };
         let stated = if path == "edge.src" { 2 } else { 9 };
         let mut exact = 0;
-        for (i, own) in pairs {
-            let off = (0..3).map(|k| (tips[i][k] + shifts[i][k] - wanted[own][k]).powi(2));
+        for (i, nominal) in pairs {
+            let off = (0..3).map(|k| (tips[i][k] + shifts[i][k] - wanted[nominal][k]).powi(2));
             let off = off.sum::<f64>().sqrt();
             // Between its points a straight move may be 0.01 mm off.
             assert!(off < 1e-5, "{path}: point {} is off by {off} m", i + 1);
@@ -71,14 +71,21 @@ fn features_keep_to_a_tolerance_or_not() {
     folder.write("m.csv", measurements());
     folder.ok("identify builtin:comau m.csv --elastic axes --output k.json");
     let line = "builtin:comau k.json pocket.nc --tolerance-mm 0.6 --details";
-    let told = folder.ok(&format!("compensate {line}"));
-    let section = told.split("\n\n").skip_while(|part| !part.starts_with("Features")).take(2);
+    let [compensated, predicted] = ["compensate", "predict"].map(|command| folder.ok(&format!("{command} {line}")));
+    let section = compensated.split("\n\n").skip_while(|part| !part.starts_with("Features")).take(2);
     assert_snapshot!("features", section.collect::<Vec<_>>().join("\n\n"));
-    assert!(told.contains("keeps to its tolerance of 0.600 mm"), "{told}");
-    let told = folder.ok(&format!("predict {line}"));
-    assert!(told.replace("\n  ", " ").contains("does not surely keep to its tolerance"), "{told}");
-    let refused = folder.refused("predict builtin:comau k.json pocket.nc --tolerance-mm 0");
-    assert!(refused.contains("--tolerance-mm"), "{refused}");
+    let said = [(compensated, "note: Compensated"), (predicted, "caution: It does not surely")];
+    assert_snapshot!(said.map(|(printed, begin)| printed_sentence(&printed, begin)).join("\n"), @r"
+    note: Compensated, the path keeps to its tolerance of 0.600 mm.
+    caution: It does not surely keep to its tolerance: POCKET 40 X 30, 2 MM DEEP: 1.329 ± 0.036 mm of 0.600 mm, fails.
+    ");
+    let line = "predict builtin:comau k.json pocket.nc --tolerance-mm 0";
+    assert_snapshot!(folder.each_refused(&[(line, "usage", "--tolerance-mm")]), @r"
+    $ stiffarm predict builtin:comau k.json pocket.nc --tolerance-mm 0
+    usage
+
+      × --tolerance-mm: The tolerance must be above 0 mm, got 0 mm.
+    ");
 }
 
 #[test]
@@ -86,9 +93,16 @@ fn a_base_elsewhere_withholds_the_program() {
     let folder = folder();
     let text = folder.read("edge.src");
     folder.write("off.src", text.replace("BAS (#BASE,1)", "$BASE={X 0,Y 0,Z 500,A 0,B 0,C 0}"));
-    let ran = folder.run(&format!("compensate builtin:comau prior off.src {FORCE} --output c.src"));
+    let line = format!("compensate builtin:comau prior off.src {FORCE}");
+    let findings = folder.json(&line)["result"]["postures"]["findings"].clone();
+    assert_eq!(codes(&findings)[0], "program-frame", "{findings}");
+    assert_snapshot!(in_lines(sentence(&findings, "program-frame")), @r"
+    The base $BASE (line 5) of the program lies 1737.8 mm and 0.00° from the workpiece frame of the cell
+    ([work] workpiece_mm): the robot goes elsewhere than the cell says.
+    ");
+    let ran = folder.run(&format!("{line} --output c.src"));
     assert_eq!(ran.code, Some(1));
-    assert!(ran.out.replace("\n  ", " ").contains("the robot goes elsewhere than the cell says"), "{}", ran.out);
+    assert!(unbroken(&ran.out).contains(sentence(&findings, "program-frame")), "{}", ran.out);
     assert!(!folder.path("c.src").exists());
     folder.ok(&format!("compensate builtin:comau prior edge.src {FORCE} --output c.src"));
 }
@@ -105,11 +119,18 @@ fn points_of_a_dat_are_written_beside_it() {
     folder.ok(&format!("compensate builtin:comau prior named.src {FORCE} --output go.src"));
     assert_eq!(folder.read("go.src"), folder.read("named.src"));
     let (was, is) = (folder.read("named.dat"), folder.read("go.dat"));
-    assert!(is != was && is.lines().count() == 2 && is.contains(",S 2,T 35}"), "{is}");
+    assert!(is != was && is.lines().count() == 2 && is.lines().all(|line| line.ends_with(",S 2,T 35}")), "{is}");
     // Neither of the two is written where one is there already.
     std::fs::remove_file(folder.path("go.src")).unwrap();
-    let refused = folder.refused(&format!("compensate builtin:comau prior named.src {FORCE} --output go.src"));
-    assert!(refused.contains("go.dat") && !folder.path("go.src").exists(), "{refused}");
+    let line = format!("compensate builtin:comau prior named.src {FORCE} --output go.src");
+    assert_snapshot!(folder.each_refused(&[(line.as_str(), "file-exists", "go.dat")]), @r"
+    $ stiffarm compensate builtin:comau prior named.src --axes base --force-n 80,-200,300 --output go.src
+    file-exists
+
+      × go.dat: The file exists already.
+      help: add --force to overwrite it, or choose another name
+    ");
+    assert!(!folder.path("go.src").exists());
 }
 
 #[test]
@@ -156,14 +177,14 @@ fn own_cell() -> Folder {
 fn a_commanded_table_has_the_loads_that_its_rows_were_given() {
     let folder = own_cell();
     folder.ok("compensate cell.toml k.json path.csv --axes base --beyond-data --output c.csv");
-    let given = folder.json("predict cell.toml k.json path.csv --axes base");
+    let nominal = folder.json("predict cell.toml k.json path.csv --axes base");
     // Without the cell's feature: all is in the table.
     folder.write("cell.toml", CELL.split("[[work.feature]]").next().unwrap());
     let written = folder.json("predict cell.toml k.json c.csv");
-    let forces = [&given, &written].map(|result| triples(result, "force_n"));
-    for (given, written) in forces[0].iter().flatten().zip(forces[1].iter().flatten()) {
+    let forces = [&nominal, &written].map(|result| triples(result, "force_n"));
+    for (nominal, written) in forces[0].iter().flatten().zip(forces[1].iter().flatten()) {
         // The commanded tool is turned by what the loaded one gives way.
-        assert!((given - written).abs() < 0.1, "{given} {written}");
+        assert!((nominal - written).abs() < 0.1, "{nominal} {written}");
     }
     assert_eq!(forces[0][0], [10.0, 0.0, 0.0]);
     assert!(forces[0][1][1].abs() > 40.0);

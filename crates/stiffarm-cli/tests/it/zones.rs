@@ -1,4 +1,4 @@
-//! `stiffarm zones`: the table, the object and the files.
+//! Table, object and picture of `stiffarm zones` agree.
 
 use crate::support;
 
@@ -26,7 +26,7 @@ fn the_object_the_table_and_the_picture_agree() {
         (Some(a), Some(b)) => (a - b).abs() <= 1e-14 * b.abs(),
         (a, b) => a == b,
     };
-    let mut found = 0;
+    let mut reachable = 0;
     for (i, row) in rows.iter().enumerate() {
         assert!(same(&row[0], result["q2_deg"][i % 9].as_f64()), "{row:?}");
         assert!(same(&row[1], result["q3_deg"][i / 9].as_f64()), "{row:?}");
@@ -34,10 +34,10 @@ fn the_object_the_table_and_the_picture_agree() {
         assert!(same(&row[2], dexterity.as_f64()), "{row:?}");
         let deviation = &result["translation_deviation"][i / 9][i % 9];
         assert!(same(&row[3], deviation.as_f64().map(|v| 100.0 * v)), "{row:?}");
-        found += usize::from(!dexterity.is_null());
+        reachable += usize::from(!dexterity.is_null());
     }
-    assert_eq!(result["within_limits"], found);
-    assert!(found > 0 && found < 81);
+    assert_eq!(result["within_limits"], reachable);
+    assert!(reachable > 0 && reachable < 81);
     let picture = folder.read("maps/zones.svg");
     assert!(picture.contains("1/k(J_N)") && picture.contains("relative deviation [%]"));
     // Equal runs are equal bytes.

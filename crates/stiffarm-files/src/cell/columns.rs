@@ -4,7 +4,7 @@
 use super::profiles::{NAMES, profile};
 use super::raw::{RawColumn, RawColumns};
 use super::source::Source;
-use super::value::{At, Placed, Text};
+use super::value::{HasSpan, Spanned, Text};
 use crate::table::own_heading;
 use stiffarm::error::{Code, Error, Result, did_you_mean};
 use stiffarm::model::cell::{Columns, DateOrder, NamePattern, Separator};
@@ -34,7 +34,7 @@ struct Reader<'s> {
 }
 
 /// The headings of the other software, where the cell names them.
-pub(super) fn columns(source: &Source<'_>, table: Option<&At<RawColumns>>, robot: &Robot) -> Result<Columns> {
+pub(super) fn columns(source: &Source<'_>, table: Option<&Spanned<RawColumns>>, robot: &Robot) -> Result<Columns> {
     let entries = || table.into_iter().flat_map(|table| &table.get().0);
     let mut reader = Reader { source, robot, taken: Vec::new(), columns: Columns::default() };
     // The profile first: what else stands there overrides it.
@@ -48,7 +48,7 @@ pub(super) fn columns(source: &Source<'_>, table: Option<&At<RawColumns>>, robot
 }
 
 impl Reader<'_> {
-    fn entry(&mut self, name: &Text, value: &At<RawColumn>) -> Result<()> {
+    fn entry(&mut self, name: &Text, value: &Spanned<RawColumn>) -> Result<()> {
         let key = format!("columns.{}", name.get());
         let key_name = name.get().as_str();
         match value.get() {
@@ -112,7 +112,7 @@ impl Reader<'_> {
     }
 
     /// A key with a text that is no heading of a column alone.
-    fn setting(&mut self, key_name: &str, text: &str, value: &At<RawColumn>, key: &str) -> Result<()> {
+    fn setting(&mut self, key_name: &str, text: &str, value: &Spanned<RawColumn>, key: &str) -> Result<()> {
         let one_of = |choices: &[&str]| {
             let message = format!("\"{text}\" is none of the choices.");
             let error = self.fault(Code::UnknownName, key, value, &message);
@@ -198,7 +198,7 @@ impl Reader<'_> {
         own_heading(name.get(), joints, IGNORE).map_err(|e| self.source.place_at(e, key, name.span()))
     }
 
-    fn fault(&self, code: Code, key: &str, value: &At<RawColumn>, message: &str) -> Error {
+    fn fault(&self, code: Code, key: &str, value: &Spanned<RawColumn>, message: &str) -> Error {
         self.source.error_at(code, key, value.span(), message)
     }
 }

@@ -10,7 +10,7 @@ use super::route::{route, time};
 use super::scene::{scene, with_link_shapes};
 use super::source::Source;
 use super::task::tasks;
-use super::value::{At, Fixed, Mm};
+use super::value::{Fixed, Mm, Spanned};
 use super::work::work;
 use nalgebra::Vector3;
 use stiffarm::error::{Code, Result};
@@ -80,7 +80,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
     })
 }
 
-fn tool(source: &Source<'_>, table: &Option<At<RawTool>>, sensor: Option<&Sensor>) -> Result<Tool> {
+fn tool(source: &Source<'_>, table: &Option<Spanned<RawTool>>, sensor: Option<&Sensor>) -> Result<Tool> {
     let hint = "add a table [tool] with loading_point_mm and [[tool.measuring_point]]";
     let table = source.required_table(table, "tool", hint)?;
     let raw = table.get();
@@ -110,7 +110,7 @@ fn tool(source: &Source<'_>, table: &Option<At<RawTool>>, sensor: Option<&Sensor
     })
 }
 
-fn measuring_point(source: &Source<'_>, table: &At<RawPoint>, others: &[NamedPoint]) -> Result<NamedPoint> {
+fn measuring_point(source: &Source<'_>, table: &Spanned<RawPoint>, others: &[NamedPoint]) -> Result<NamedPoint> {
     let raw = table.get();
     let hint = "give the name that the measurement table uses for this point";
     let raw_name = source.required(table, &raw.name, "name", hint)?;
@@ -126,7 +126,7 @@ fn measuring_point(source: &Source<'_>, table: &At<RawPoint>, others: &[NamedPoi
     Ok(NamedPoint { name, position })
 }
 
-fn series(source: &Source<'_>, table: &At<RawSeries>) -> Result<SeriesCompliance> {
+fn series(source: &Source<'_>, table: &Spanned<RawSeries>) -> Result<SeriesCompliance> {
     let raw = table.get();
     let origin = source.optional(&raw.origin_mm, Source::vector)?;
     let stiffness = |list: &Option<Fixed<3>>, name: &str, hint: &str| -> Result<[f64; 3]> {
@@ -142,7 +142,7 @@ fn series(source: &Source<'_>, table: &At<RawSeries>) -> Result<SeriesCompliance
         .map_err(|e| source.place(e, table))
 }
 
-fn limits(source: &Source<'_>, table: &At<RawLimits>, load: &Load) -> Result<Limits> {
+fn limits(source: &Source<'_>, table: &Spanned<RawLimits>, load: &Load) -> Result<Limits> {
     let raw = table.get();
     let hint = "give both corners of the box, or none";
     let tool_box = match (&raw.box_min_mm, &raw.box_max_mm) {
@@ -187,13 +187,13 @@ fn tool_box(source: &Source<'_>, low: &Fixed<3, Mm>, high: &Fixed<3, Mm>) -> Res
     Ok(corners)
 }
 
-fn noise(source: &Source<'_>, table: Option<&At<RawNoise>>) -> Result<Noise> {
+fn noise(source: &Source<'_>, table: Option<&Spanned<RawNoise>>) -> Result<Noise> {
     let mut noise = Noise {
         reading_variance: mm2_to_m2(PAPER_VARIANCE_MM2),
         readings_per_displacement: 1,
         posture_common_std: 0.0,
     };
-    let Some(raw) = table.map(At::get) else {
+    let Some(raw) = table.map(Spanned::get) else {
         return Ok(noise);
     };
     if let Some(variance) = &raw.variance_mm2 {
@@ -225,7 +225,7 @@ fn noise(source: &Source<'_>, table: Option<&At<RawNoise>>) -> Result<Noise> {
 
 fn prior(
     source: &Source<'_>,
-    table: Option<&At<RawStiffness>>,
+    table: Option<&Spanned<RawStiffness>>,
     robot: &Robot,
     published: Option<&CatalogueEntry>,
 ) -> Result<Option<Vec<f64>>> {
@@ -237,10 +237,10 @@ fn prior(
     Ok(Some(values))
 }
 
-fn validation(source: &Source<'_>, table: Option<&At<RawValidation>>, robot: &Robot) -> Result<Vec<Posture>> {
+fn validation(source: &Source<'_>, table: Option<&Spanned<RawValidation>>, robot: &Robot) -> Result<Vec<Posture>> {
     let mut postures: Vec<Posture> = Vec::new();
     let list = table.and_then(|table| table.get().posture.as_ref());
-    for table in list.into_iter().flat_map(At::get) {
+    for table in list.into_iter().flat_map(Spanned::get) {
         let raw = table.get();
         let name = source.required(table, &raw.name, "name", "give the posture a name")?;
         let name = source.unique_name(name, postures.iter().map(|p| p.name.as_str()))?;

@@ -2,7 +2,7 @@
 
 use super::raw::RawElastic;
 use super::source::Source;
-use super::value::{At, List, Number};
+use super::value::{List, Number, Spanned};
 use stiffarm::error::{Code, Result};
 use stiffarm::model::elastic::{ElasticSizes, KnownElement, beams};
 use stiffarm::model::observation::ExtraTerm;
@@ -16,7 +16,7 @@ const HINT: &str = "[elastic] needs all three of shift_std_m_per_n, turn_std_rad
 const FACTOR: f64 = 1.5;
 
 /// The sizes: all three or none.
-pub(super) fn elastic(source: &Source<'_>, table: &At<RawElastic>) -> Result<Option<ElasticSizes>> {
+pub(super) fn elastic(source: &Source<'_>, table: &Spanned<RawElastic>) -> Result<Option<ElasticSizes>> {
     let raw = table.get();
     let all = [
         (&raw.shift_std_m_per_n, "shift_std_m_per_n"),
@@ -32,7 +32,11 @@ pub(super) fn elastic(source: &Source<'_>, table: &At<RawElastic>) -> Result<Opt
 }
 
 /// Bearings, links and base of which the stiffness is given.
-pub(super) fn known_elements(source: &Source<'_>, table: &At<RawElastic>, robot: &Robot) -> Result<Vec<KnownElement>> {
+pub(super) fn known_elements(
+    source: &Source<'_>,
+    table: &Spanned<RawElastic>,
+    robot: &Robot,
+) -> Result<Vec<KnownElement>> {
     let raw = table.get();
     let factor = match &raw.stiffness_factor {
         None => FACTOR,

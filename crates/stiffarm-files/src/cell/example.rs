@@ -3,18 +3,17 @@
 use nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 use stiffarm::model::robot::{DoubtAbout, Robot};
+use stiffarm::units::{STANDARD_GRAVITY, m_to_mm, rounded};
 
 /// Reach that the example was made for, and the one from which on it fits as it is \[m\].
-const REACH: f64 = 3.0;
-const LARGE: f64 = 2.4;
+const EXAMPLE_REACH: f64 = 3.0;
+const LARGE_REACH: f64 = 2.4;
 /// The rope's force of the example \[N\].
 const FORCE: f64 = 500.0;
 /// Joint stiffness of a robot that the example fits as it is \[N·m/rad\].
 const PRIOR: [f64; 6] = [950e3, 3000e3, 900e3, 250e3, 200e3, 150e3];
 /// Share of the payload's weight that the rope may pull with.
-const SHARE: f64 = 0.5;
-/// Standard gravity \[m/s²\].
-const GRAVITY: f64 = 9.806_65;
+const PAYLOAD_SHARE: f64 = 0.5;
 /// Columns that a comment takes.
 const COLUMNS: usize = 88;
 
@@ -30,11 +29,11 @@ impl Example {
     /// For a robot of this reach \[m\] and payload \[kg\], where known.
     pub(super) fn new(reach: Option<f64>, payload: Option<f64>, robot: &Robot) -> Self {
         let lengths = match reach {
-            Some(reach) if reach < LARGE => reach / REACH,
+            Some(reach) if reach < LARGE_REACH => reach / EXAMPLE_REACH,
             _ => 1.0,
         };
         let forces = match payload {
-            Some(kg) => (SHARE * kg * GRAVITY / FORCE).min(1.0),
+            Some(kg) => (PAYLOAD_SHARE * kg * STANDARD_GRAVITY / FORCE).min(1.0),
             None => lengths * lengths,
         };
         let flange_turn = robot.flange().rotation.inverse();
@@ -54,7 +53,7 @@ impl Example {
     pub(super) fn point(&self, xyz: [i32; 3]) -> String {
         let scaled = Vector3::from(xyz).map(|v| stepped(f64::from(v) * self.lengths, 5.0));
         let turned = Rotation3::from(self.turn) * scaled;
-        let [x, y, z] = [turned.x, turned.y, turned.z].map(|v| v.round() + 0.0);
+        let [x, y, z] = [turned.x, turned.y, turned.z].map(|v| rounded(v, 0));
         format!("[{x}, {y}, {z}]")
     }
 
@@ -117,7 +116,7 @@ pub(super) fn pendant(robot: &Robot) -> String {
     if *base == Isometry3::identity() {
         return String::new();
     }
-    let [x, y, z] = base.translation.vector.map(|v| (1e4 * v).round() / 10.0).into();
+    let [x, y, z] = base.translation.vector.map(|v| rounded(m_to_mm(v), 1)).into();
     let turn = match base.rotation.scaled_axis() {
         turn if turn.norm() == 0.0 => String::new(),
         turn => {

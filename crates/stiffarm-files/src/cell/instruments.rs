@@ -3,7 +3,7 @@
 
 use super::raw::{RawSensor, RawTracker, RawUncertainty};
 use super::source::Source;
-use super::value::{At, Deg, Fixed, Mm, Number};
+use super::value::{Deg, Fixed, Mm, Number, Spanned};
 use nalgebra::{Isometry3, Translation3};
 use stiffarm::error::{Code, Result};
 use stiffarm::model::instruments::{Mount, Sensor, Tracker, TrackerAccuracy, Uncertainty};
@@ -17,7 +17,7 @@ const AXES: [(&str, usize); 3] = [("x", 0), ("y", 1), ("z", 2)];
 const REPORTS: [(&str, bool); 2] = [("on_robot", false), ("by_robot", true)];
 
 /// The force sensor.
-pub(super) fn sensor(source: &Source<'_>, table: &At<RawSensor>) -> Result<Sensor> {
+pub(super) fn sensor(source: &Source<'_>, table: &Spanned<RawSensor>) -> Result<Sensor> {
     let raw = table.get();
     let hint = "mount = \"flange\" (it turns with the tool) or mount = \"base\" (fixed in the cell)";
     let mount = source.required(table, &raw.mount, "mount", hint)?;
@@ -37,7 +37,7 @@ pub(super) fn sensor(source: &Source<'_>, table: &At<RawSensor>) -> Result<Senso
 }
 
 /// What the cell knows of the tracker.
-pub(super) fn tracker(source: &Source<'_>, table: &At<RawTracker>) -> Result<Tracker> {
+pub(super) fn tracker(source: &Source<'_>, table: &Spanned<RawTracker>) -> Result<Tracker> {
     let raw = table.get();
     let base_from_tracker = match (&raw.xyz_mm, &raw.rpy_deg) {
         (None, None) => None,
@@ -51,7 +51,7 @@ pub(super) fn tracker(source: &Source<'_>, table: &At<RawTracker>) -> Result<Tra
     Ok(Tracker { base_from_tracker, accuracy: accuracy(source, table)? })
 }
 
-fn accuracy(source: &Source<'_>, table: &At<RawTracker>) -> Result<Option<TrackerAccuracy>> {
+fn accuracy(source: &Source<'_>, table: &Spanned<RawTracker>) -> Result<Option<TrackerAccuracy>> {
     let raw = table.get();
     let is_exact = raw.range_um.is_some() || raw.angle_urad.is_some();
     if !is_exact && raw.range_um_per_m.is_none() && raw.station_mm.is_none() {
@@ -74,7 +74,7 @@ fn accuracy(source: &Source<'_>, table: &At<RawTracker>) -> Result<Option<Tracke
 }
 
 /// Errors of the whole experiment, as far as the cell says.
-pub(super) fn uncertainty(source: &Source<'_>, table: &At<RawUncertainty>, load: &Load) -> Result<Uncertainty> {
+pub(super) fn uncertainty(source: &Source<'_>, table: &Spanned<RawUncertainty>, load: &Load) -> Result<Uncertainty> {
     let raw = table.get();
     if let (Some(anchor), false) = (&raw.anchor_mm, load.has_rope()) {
         let message = "An uncertainty of the anchor needs a load of kind \"rope\", or \"cylinder\" with anchor_mm.";

@@ -2,7 +2,7 @@
 
 use super::raw::RawLoad;
 use super::source::Source;
-use super::value::{At, Placed, Text};
+use super::value::{HasSpan, Spanned, Text};
 use nalgebra::Vector3;
 use stiffarm::error::{Code, Result, did_you_mean};
 use stiffarm::model::load::{Axes, Load, LoadCase, Wrench};
@@ -43,11 +43,11 @@ const OF_A_CASE: [&str; 2] = ["name", "loading_point_mm"];
 /// A table that describes a load.
 struct Table<'a> {
     source: &'a Source<'a>,
-    at: &'a At<RawLoad>,
+    at: &'a Spanned<RawLoad>,
 }
 
 /// The load of `robot`, whose direction of gravity a weight follows.
-pub(super) fn load(source: &Source<'_>, table: &Option<At<RawLoad>>, robot: &Robot) -> Result<Load> {
+pub(super) fn load(source: &Source<'_>, table: &Option<Spanned<RawLoad>>, robot: &Robot) -> Result<Load> {
     let hint =
         "add a table [load] with kind = \"rope\", \"cylinder\", \"weight\", \"wrench\", \"measured\" or \"cases\"";
     let at = source.required_table(table, "load", hint)?;
@@ -138,7 +138,7 @@ impl Table<'_> {
         let (kind, keys) = self.kind("cases")?;
         if kind == "measured" {
             let message = "A load case is known before it is measured.";
-            let span = raw.kind.as_ref().map_or(self.at.span(), At::span);
+            let span = raw.kind.as_ref().map_or(self.at.span(), Spanned::span);
             let key = source.path_in(self.at, "kind");
             let error = source.error_at(Code::Conflict, &key, span, message);
             return Err(error.hint("set [load] kind = \"measured\" and give the forces with the readings"));

@@ -15,10 +15,10 @@ mod instruments;
 mod keys;
 mod lists;
 mod load;
-mod own;
 mod profiles;
 mod raw;
 mod robot;
+mod robot_keys;
 mod route;
 mod scene;
 #[cfg(feature = "schema")]

@@ -2,7 +2,7 @@
 
 use super::raw::{RawBounds, RawRobot};
 use super::source::Source;
-use super::value::{At, Deg, Fixed, List, Mm, Number, Placed, Unit};
+use super::value::{Deg, Fixed, HasSpan, List, Mm, Number, Spanned, Unit};
 use crate::table::other_convention;
 use nalgebra::{Isometry3, Translation3};
 use stiffarm::error::{Code, Result};
@@ -10,7 +10,10 @@ use stiffarm::model::robot::{CatalogueEntry, Controller, DhConvention, DhRow, Ro
 use stiffarm::units::rad_to_shortest_deg;
 
 /// The robot, and its catalogue entry where it comes from there.
-pub(super) fn robot(source: &Source<'_>, table: &At<RawRobot>) -> Result<(Robot, Option<&'static CatalogueEntry>)> {
+pub(super) fn robot(
+    source: &Source<'_>,
+    table: &Spanned<RawRobot>,
+) -> Result<(Robot, Option<&'static CatalogueEntry>)> {
     let raw = table.get();
     let (mut robot, entry) = chain(source, table)?;
     let n = robot.joint_count();
@@ -60,12 +63,12 @@ pub(super) fn robot(source: &Source<'_>, table: &At<RawRobot>) -> Result<(Robot,
 }
 
 /// The chain from exactly one of catalogue, modified and standard rows.
-fn chain(source: &Source<'_>, table: &At<RawRobot>) -> Result<(Robot, Option<&'static CatalogueEntry>)> {
+fn chain(source: &Source<'_>, table: &Spanned<RawRobot>) -> Result<(Robot, Option<&'static CatalogueEntry>)> {
     let raw = table.get();
     let mut present_keys: Vec<_> = [
-        ("catalogue", raw.catalogue.as_ref().map(At::span)),
-        ("dh_modified", raw.dh_modified.as_ref().map(At::span)),
-        ("dh_standard", raw.dh_standard.as_ref().map(At::span)),
+        ("catalogue", raw.catalogue.as_ref().map(Spanned::span)),
+        ("dh_modified", raw.dh_modified.as_ref().map(Spanned::span)),
+        ("dh_standard", raw.dh_standard.as_ref().map(Spanned::span)),
     ]
     .into_iter()
     .filter_map(|(name, span)| Some((name, span?)))
@@ -136,7 +139,7 @@ fn pose(
 
 /// Bounds for choosing postures: given and inside the machine's limits, or
 /// those limits.
-pub(super) fn bounds(source: &Source<'_>, table: Option<&At<RawBounds>>, robot: &Robot) -> Result<Vec<[f64; 2]>> {
+pub(super) fn bounds(source: &Source<'_>, table: Option<&Spanned<RawBounds>>, robot: &Robot) -> Result<Vec<[f64; 2]>> {
     let Some(rows) = table.and_then(|table| table.get().q_deg.as_ref()) else {
         return Ok(robot.joints().iter().map(|joint| joint.limits).collect());
     };

@@ -3,7 +3,7 @@
 use super::raw::{RawRoute, RawTime};
 use super::robot::angles;
 use super::source::Source;
-use super::value::{At, Minutes, Number};
+use super::value::{Minutes, Number, Spanned};
 use stiffarm::error::{Code, Result};
 use stiffarm::model::cell::MeasuringTime;
 use stiffarm::model::robot::{CatalogueEntry, Robot};
@@ -18,7 +18,7 @@ const APPROACH_DEG: std::ops::RangeInclusive<f64> = 0.05..=10.0;
 /// What the cell says of the drive; joint speeds are the catalogue's unless it gives others.
 pub(super) fn route(
     source: &Source<'_>,
-    table: Option<&At<RawRoute>>,
+    table: Option<&Spanned<RawRoute>>,
     robot: &Robot,
     entry: Option<&CatalogueEntry>,
 ) -> Result<RouteRules> {
@@ -27,7 +27,7 @@ pub(super) fn route(
     if catalogue_speeds.len() == robot.joint_count() {
         rules.joint_speeds = Some(catalogue_speeds.iter().map(|v| deg_to_rad(*v)).collect());
     }
-    let Some(raw) = table.map(At::get) else {
+    let Some(raw) = table.map(Spanned::get) else {
         return Ok(rules);
     };
     if let Some(list) = &raw.joint_speeds_deg_s {
@@ -78,7 +78,7 @@ pub(super) fn route(
 const LONGEST_MIN: f64 = 480.0;
 
 /// What measuring takes, where the cell says it.
-pub(super) fn time(source: &Source<'_>, table: &At<RawTime>) -> Result<MeasuringTime> {
+pub(super) fn time(source: &Source<'_>, table: &Spanned<RawTime>) -> Result<MeasuringTime> {
     let (raw, assumed) = (table.get(), MeasuringTime::default());
     let posture = source.optional(&raw.posture_min, |source, value| {
         source.positive(value)?;

@@ -3,7 +3,7 @@
 //! A value knows its place, and the place tells the key path that a message names; list entries
 //! count from 1, as joints do.
 
-use super::value::{At, Deg, Fixed, List, Number, Placed, Text, Unit};
+use super::value::{Deg, Fixed, HasSpan, List, Number, Spanned, Text, Unit};
 use crate::check_name;
 use nalgebra::{DMatrix, UnitQuaternion, Vector3};
 use std::collections::HashMap;
@@ -64,20 +64,20 @@ impl<'a> Source<'a> {
     }
 
     /// The key path of a value.
-    fn path(&self, place: &impl Placed) -> &str {
+    fn path(&self, place: &impl HasSpan) -> &str {
         let paths = self.paths.get(&place.span());
         paths.and_then(|paths| paths.last()).map_or("", String::as_str)
     }
 
     /// The key path of `name` in a table.
-    pub(super) fn path_in(&self, table: &impl Placed, name: &str) -> String {
+    pub(super) fn path_in(&self, table: &impl HasSpan, name: &str) -> String {
         format!("{}.{name}", self.path(table))
     }
 
     /// Refuses keys of `table` that its kind does not have; `refusal` makes message and hint of such a key.
     pub(super) fn refuse_others(
         &self,
-        table: &impl Placed,
+        table: &impl HasSpan,
         is_known: impl Fn(&str) -> bool,
         refusal: impl Fn(&str) -> (String, String),
     ) -> Result<()> {
@@ -91,7 +91,7 @@ impl<'a> Source<'a> {
     }
 
     /// The keys of `table` with their places, in the order of the file.
-    pub(super) fn keys(&self, table: &impl Placed) -> Vec<(&std::ops::Range<usize>, &str)> {
+    pub(super) fn keys(&self, table: &impl HasSpan) -> Vec<(&std::ops::Range<usize>, &str)> {
         let path = self.path(table);
         let all = self.paths.iter();
         let all = all.flat_map(|(span, paths)| paths.iter().map(move |key_path| (span, key_path)));
@@ -104,17 +104,17 @@ impl<'a> Source<'a> {
     }
 
     /// An error at a value.
-    pub(super) fn error(&self, code: Code, at: &impl Placed, message: impl Into<String>) -> Error {
+    pub(super) fn error(&self, code: Code, at: &impl HasSpan, message: impl Into<String>) -> Error {
         self.place(Error::new(code, message), at)
     }
 
     /// Adds the place of a value to an error that has none.
-    pub(super) fn place(&self, error: Error, at: &impl Placed) -> Error {
+    pub(super) fn place(&self, error: Error, at: &impl HasSpan) -> Error {
         self.place_at(error, self.path(at), at.span())
     }
 
     /// Adds the place of a value to what was made of it, where that is an error.
-    pub(super) fn placed<T>(&self, at: &impl Placed, made: Result<T>) -> Result<T> {
+    pub(super) fn placed<T>(&self, at: &impl HasSpan, made: Result<T>) -> Result<T> {
         made.map_err(|error| self.place(error, at))
     }
 
@@ -131,7 +131,12 @@ impl<'a> Source<'a> {
     }
 
     /// A table that must be there.
-    pub(super) fn required_table<'v, T>(&self, value: &'v Option<At<T>>, name: &str, hint: &str) -> Result<&'v At<T>> {
+    pub(super) fn required_table<'v, T>(
+        &self,
+        value: &'v Option<Spanned<T>>,
+        name: &str,
+        hint: &str,
+    ) -> Result<&'v Spanned<T>> {
         let missing = || Error::new(Code::MissingKey, "This key is missing.").key(name);
         value.as_ref().ok_or_else(|| missing().file(self.file).hint(hint))
     }
@@ -139,7 +144,7 @@ impl<'a> Source<'a> {
     /// A key `name` that must be in `table`.
     pub(super) fn required<'v, T>(
         &self,
-        table: &impl Placed,
+        table: &impl HasSpan,
         value: &'v Option<T>,
         name: &str,
         hint: &str,
@@ -149,7 +154,7 @@ impl<'a> Source<'a> {
     }
 
     /// Says that a key is missing, at the place of what needs it.
-    pub(super) fn missing(&self, at: &impl Placed, key: &str, hint: &str) -> Error {
+    pub(super) fn missing(&self, at: &impl HasSpan, key: &str, hint: &str) -> Error {
         let error = Error::new(Code::MissingKey, "This key is missing.").hint(hint);
         self.place_at(error, key, at.span())
     }
@@ -266,7 +271,7 @@ impl<'a> Source<'a> {
     /// [`Source::range_or_place`].
     pub(super) fn ranges<U: Unit>(
         &self,
-        rows: &At<Vec<Fixed<2, U>>>,
+        rows: &Spanned<Vec<Fixed<2, U>>>,
         joints: usize,
         range: impl Fn(&Self, &Fixed<2, U>) -> Result<[f64; 2]>,
     ) -> Result<Vec<[f64; 2]>> {
@@ -275,7 +280,7 @@ impl<'a> Source<'a> {
     }
 
     /// A square matrix, row by row.
-    pub(super) fn matrix(&self, rows: &At<Vec<List>>, n: usize) -> Result<DMatrix<f64>> {
+    pub(super) fn matrix(&self, rows: &Spanned<Vec<List>>, n: usize) -> Result<DMatrix<f64>> {
         self.count(rows, n, "rows", "one per joint")?;
         let values = self.each(rows, |source, row| source.numbers(row, n, "one per joint"))?;
         Ok(DMatrix::from_fn(n, n, |i, j| values[i][j]))
@@ -287,7 +292,7 @@ impl<'a> Source<'a> {
     }
 
     /// [`Source::name`] of a text that stands at `place`.
-    pub(super) fn checked_name(&self, name: &str, place: &impl Placed) -> Result<String> {
+    pub(super) fn checked_name(&self, name: &str, place: &impl HasSpan) -> Result<String> {
         match check_name(name) {
             Ok(()) => Ok(name.to_string()),
             Err(error) => Err(self.place(error, place)),
@@ -317,12 +322,12 @@ impl<'a> Source<'a> {
     }
 
     /// What `read` makes of each entry of a list.
-    pub(super) fn each<T, V>(&self, list: &At<Vec<T>>, read: impl Fn(&Self, &T) -> Result<V>) -> Result<Vec<V>> {
+    pub(super) fn each<T, V>(&self, list: &Spanned<Vec<T>>, read: impl Fn(&Self, &T) -> Result<V>) -> Result<Vec<V>> {
         list.get().iter().map(|entry| read(self, entry)).collect()
     }
 
     /// Checks the number of entries of a list.
-    pub(super) fn count<T>(&self, list: &At<Vec<T>>, count: usize, unit: &str, what: &str) -> Result<()> {
+    pub(super) fn count<T>(&self, list: &Spanned<Vec<T>>, count: usize, unit: &str, what: &str) -> Result<()> {
         let length = list.get().len();
         if length == count {
             return Ok(());

@@ -4,7 +4,7 @@ use super::load::axes;
 use super::raw::RawTask;
 use super::robot::angles;
 use super::source::Source;
-use super::value::{At, Placed};
+use super::value::{HasSpan, Spanned};
 use nalgebra::Vector3;
 use stiffarm::error::{Code, Result};
 use stiffarm::model::cell::Task;
@@ -15,12 +15,12 @@ use stiffarm::model::tool::Tool;
 /// The tasks of `robot`, whose tips are the tool's TCP unless they say otherwise.
 pub(super) fn tasks(
     source: &Source<'_>,
-    raw: Option<&At<Vec<At<RawTask>>>>,
+    raw: Option<&Spanned<Vec<Spanned<RawTask>>>>,
     robot: &Robot,
     tool: &Tool,
 ) -> Result<Vec<Task>> {
     let mut tasks: Vec<Task> = Vec::new();
-    for (i, entry) in raw.into_iter().flat_map(At::get).enumerate() {
+    for (i, entry) in raw.into_iter().flat_map(Spanned::get).enumerate() {
         let task = task(source, entry, i + 1, &tasks, robot, tool)?;
         tasks.push(task);
     }
@@ -30,7 +30,7 @@ pub(super) fn tasks(
 /// Task `number`, counted from 1; `before` are those above it.
 fn task(
     source: &Source<'_>,
-    entry: &At<RawTask>,
+    entry: &Spanned<RawTask>,
     number: usize,
     before: &[Task],
     robot: &Robot,

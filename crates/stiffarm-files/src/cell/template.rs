@@ -4,7 +4,7 @@ use super::bounds::{margin_comment, middle, narrowed, start_bounds};
 use super::convert::PAPER_VARIANCE_MM2;
 use super::example::{Example, comment, doubts, pendant};
 use super::lists::{degrees, quoted, rows};
-use super::own::{keys, reach, route, shapes};
+use super::robot_keys::{keys, reach, route, shapes};
 use crate::check_name;
 use stiffarm::error::Result;
 use stiffarm::findings::visible;

@@ -14,24 +14,24 @@ use {
 
 /// A value and the bytes it was read from.
 #[derive(Debug, Clone)]
-pub(in crate::cell) struct At<T> {
+pub(in crate::cell) struct Spanned<T> {
     pub(super) span: Range<usize>,
     pub(super) value: T,
 }
 
-impl<T> At<T> {
+impl<T> Spanned<T> {
     pub(in crate::cell) fn get(&self) -> &T {
         &self.value
     }
 }
 
 /// Something that stands in the file.
-pub(in crate::cell) trait Placed {
+pub(in crate::cell) trait HasSpan {
     /// Its bytes.
     fn span(&self) -> Range<usize>;
 }
 
-impl<T> Placed for At<T> {
+impl<T> HasSpan for Spanned<T> {
     fn span(&self) -> Range<usize> {
         self.span.clone()
     }
@@ -75,12 +75,12 @@ units! {
     NPerMm2: n_per_mm2_to_pa;
 }
 
-pub(in crate::cell) type Text = At<String>;
+pub(in crate::cell) type Text = Spanned<String>;
 
 /// A number in a unit; checked and converted by `Source::number` and its kin.
 #[derive(Debug, Clone)]
 pub(in crate::cell) struct Number<U = Si> {
-    pub(super) at: At<f64>,
+    pub(super) at: Spanned<f64>,
     pub(super) unit: PhantomData<U>,
 }
 
@@ -91,27 +91,27 @@ impl<U> Number<U> {
     }
 }
 
-impl<U> Placed for Number<U> {
+impl<U> HasSpan for Number<U> {
     fn span(&self) -> Range<usize> {
         self.at.span()
     }
 }
 
 /// Numbers in a unit.
-pub(in crate::cell) type List<U = Si> = At<Vec<Number<U>>>;
+pub(in crate::cell) type List<U = Si> = Spanned<Vec<Number<U>>>;
 
 /// So many numbers in a unit; how many are there is checked when they are taken.
 #[derive(Debug, Clone)]
 pub(in crate::cell) struct Fixed<const N: usize, U = Si>(pub(in crate::cell) List<U>);
 
-impl<const N: usize, U> Placed for Fixed<N, U> {
+impl<const N: usize, U> HasSpan for Fixed<N, U> {
     fn span(&self) -> Range<usize> {
         self.0.span()
     }
 }
 
 #[cfg(feature = "schema")]
-impl<T: JsonSchema> JsonSchema for At<T> {
+impl<T: JsonSchema> JsonSchema for Spanned<T> {
     fn inline_schema() -> bool {
         T::inline_schema()
     }

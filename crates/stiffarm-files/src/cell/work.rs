@@ -2,7 +2,7 @@
 
 use super::raw::{RawFeature, RawForce, RawMilling, RawWork};
 use super::source::Source;
-use super::value::{At, Deg, Fixed, Mm, Number, Placed, Text, Unit};
+use super::value::{Deg, Fixed, HasSpan, Mm, Number, Spanned, Text, Unit};
 use nalgebra::{Isometry3, Translation3, Vector3};
 use stiffarm::error::{Code, Result};
 use stiffarm::model::implausible::FEEDS_PER_TOOTH_MM;
@@ -15,7 +15,7 @@ use stiffarm::model::work::{FeatureWork, RotaryAxis, Work};
 const DIRECTIONS: [(&str, MillingDirection); 2] = [("up", MillingDirection::Up), ("down", MillingDirection::Down)];
 
 /// What the robot works with, as far as the cell says.
-pub(super) fn work(source: &Source<'_>, table: Option<&At<RawWork>>, tool: &Tool) -> Result<Work> {
+pub(super) fn work(source: &Source<'_>, table: Option<&Spanned<RawWork>>, tool: &Tool) -> Result<Work> {
     let Some(table) = table else {
         return Ok(Work::default());
     };
@@ -24,7 +24,7 @@ pub(super) fn work(source: &Source<'_>, table: Option<&At<RawWork>>, tool: &Tool
     let zero = Vector3::zeros();
     let workpiece = frame(source, &raw.workpiece_mm, &raw.workpiece_rpy_deg, zero)?;
     let mut features: Vec<FeatureWork> = Vec::new();
-    for entry in raw.feature.iter().flat_map(At::get) {
+    for entry in raw.feature.iter().flat_map(Spanned::get) {
         let feature = feature(source, entry, &features)?;
         features.push(feature);
     }
@@ -42,9 +42,9 @@ pub(super) fn work(source: &Source<'_>, table: Option<&At<RawWork>>, tool: &Tool
 /// The load of `table`.
 fn process(
     source: &Source<'_>,
-    table: &At<impl Sized>,
-    force: &Option<At<RawForce>>,
-    cut: &Option<At<RawMilling>>,
+    table: &Spanned<impl Sized>,
+    force: &Option<Spanned<RawForce>>,
+    cut: &Option<Spanned<RawMilling>>,
 ) -> Result<Option<Process>> {
     Ok(match (force, cut) {
         (Some(force), Some(cut)) => {
@@ -63,7 +63,7 @@ fn process(
 }
 
 /// A feature with a load or a tolerance of its own; `before` are those above it.
-fn feature(source: &Source<'_>, table: &At<RawFeature>, before: &[FeatureWork]) -> Result<FeatureWork> {
+fn feature(source: &Source<'_>, table: &Spanned<RawFeature>, before: &[FeatureWork]) -> Result<FeatureWork> {
     let raw = table.get();
     let hint = "give the name that the path has: that of its operation, layer or tool path";
     let name = source.required(table, &raw.name, "name", hint)?;
@@ -114,7 +114,7 @@ fn power(source: &Source<'_>, raw: &RawForce) -> Result<Option<SpindlePower>> {
     Ok(loaded.map(|loaded| SpindlePower { loaded, idle: idle.unwrap_or_default() }))
 }
 
-fn constant(source: &Source<'_>, table: &At<RawForce>) -> Result<TipLoad> {
+fn constant(source: &Source<'_>, table: &Spanned<RawForce>) -> Result<TipLoad> {
     let raw = table.get();
     let hint = "give the force on the robot at the tip: force_n = [x, y, z] in newtons";
     let raw_force = source.required(table, &raw.force_n, "force_n", hint)?;
@@ -137,7 +137,7 @@ fn constant(source: &Source<'_>, table: &At<RawForce>) -> Result<TipLoad> {
     Ok(TipLoad { force, moment, axes: source.choice(axes, &ForceAxes::NAMES, hint)? })
 }
 
-fn milling(source: &Source<'_>, table: &At<RawMilling>) -> Result<Process> {
+fn milling(source: &Source<'_>, table: &Spanned<RawMilling>) -> Result<Process> {
     let raw = table.get();
     let hint = "give the number of teeth of the cutter";
     let raw_teeth = source.required(table, &raw.teeth, "teeth", hint)?;
@@ -187,9 +187,13 @@ fn milling(source: &Source<'_>, table: &At<RawMilling>) -> Result<Process> {
 }
 
 /// The feed per tooth \[m\].
-fn chip(source: &Source<'_>, table: &At<RawMilling>, raw_feed: &Option<Number<Mm>>, diameter_mm: f64) -> Result<f64> {
-    let hint = "feed per tooth = feed rate / (spindle speed · teeth), in mm; or give spindle_rpm where the path gives \
-        its feed";
+fn chip(
+    source: &Source<'_>,
+    table: &Spanned<RawMilling>,
+    raw_feed: &Option<Number<Mm>>,
+    diameter_mm: f64,
+) -> Result<f64> {
+    let hint = "feed per tooth = feed rate / (spindle speed · teeth), in mm; or give spindle_rpm where the path gives its feed";
     let feed = source.required(table, raw_feed, "feed_per_tooth_mm", hint)?;
     let feed_m = source.positive(feed)?;
     let feed_mm = feed.get();
@@ -211,7 +215,7 @@ fn chip(source: &Source<'_>, table: &At<RawMilling>, raw_feed: &Option<Number<Mm
     Ok(feed_m)
 }
 
-fn coefficients(source: &Source<'_>, table: &At<RawMilling>) -> Result<CuttingCoefficients> {
+fn coefficients(source: &Source<'_>, table: &Spanned<RawMilling>) -> Result<CuttingCoefficients> {
     let raw = table.get();
     let hint = "give the tangential and the radial cutting coefficient of cutter and material in N/mm²";
     let tangential = source.required(table, &raw.k_tc_n_per_mm2, "k_tc_n_per_mm2", hint)?;

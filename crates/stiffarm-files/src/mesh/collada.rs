@@ -10,7 +10,7 @@ use std::collections::HashMap;
 /// Nodes within nodes; more are taken for a circle.
 const DEEPEST: usize = 100;
 /// Triangles of all parts together.
-const MOST: usize = 20_000_000;
+const MOST_TRIANGLES: usize = 20_000_000;
 
 /// Corners of each triangle in the frame of the scene \[m\]. Which axis the file calls up is left aside, as in robot
 /// descriptions.
@@ -141,8 +141,8 @@ impl<'a, 'i: 'a> Scene<'a, 'i> {
             self.parts.insert(part.id(), triangles);
         }
         let triangles = &self.parts[&part.id()];
-        if self.out.len() + triangles.len() > MOST {
-            return Err(format!("it has more than {MOST} triangles"));
+        if self.out.len() + triangles.len() > MOST_TRIANGLES {
+            return Err(format!("it has more than {MOST_TRIANGLES} triangles"));
         }
         let place = |p: Vector3<f64>| (frame * p.push(1.0)).xyz();
         self.out.extend(triangles.iter().map(|corners| corners.map(place)));

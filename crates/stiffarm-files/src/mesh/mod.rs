@@ -10,8 +10,8 @@ use std::path::Path;
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::model::shape::TriangleMesh;
 
-/// A mesh of a robot or a tool is not larger than this \[m\].
-const LARGEST: f64 = 20.0;
+/// No shape of a robot or a tool is larger \[m\].
+pub(crate) const LARGEST_EXTENT: f64 = 20.0;
 
 const KINDS: &str = "give a triangle mesh as .stl, .obj or .dae";
 
@@ -42,7 +42,7 @@ fn parse(bytes: &[u8], name: &str, scale: f64) -> Result<TriangleMesh> {
         }
     };
     kind.check_content(bytes)?;
-    let mut merged = Merged::default();
+    let mut merged = IndexedTriangles::default();
     match kind {
         Kind::Stl => {
             let triangles = stl::triangles(bytes).map_err(|why| kind.broken(&why))?;
@@ -67,7 +67,7 @@ fn parse(bytes: &[u8], name: &str, scale: f64) -> Result<TriangleMesh> {
         _ => e.hint("export the mesh again"),
     })?;
     let across = mesh.extent().amax();
-    if scale == 1.0 && across > LARGEST {
+    if scale == 1.0 && across > LARGEST_EXTENT {
         return Err(Error::invalid(format!("The mesh is {} m across: probably its unit is mm.", grouped(across)))
             .hint("give `unit = \"mm\"`"));
     }
@@ -158,13 +158,13 @@ impl Kind {
 
 /// Triangles with the corners that they share.
 #[derive(Default)]
-struct Merged {
+struct IndexedTriangles {
     vertices: Vec<Vector3<f64>>,
     triangles: Vec<[usize; 3]>,
     vertex_indices: HashMap<[u64; 3], usize>,
 }
 
-impl Merged {
+impl IndexedTriangles {
     fn add(&mut self, corners: [Vector3<f64>; 3]) {
         let triangle = corners.map(|p| {
             // Adding zero turns −0 into 0.

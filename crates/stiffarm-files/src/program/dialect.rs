@@ -196,13 +196,13 @@ pub struct Moves {
     /// Most moves.
     pub most: usize,
     /// The move; the first with what is set before it.
-    pub lines: fn(&Leads) -> Vec<String>,
+    pub lines: fn(&LinearMove) -> Vec<String>,
     /// The point that it goes to, where points stand apart.
-    pub point: fn(&Leads) -> Vec<String>,
+    pub point: fn(&LinearMove) -> Vec<String>,
 }
 
 /// Where a linear move goes.
-pub struct Leads<'a> {
+pub struct LinearMove<'a> {
     /// Counted from 1; the first is a joint move.
     pub number: usize,
     /// x, y, z and the orientation.
@@ -216,7 +216,7 @@ pub struct Leads<'a> {
     pub base: &'a str,
 }
 
-impl Leads<'_> {
+impl LinearMove<'_> {
     /// Angles or numbers after their names.
     pub fn named(names: &[&str], values: &[String], between: &str) -> String {
         let pairs = names.iter().zip(values);

@@ -11,7 +11,7 @@ use stiffarm::error::Result;
 use stiffarm::findings::Severity;
 
 /// Most statements that run; procedures that call each other twice grow without end.
-const MOST: usize = 5_000_000;
+const MOST_STATEMENTS: usize = 5_000_000;
 
 /// How procedures stand in a language.
 pub struct Procedures {
@@ -216,7 +216,7 @@ impl<'a> Flow<'a> {
                 }
                 None => self.order.push(statement.clone()),
             }
-            if self.order.len() > MOST {
+            if self.order.len() > MOST_STATEMENTS {
                 let message = "Calls of procedures make more than 5 000 000 statements of this.";
                 return Err(statement.wrong(message));
             }

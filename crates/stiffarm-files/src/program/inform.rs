@@ -13,11 +13,11 @@
 //! The date of the head is a constant, so that equal plans give equal bytes. CR LF, as the
 //! controller writes.
 
-use super::aims::Aim;
 use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, PoseForm, Syntax, Tool};
 use super::inform_path;
+use super::move_target::MoveTarget;
 use super::reader::{Reader, Section};
 use stiffarm::error::Result;
 use stiffarm::model::pose::Convention;
@@ -136,7 +136,7 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
             return Err(line.wrong("The move does not end at rest (PL=0)."));
         }
         line.end()?;
-        reader.go(place.clone(), Aim::Label(place, label.to_string()));
+        reader.go(place.clone(), MoveTarget::Label(place, label.to_string()));
     } else {
         return Ok(false);
     }
@@ -160,7 +160,7 @@ fn point(line: &mut Cursor<'_>, reader: &mut Reader<'_>) -> Result<()> {
         Ok(degrees.to_radians())
     })?;
     line.end()?;
-    let aim = reader.angles(&values);
-    reader.point(label, aim);
+    let target = reader.angles(&values);
+    reader.point(label, target);
     Ok(())
 }

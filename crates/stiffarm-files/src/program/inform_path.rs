@@ -6,8 +6,8 @@
 //! arc is three `MOVC`: a straight way to the first, then the arc through the second to the third; `FPT` at the third
 //! begins another one there.
 
-use super::aims::{Aim, External, Motion};
 use super::cursor::Cursor;
+use super::move_target::{External, Motion, MoveTarget};
 use super::reader::{Reader, Section};
 use stiffarm::error::Result;
 use stiffarm::findings::Severity;
@@ -98,14 +98,14 @@ fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
             break;
         }
     }
-    let aim = if is_pose {
+    let target = if is_pose {
         let mut pose = reader.pose(numbers, line);
         (pose.frames, pose.external) = (reader.taken.clone(), external);
-        Aim::Pose(pose)
+        MoveTarget::Pose(pose)
     } else {
-        Aim::Angles(Vec::new(), external)
+        MoveTarget::Angles(Vec::new(), external)
     };
-    reader.point(label, aim);
+    reader.point(label, target);
     Ok(())
 }
 
@@ -118,15 +118,16 @@ fn movement<'a>(line: &mut Cursor<'a>, motion: Motion, reader: &mut Reader<'a>) 
             format!("`{label}` is a variable of the controller: only positions of the job (C00001) are read.");
         return Err(place.wrong_here(message));
     }
-    let point = reader.aim_of(label).cloned();
-    let mut aim = point.unwrap_or_else(|| Aim::Label(place.clone(), label.to_string()));
+    let point = reader.target_of(label).cloned();
+    let mut target = point.unwrap_or_else(|| MoveTarget::Label(place.clone(), label.to_string()));
     // What carries the robot or the workpiece has positions of its own; those of the arm in pulses are its joints.
-    if let Aim::Pose(pose) = &mut aim {
+    if let MoveTarget::Pose(pose) = &mut target {
         let mut others = line.clone();
-        while let Some(Aim::Angles(_, axes)) = others.identifier().ok().and_then(|other| reader.aim_of(other)) {
+        while let Some(MoveTarget::Angles(_, axes)) = others.identifier().ok().and_then(|other| reader.target_of(other))
+        {
             pose.external.extend(axes.iter().cloned());
         }
-    } else if let Aim::Angles(_, axes) = &mut aim {
+    } else if let MoveTarget::Angles(_, axes) = &mut target {
         axes.clear();
     }
     if line.behind("UNTIL").is_some() {
@@ -140,7 +141,7 @@ fn movement<'a>(line: &mut Cursor<'a>, motion: Motion, reader: &mut Reader<'a>) 
     }
     let via = match (motion, reader.arc_points) {
         (Motion::Circular, 1 | 4) => {
-            reader.arc = Some((place, aim));
+            reader.arc = Some((place, target));
             reader.arc_points = 2;
             return Ok(());
         }
@@ -160,7 +161,7 @@ fn movement<'a>(line: &mut Cursor<'a>, motion: Motion, reader: &mut Reader<'a>) 
         _ => 0,
     };
     let motion = if motion == Motion::Circular && !is_arc { Motion::Linear } else { motion };
-    reader.moves(place, motion, via, aim);
+    reader.moves(place, motion, via, target);
     reader.at_feed(feed.map(|mm| mm * 1e-3));
     Ok(())
 }

@@ -11,12 +11,12 @@
 //!
 //! CR LF: the controller's file system is that of Windows.
 
-use super::aims::Motion;
 use super::characters::said;
 use super::cursor::Cursor;
-use super::dialect::{Angles, Dialect, Leads, Moves, PoseForm, Syntax, Tool};
+use super::dialect::{Angles, Dialect, LinearMove, Moves, PoseForm, Syntax, Tool};
 use super::krl_path::{self, PROCEDURES};
-use super::krl_points::{POSE, aim, axis_name, declaration};
+use super::krl_points::{POSE, axis_name, declaration, move_target};
+use super::move_target::Motion;
 use super::reader::Reader;
 use super::text::fixed;
 use stiffarm::error::Result;
@@ -89,10 +89,10 @@ pub const KRL: Dialect = Dialect {
                             "BAS (#VEL_PTP,10)".to_string(),
                             format!("$VEL.CP={}", fixed(to.speed_mm_s / 1e3, 5)),
                             "$APO.CDIS=0.5".to_string(),
-                            format!("PTP {{{}}}", Leads::named(&axes, &to.angles, " ")),
+                            format!("PTP {{{}}}", LinearMove::named(&axes, &to.angles, " ")),
                         ]
                     }
-                    _ => vec![format!("LIN {{{}}} C_DIS", Leads::named(&POSE, &to.pose, " "))],
+                    _ => vec![format!("LIN {{{}}} C_DIS", LinearMove::named(&POSE, &to.pose, " "))],
                 },
                 point: |_| Vec::new(),
             }),
@@ -155,7 +155,7 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         line.end()?;
         reader.wait();
     } else if line.word("PTP") {
-        reader.move_to(line, Motion::Joint, aim)?;
+        reader.move_to(line, Motion::Joint, move_target)?;
         line.end()?;
     } else {
         return declaration(line, reader, &["E6AXIS", "AXIS"]);

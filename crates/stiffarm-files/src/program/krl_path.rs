@@ -1,10 +1,10 @@
 //! Paths in KRL: moves, and which tool and base they take.
 
 use super::ProgramFile;
-use super::aims::{Aim, Motion};
 use super::cursor::{Cursor, lines};
 use super::flow::Procedures;
-use super::krl_points::{aggregate, aim, declaration};
+use super::krl_points::{aggregate, declaration, move_target};
+use super::move_target::{Motion, MoveTarget};
 use super::reader::Reader;
 use stiffarm::error::Result;
 
@@ -80,7 +80,7 @@ pub fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> 
             takes_number(line, number, index.split(')').next().unwrap_or_default(), reader);
         }
     } else if let Some(motion) = line.motion(&MOVES) {
-        reader.move_to(line, motion, aim)?;
+        reader.move_to(line, motion, move_target)?;
         move_ends(line, reader)?;
     } else if line.passes("$VEL.CP") {
         line.expect("=")?;
@@ -120,7 +120,7 @@ fn stated<'a>(line: &mut Cursor<'a>, name: &str, reader: &mut Reader<'a>) -> Res
     if !line.passes("=") || !line.clone().passes("{") {
         return Ok(false);
     }
-    let Aim::Pose(pose) = aggregate(line, reader)? else {
+    let MoveTarget::Pose(pose) = aggregate(line, reader)? else {
         return Ok(false);
     };
     let is_whole = pose.numbers[..6].iter().all(Option::is_some) && !line.clone().passes(":");

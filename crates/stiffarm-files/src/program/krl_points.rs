@@ -1,7 +1,7 @@
 //! Positions in KRL.
 
-use super::aims::{Aim, External};
 use super::cursor::Cursor;
+use super::move_target::{External, MoveTarget};
 use super::reader::Reader;
 use stiffarm::error::Result;
 use stiffarm::model::robot::Controller;
@@ -25,15 +25,15 @@ pub fn declaration<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>, types: &[
     }
     let label = line.identifier()?;
     if line.passes("=") {
-        let aim = aggregate(line, reader)?;
+        let target = aggregate(line, reader)?;
         line.end()?;
-        reader.point(label, aim);
+        reader.point(label, target);
     }
     Ok(true)
 }
 
 /// A position in braces, or the label of one.
-pub fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
+pub fn move_target<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<MoveTarget<'a>> {
     if line.clone().passes("{") {
         return aggregate(line, reader);
     }
@@ -41,7 +41,7 @@ pub fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
 }
 
 /// `{A1 …,A2 …}` or, of a tool path, `{X …,Y …}`, with or without the name of its type.
-pub fn aggregate<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
+pub fn aggregate<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<MoveTarget<'a>> {
     let start = line.clone();
     line.expect("{")?;
     let mut named = line.clone();
@@ -85,11 +85,11 @@ pub fn aggregate<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'
     if is_pose {
         let mut pose = reader.pose(pose, &last);
         pose.external = external;
-        return Ok(Aim::Pose(pose));
+        return Ok(MoveTarget::Pose(pose));
     }
     match reader.complete(&values) {
-        Ok(Aim::Angles(q, _)) => Ok(Aim::Angles(q, external)),
-        Ok(aim) => Ok(aim),
+        Ok(MoveTarget::Angles(q, _)) => Ok(MoveTarget::Angles(q, external)),
+        Ok(target) => Ok(target),
         Err(axis) => Err(start.wrong(format!("The position has no {axis}."))),
     }
 }

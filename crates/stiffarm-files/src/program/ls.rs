@@ -9,11 +9,11 @@
 //!
 //! CR LF, as the controller writes.
 
-use super::aims::{Aim, External, OpenPoint};
 use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax, Target, Tool};
 use super::ls_path::{is_no_move, label, path_statement, point};
+use super::move_target::{External, MoveTarget, OpenPoint};
 use super::reader::{Reader, Section};
 use stiffarm::error::Result;
 use stiffarm::model::pose::Convention;
@@ -211,7 +211,7 @@ fn statement<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
             return Err(line.wrong_here("The move does not end at rest (FINE)."));
         }
         line.expect(";")?;
-        reader.go(place.clone(), Aim::Label(place, label));
+        reader.go(place.clone(), MoveTarget::Label(place, label));
     } else {
         return Ok(false);
     }
@@ -234,12 +234,12 @@ fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
     } else if line.passes("}") {
         if let Some(open) = reader.open.take() {
             let label = open.label;
-            let aim = if open.pose.iter().any(Option::is_some) {
+            let target = if open.pose.iter().any(Option::is_some) {
                 match open.pose.iter().take(6).position(Option::is_none) {
                     None => {
                         let mut pose = reader.pose(open.pose, &open.place);
                         pose.external = open.external;
-                        Ok(Aim::Pose(pose))
+                        Ok(MoveTarget::Pose(pose))
                     }
                     Some(at) => Err(POSE[at].to_string()),
                 }
@@ -247,8 +247,8 @@ fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
                 reader.complete(&open.values)
             };
             // It counts only where a move goes there: controllers keep points that were never taught.
-            let unset = |name| Aim::Unset(open.place, format!("{label} has no {name}."));
-            reader.point(&label, aim.unwrap_or_else(unset));
+            let unset = |name| MoveTarget::Unset(open.place, format!("{label} has no {name}."));
+            reader.point(&label, target.unwrap_or_else(unset));
         }
     } else if let Some(open) = &mut reader.open {
         fields(line, open, reader.is_path)?;

@@ -1,7 +1,7 @@
 //! Paths in FANUC TP: moves, and which tool and user frame they take.
 
-use super::aims::{Aim, Motion};
 use super::cursor::Cursor;
+use super::move_target::{Motion, MoveTarget};
 use super::reader::Reader;
 use stiffarm::error::Result;
 
@@ -93,8 +93,8 @@ const UNITS: [(&str, f64); 3] = [("mm/sec", 1e-3), ("cm/min", 1e-2 / 60.0), ("in
 fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     let place = line.clone();
     if let Some((start, via)) = reader.arc.take() {
-        let aim = aim(line, reader)?;
-        reader.moves(start, Motion::Circular, Some(via), aim);
+        let target = move_target(line, reader)?;
+        reader.moves(start, Motion::Circular, Some(via), target);
         reader.at_feed(feed(line));
         return Ok(true);
     }
@@ -102,11 +102,11 @@ fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
     let Some(motion) = line.motion(&words) else {
         return Ok(false);
     };
-    let aim = aim(line, reader)?;
+    let target = move_target(line, reader)?;
     match motion {
-        Motion::Circular => reader.arc = Some((place, aim)),
+        Motion::Circular => reader.arc = Some((place, target)),
         _ => {
-            reader.moves(place, motion, None, aim);
+            reader.moves(place, motion, None, target);
             reader.at_feed(feed(line));
         }
     }
@@ -114,7 +114,7 @@ fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
 }
 
 /// The point of a move, and what is said of the words behind it.
-fn aim<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<Aim<'a>> {
+fn move_target<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<MoveTarget<'a>> {
     let mut place = line.clone();
     let is_register = line.clone().passes("PR[");
     let label = if is_register { String::new() } else { point(line)? };
@@ -128,7 +128,7 @@ fn aim<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<Aim<'a>> {
             reader.passes_over(line, word);
         }
     }
-    Ok(Aim::Label(place, label))
+    Ok(MoveTarget::Label(place, label))
 }
 
 /// The feed that stands behind the point, `100mm/sec` \[m/s\].

@@ -31,7 +31,6 @@
 //! # }
 //! ```
 
-mod aims;
 pub(crate) mod characters;
 mod checks;
 mod compare;
@@ -47,6 +46,7 @@ mod krl_points;
 mod language;
 mod ls;
 mod ls_path;
+mod move_target;
 mod options;
 mod pdl2;
 mod rapid;
@@ -59,11 +59,11 @@ pub(crate) mod text;
 mod urscript;
 mod writer;
 
-pub(super) use aims::{Aim, External, Frames, Leg, Motion, Pose, Taken};
 pub use compare::{Difference, compare_moves, missing_stops};
 pub(super) use cursor::{Cursor, Number, lines};
-pub(super) use dialect::{Leads, PoseForm};
+pub(super) use dialect::{LinearMove, PoseForm};
 pub use language::Language;
+pub(super) use move_target::{ActiveFrame, External, Frames, Motion, MoveTarget, Pose, ProgramMove};
 pub use options::ProgramOptions;
 pub(super) use reader::Reader;
 pub use statements::compare_statements;
@@ -270,7 +270,7 @@ pub(super) fn read_legs<'a>(
     files: &'a [ProgramFile],
     language: Language,
     reader: &mut Reader<'a>,
-) -> Result<Vec<Leg<'a>>> {
+) -> Result<Vec<ProgramMove<'a>>> {
     if let Some(syntax) = &language.dialect().syntax {
         read::read_lines(files.iter().collect(), syntax, reader)?;
     }
@@ -302,7 +302,7 @@ fn check_move(target: &Move, joints: usize) -> Result<()> {
 /// shows them.
 ///
 /// # Errors
-/// A move that is no joint move to stated angles, a number or bracket that is missing, a point that
+/// A move that does not go to stated joint angles, a number or bracket that is missing, a point that
 /// is not there: with file, line and column.
 pub fn read_program(
     files: &[ProgramFile],

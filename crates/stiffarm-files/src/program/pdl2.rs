@@ -87,8 +87,8 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         let values = line.list(reader.joints, |line, _| line.angle())?;
         line.expect("}")?;
         line.end()?;
-        let aim = reader.angles(&values);
-        reader.go(place, aim);
+        let target = reader.angles(&values);
+        reader.go(place, target);
     }
     Ok(true)
 }

@@ -9,10 +9,10 @@
 //!
 //! CR LF: RobotStudio writes modules so.
 
-use super::aims::Aim;
 use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax, Tool};
+use super::move_target::MoveTarget;
 use super::rapid_path::{self, PROCEDURES, external, speed};
 use super::reader::Reader;
 use stiffarm::error::Result;
@@ -184,9 +184,9 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
             return Ok(true);
         }
         line.expect(":=")?;
-        let aim = target(line, reader)?;
+        let target = target(line, reader)?;
         line.expect(";")?;
-        reader.point(label, aim);
+        reader.point(label, target);
     } else if declares && line.word("speeddata") {
         let label = line.identifier()?.to_ascii_uppercase();
         speed(line, label, reader);
@@ -204,12 +204,12 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
             line.expect(",")?;
         }
         let place = line.clone();
-        let aim = if line.clone().passes("[") {
+        let target = if line.clone().passes("[") {
             target(line, reader)?
         } else {
-            Aim::Label(place.clone(), line.identifier()?.to_string())
+            MoveTarget::Label(place.clone(), line.identifier()?.to_string())
         };
-        reader.go(place, aim);
+        reader.go(place, target);
         if !reader.is_path {
             ends_at_rest(line)?;
         }
@@ -222,7 +222,7 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
 }
 
 /// `[[six angles],[six external axes]]`.
-fn target<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
+fn target<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<MoveTarget<'a>> {
     line.expect("[")?;
     line.expect("[")?;
     let mut values = line.list(6, |line, _| line.angle())?;
@@ -238,10 +238,10 @@ fn target<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
         arm.expect(if axis == 0 { "[" } else { "," })?;
         values.push(arm.angle()?);
     }
-    let Aim::Angles(q, _) = reader.angles(&values) else {
+    let MoveTarget::Angles(q, _) = reader.angles(&values) else {
         return Ok(reader.angles(&values));
     };
-    Ok(Aim::Angles(q, others))
+    Ok(MoveTarget::Angles(q, others))
 }
 
 /// What follows the target: a speed, `fine`, a tool.

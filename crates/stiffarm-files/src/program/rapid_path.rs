@@ -1,8 +1,8 @@
 //! Paths in RAPID: what moves, points and frames say.
 
-use super::aims::{Aim, External, Motion, Pose};
 use super::cursor::Cursor;
 use super::flow::Procedures;
+use super::move_target::{External, Motion, MoveTarget, Pose};
 use super::rapid_statements::statements;
 use super::reader::{Reader, leading};
 use stiffarm::error::Result;
@@ -67,12 +67,12 @@ pub fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>, declares: bool) 
         let label = line.identifier()?;
         if line.clone().passes(":=") {
             line.expect(":=")?;
-            let aim = if line.clone().passes("[") {
+            let target = if line.clone().passes("[") {
                 robtarget(line, reader)?
             } else {
-                Aim::Unset(line.clone(), format!("{label} is calculated: only stated positions are read."))
+                MoveTarget::Unset(line.clone(), format!("{label} is calculated: only stated positions are read."))
             };
-            reader.point(label, aim);
+            reader.point(label, target);
         }
     } else if declares && (line.word("tooldata") || line.word("wobjdata")) {
         let label = line.identifier()?.to_ascii_uppercase();
@@ -94,7 +94,7 @@ pub fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>, declares: bool) 
             line.expect("Conc")?;
             line.expect(",")?;
         }
-        reader.move_to(line, motion, aim)?;
+        reader.move_to(line, motion, move_target)?;
         move_ends(line, reader)?;
     } else {
         return instruction(line, reader);
@@ -123,7 +123,7 @@ fn instruction<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<boo
     if next.passes("\\") {
         let _ = next.word("Conc") && next.passes(",");
     }
-    let is_point = next.clone().identifier().is_ok_and(|label| reader.aim_of(label).is_some());
+    let is_point = next.clone().identifier().is_ok_and(|label| reader.target_of(label).is_some());
     if next.clone().passes("[[") || is_point {
         return Err(start.wrong(format!("{name} is a move that is not read here.")));
     }
@@ -175,7 +175,7 @@ fn sets_frame<'a>(line: &Cursor<'a>, name: &str, reader: &mut Reader<'a>) -> Res
 }
 
 /// A robtarget, or the label of one.
-fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
+fn move_target<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<MoveTarget<'a>> {
     if line.clone().passes("[") {
         return robtarget(line, reader);
     }
@@ -201,7 +201,7 @@ fn placed<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Box<Pose<'a>
 }
 
 /// `[[x,y,z],[q1,q2,q3,q4],[cf1,cf4,cf6,cfx],[eax_a…]]`.
-fn robtarget<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
+fn robtarget<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<MoveTarget<'a>> {
     let mut pose = placed(line, reader)?;
     line.expect(",")?;
     line.expect("[")?;
@@ -210,7 +210,7 @@ fn robtarget<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> 
     line.expect(",")?;
     pose.external = external(line, 0)?;
     line.expect("]")?;
-    Ok(Aim::Pose(pose))
+    Ok(MoveTarget::Pose(pose))
 }
 
 /// `[eax_a,eax_b,…]` from the axis `first` of the controller on; 9E9 stands for one that is not there.

@@ -1,7 +1,7 @@
 //! What the lines of a program have said so far.
 
-use super::aims::{Aim, Frames, Leg, Motion, OpenPoint, Pose, Remark, Taken};
 use super::cursor::{Cursor, Number};
+use super::move_target::{ActiveFrame, Frames, Motion, MoveTarget, OpenPoint, Pose, ProgramMove, Remark};
 use super::{Move, MoveKind, Program, ProgramFile, ProgramOptions, Step, text};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -16,9 +16,9 @@ pub enum Section {
     Points,
 }
 
-enum Read<'a> {
+enum ReadStatement<'a> {
     Wait(String),
-    Leg(Box<Leg<'a>>),
+    ProgramMove(Box<ProgramMove<'a>>),
 }
 
 /// What has been read so far.
@@ -37,7 +37,7 @@ pub struct Reader<'a> {
     pub section: Section,
     pub open: Option<OpenPoint<'a>>,
     /// An arc whose end is still to come: where its word stands, and its point on the way.
-    pub arc: Option<(Cursor<'a>, Aim<'a>)>,
+    pub arc: Option<(Cursor<'a>, MoveTarget<'a>)>,
     /// How many points of an arc have been said, where each is a move of its own; 4 where the third begins another.
     pub arc_points: u8,
     /// Whether the positions that come are poses.
@@ -62,8 +62,8 @@ pub struct Reader<'a> {
     axis_name: fn(usize) -> String,
     name: String,
     /// By their labels in capital letters.
-    points: HashMap<String, Aim<'a>>,
-    steps: Vec<Read<'a>>,
+    points: HashMap<String, MoveTarget<'a>>,
+    steps: Vec<ReadStatement<'a>>,
     /// Kind and name of the next move.
     next: Option<(MoveKind, String)>,
     /// What has been said since the last step.
@@ -149,22 +149,22 @@ impl<'a> Reader<'a> {
     /// The program waits for somebody.
     pub fn wait(&mut self) {
         let text = std::mem::take(&mut self.said).join(" ");
-        self.steps.push(Read::Wait(text));
+        self.steps.push(ReadStatement::Wait(text));
     }
 
-    /// A joint move to the aim, whose word stands at `place`.
-    pub fn go(&mut self, place: Cursor<'a>, aim: Aim<'a>) {
-        self.moves(place, Motion::Joint, None, aim);
+    /// A joint move to the target, whose word stands at `place`.
+    pub fn go(&mut self, place: Cursor<'a>, target: MoveTarget<'a>) {
+        self.moves(place, Motion::Joint, None, target);
     }
 
     /// A move.
-    pub fn moves(&mut self, place: Cursor<'a>, motion: Motion, via: Option<Aim<'a>>, aim: Aim<'a>) {
-        let (via, aim) = (via.map(|via| self.as_current(via)), self.as_current(aim));
-        self.steps.push(Read::Leg(Box::new(Leg {
+    pub fn moves(&mut self, place: Cursor<'a>, motion: Motion, via: Option<MoveTarget<'a>>, target: MoveTarget<'a>) {
+        let (via, target) = (via.map(|via| self.as_current(via)), self.as_current(target));
+        self.steps.push(ReadStatement::ProgramMove(Box::new(ProgramMove {
             place,
             motion,
             via: via.map(Box::new),
-            aim,
+            target,
             feature: self.feature.clone(),
             feed: self.feed,
             frames: self.taken.clone(),
@@ -174,61 +174,61 @@ impl<'a> Reader<'a> {
     }
 
     /// The point of this label as it is now.
-    pub fn aim_of(&self, label: &str) -> Option<&Aim<'a>> {
+    pub fn target_of(&self, label: &str) -> Option<&MoveTarget<'a>> {
         self.points.get(&label.to_ascii_uppercase())
     }
 
     /// Of a path the point of this label as it is now: the program may set it to another later.
-    fn as_current(&mut self, aim: Aim<'a>) -> Aim<'a> {
-        match &aim {
-            Aim::Label(_, label) if self.is_path => {
+    fn as_current(&mut self, target: MoveTarget<'a>) -> MoveTarget<'a> {
+        match &target {
+            MoveTarget::Label(_, label) if self.is_path => {
                 let label = label.to_ascii_uppercase();
                 match self.points.get(&label) {
                     Some(point) => {
                         let point = point.clone();
-                        if matches!(point, Aim::Pose(_)) {
+                        if matches!(point, MoveTarget::Pose(_)) {
                             self.named_points.insert(label);
                         }
                         point
                     }
-                    None => aim,
+                    None => target,
                 }
             }
-            _ => aim,
+            _ => target,
         }
     }
 
     /// The feed of the move given last \[m/s\].
     pub fn at_feed(&mut self, feed: Option<f64>) {
-        if let Some(Read::Leg(leg)) = self.steps.last_mut() {
+        if let Some(ReadStatement::ProgramMove(leg)) = self.steps.last_mut() {
             leg.feed = feed;
         }
     }
 
     /// The move given last takes these frames, those that come do not.
     pub fn in_frames(&mut self, frames: Frames<'a>) {
-        if let Some(Read::Leg(leg)) = self.steps.last_mut() {
+        if let Some(ReadStatement::ProgramMove(leg)) = self.steps.last_mut() {
             leg.frames = frames;
         }
     }
 
-    /// A move whose word has been read: to the aims that stand next.
+    /// A move whose word has been read: to the targets that stand next.
     pub fn move_to(
         &mut self,
         line: &mut Cursor<'a>,
         motion: Motion,
-        aim: fn(&mut Cursor<'a>, &Self) -> Result<Aim<'a>>,
+        target: fn(&mut Cursor<'a>, &Self) -> Result<MoveTarget<'a>>,
     ) -> Result<()> {
         let place = line.clone();
         let via = if motion == Motion::Circular {
-            let via = aim(line, self)?;
+            let via = target(line, self)?;
             line.expect(",")?;
             Some(via)
         } else {
             None
         };
-        let aim = aim(line, self)?;
-        self.moves(place, motion, via, aim);
+        let target = target(line, self)?;
+        self.moves(place, motion, via, target);
         Ok(())
     }
 
@@ -237,7 +237,7 @@ impl<'a> Reader<'a> {
         let name = name.into();
         let factors = self.frames.get(&name.to_ascii_uppercase());
         let factors = factors.cloned().unwrap_or_default();
-        let taken = Taken { name, line, factors };
+        let taken = ActiveFrame { name, line, factors };
         let current = self.taken[number].take();
         let current = current.filter(|current| current.is_same(&taken));
         self.taken[number] = current.or_else(|| Some(Arc::new(taken)));
@@ -273,17 +273,17 @@ impl<'a> Reader<'a> {
     }
 
     /// A point.
-    pub fn point(&mut self, label: &str, aim: Aim<'a>) {
-        self.points.insert(label.to_ascii_uppercase(), aim);
+    pub fn point(&mut self, label: &str, target: MoveTarget<'a>) {
+        self.points.insert(label.to_ascii_uppercase(), target);
     }
 
     /// Joint angles of the controller's axes.
-    pub fn angles(&self, values: &[f64]) -> Aim<'a> {
-        Aim::Angles(self.options.to_cell(values), Vec::new())
+    pub fn angles(&self, values: &[f64]) -> MoveTarget<'a> {
+        MoveTarget::Angles(self.options.to_cell(values), Vec::new())
     }
 
     /// Angles in the order of the cell's joints, if all are there; else the name of the first that is not.
-    pub fn complete(&self, values: &[Option<f64>]) -> std::result::Result<Aim<'a>, String> {
+    pub fn complete(&self, values: &[Option<f64>]) -> std::result::Result<MoveTarget<'a>, String> {
         match values.iter().position(Option::is_none) {
             Some(axis) => Err((self.axis_name)(axis)),
             None => {
@@ -320,17 +320,17 @@ impl<'a> Reader<'a> {
         let mut moves = 0;
         let steps = self.steps.into_iter().map(|step| {
             let mut leg = match step {
-                Read::Wait(text) => return Ok(Step::Wait(text)),
-                Read::Leg(leg) => *leg,
+                ReadStatement::Wait(text) => return Ok(Step::Wait(text)),
+                ReadStatement::ProgramMove(leg) => *leg,
             };
-            let q = match leg.aim {
-                Aim::Angles(q, _) => q,
-                Aim::Pose(_) | Aim::Unset(..) => {
+            let q = match leg.target {
+                MoveTarget::Angles(q, _) => q,
+                MoveTarget::Pose(_) | MoveTarget::Unset(..) => {
                     return Err(leg.place.wrong_here("This goes to no joint position."));
                 }
-                Aim::Label(mut place, label) => match self.points.get(&label.to_ascii_uppercase()) {
-                    Some(Aim::Angles(q, _)) => q.clone(),
-                    Some(Aim::Unset(place, why)) => return Err(place.wrong(why.as_str())),
+                MoveTarget::Label(mut place, label) => match self.points.get(&label.to_ascii_uppercase()) {
+                    Some(MoveTarget::Angles(q, _)) => q.clone(),
+                    Some(MoveTarget::Unset(place, why)) => return Err(place.wrong(why.as_str())),
                     _ => return Err(place.wrong_here(format!("{missing} {label}."))),
                 },
             };
@@ -344,20 +344,20 @@ impl<'a> Reader<'a> {
     }
 
     /// The moves of a tool path, points in place of their labels.
-    pub fn legs(&mut self) -> Result<Vec<Leg<'a>>> {
+    pub fn legs(&mut self) -> Result<Vec<ProgramMove<'a>>> {
         self.check_closed()?;
         let (points, assigned, named) = (&self.points, &self.assigned, &mut self.named_points);
-        let mut resolved = |aim: Aim<'a>, motion: Motion| match aim {
-            Aim::Label(mut place, label) => match points.get(&label.to_ascii_uppercase()) {
-                Some(Aim::Unset(place, why)) => Err(place.wrong(why.as_str())),
-                Some(aim) => {
-                    if matches!(aim, Aim::Pose(_)) {
+        let mut resolved = |target: MoveTarget<'a>, motion: Motion| match target {
+            MoveTarget::Label(mut place, label) => match points.get(&label.to_ascii_uppercase()) {
+                Some(MoveTarget::Unset(place, why)) => Err(place.wrong(why.as_str())),
+                Some(target) => {
+                    if matches!(target, MoveTarget::Pose(_)) {
                         named.insert(label.to_ascii_uppercase());
                     }
-                    Ok(aim.clone())
+                    Ok(target.clone())
                 }
                 // A position of the controller, as HOME: not of the path.
-                None if motion == Motion::Joint => Ok(Aim::Angles(Vec::new(), Vec::new())),
+                None if motion == Motion::Joint => Ok(MoveTarget::Angles(Vec::new(), Vec::new())),
                 None => {
                     let name = label.to_ascii_uppercase();
                     let message = if assigned.iter().any(|(_, set)| *set == name) {
@@ -368,18 +368,18 @@ impl<'a> Reader<'a> {
                     Err(place.wrong_here(message))
                 }
             },
-            Aim::Unset(place, why) => Err(place.wrong(why)),
-            aim => Ok(aim),
+            MoveTarget::Unset(place, why) => Err(place.wrong(why)),
+            target => Ok(target),
         };
         let legs = std::mem::take(&mut self.steps).into_iter();
         let legs = legs.filter_map(|step| match step {
-            Read::Wait(_) => None,
-            Read::Leg(leg) => Some(*leg),
+            ReadStatement::Wait(_) => None,
+            ReadStatement::ProgramMove(leg) => Some(*leg),
         });
         legs.map(|leg| {
-            Ok(Leg {
+            Ok(ProgramMove {
                 via: leg.via.map(|via| resolved(*via, leg.motion).map(Box::new)).transpose()?,
-                aim: resolved(leg.aim, leg.motion)?,
+                target: resolved(leg.target, leg.motion)?,
                 ..leg
             })
         })

@@ -7,11 +7,11 @@
 //!
 //! LF: the controller runs Linux.
 
-use super::aims::{Aim, Motion};
 use super::characters::said;
 use super::cursor::{Cursor, lines};
 use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax};
 use super::flow::Procedures;
+use super::move_target::{Motion, MoveTarget};
 use super::reader::Reader;
 use super::text::fixed;
 use stiffarm::error::Result;
@@ -161,7 +161,7 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         }
     } else if let Some(motion) = line.motion(if reader.is_path { &MOVES } else { &[] }) {
         line.expect("(")?;
-        reader.move_to(line, motion, aim)?;
+        reader.move_to(line, motion, move_target)?;
         reader.at_feed(feed(line.rest()));
         let rest: String = line.rest().split_whitespace().collect();
         if motion == Motion::Circular
@@ -172,16 +172,16 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     } else if reader.is_path && line.word("set_tcp") {
         line.expect("(")?;
         let number = line.line_number();
-        match aim(line, reader)? {
-            Aim::Pose(pose) => {
+        match move_target(line, reader)? {
+            MoveTarget::Pose(pose) => {
                 reader.frames.insert("TCP".to_string(), vec![*pose]);
                 reader.takes(0, "TCP", number);
             }
-            Aim::Label(_, name) => {
+            MoveTarget::Label(_, name) => {
                 // A pose that has a name.
-                let aim = reader.aim_of(&name);
-                let factors = match aim {
-                    Some(Aim::Pose(pose)) => vec![(**pose).clone()],
+                let target = reader.target_of(&name);
+                let factors = match target {
+                    Some(MoveTarget::Pose(pose)) => vec![(**pose).clone()],
                     _ => Vec::new(),
                 };
                 reader.frames.insert(name.to_ascii_uppercase(), factors);
@@ -212,8 +212,8 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         }
         line.expect(")")?;
         line.end()?;
-        let aim = reader.angles(&q);
-        reader.go(start, aim);
+        let target = reader.angles(&q);
+        reader.go(start, target);
     } else {
         return Ok(false);
     }
@@ -246,18 +246,18 @@ fn assigns<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         return Ok(false);
     }
     let mut whole = next.clone();
-    if aim(&mut whole, reader).is_err() || !whole.is_done() && !whole.passes("#") {
+    if move_target(&mut whole, reader).is_err() || !whole.is_done() && !whole.passes("#") {
         // It is calculated.
         return Ok(false);
     }
     *line = next;
-    let aim = aim(line, reader)?;
-    reader.point(name, aim);
+    let target = move_target(line, reader)?;
+    reader.point(name, target);
     Ok(true)
 }
 
 /// `p[x, y, z, rx, ry, rz]`, `[q1, …]`, or the name of a pose.
-fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
+fn move_target<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<MoveTarget<'a>> {
     if line.passes("p[") {
         let mut numbers = [None; 7];
         for (at, number) in numbers.iter_mut().take(6).enumerate() {
@@ -267,7 +267,7 @@ fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
             *number = Some(line.placed()?);
         }
         line.expect("]")?;
-        return Ok(Aim::Pose(reader.pose(numbers, line)));
+        return Ok(MoveTarget::Pose(reader.pose(numbers, line)));
     }
     if line.passes("[") {
         let q = line.list(reader.joints, |line, _| line.number())?;

@@ -8,7 +8,7 @@ use stiffarm::model::measurement::Reading;
 
 /// A quantity of a row, in the order in which they are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Beside {
+pub(super) enum RowQuantity {
     /// From where the tracker read.
     Station,
     /// Force of the state.
@@ -27,7 +27,7 @@ pub(super) enum Beside {
 
 /// What a row has to say.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Given<'a> {
+pub(super) struct RowContents<'a> {
     pub(super) station: Option<&'a str>,
     pub(super) wrench: Option<Wrench>,
     pub(super) load: Option<f64>,
@@ -53,7 +53,7 @@ struct Facts {
     of_displacements: bool,
     /// What its numbers are called where they are never below zero.
     size: Option<&'static str>,
-    get: for<'a> fn(&Given<'a>) -> Option<Field<'a>>,
+    get: for<'a> fn(&RowContents<'a>) -> Option<Field<'a>>,
     /// Takes it into a reading; `None` for what belongs to a posture or a state.
     set: Option<fn(&mut Reading, Vector3<f64>)>,
 }
@@ -63,15 +63,15 @@ fn one(value: f64) -> Field<'static> {
     Field::Numbers(Vector3::new(value, 0.0, 0.0))
 }
 
-impl Beside {
-    pub(super) const ALL: [Beside; 7] = [
-        Beside::Station,
-        Beside::Force,
-        Beside::Moment,
-        Beside::Load,
-        Beside::Time,
-        Beside::Expanded,
-        Beside::Temperature,
+impl RowQuantity {
+    pub(super) const ALL: [RowQuantity; 7] = [
+        RowQuantity::Station,
+        RowQuantity::Force,
+        RowQuantity::Moment,
+        RowQuantity::Load,
+        RowQuantity::Time,
+        RowQuantity::Expanded,
+        RowQuantity::Temperature,
     ];
 
     fn facts(self) -> Facts {
@@ -85,36 +85,36 @@ impl Beside {
             set: None,
         };
         match self {
-            Beside::Station => Facts {
+            RowQuantity::Station => Facts {
                 get: |contents| contents.station.map(Field::Name),
                 ..facts(&["station"], Quantity::Name, "station")
             },
-            Beside::Force => Facts {
+            RowQuantity::Force => Facts {
                 of_displacements: true,
                 get: |contents| contents.wrench.map(|wrench| Field::Numbers(wrench.force)),
                 ..facts(&["fx", "fy", "fz"], Quantity::Force, "force")
             },
-            Beside::Moment => Facts {
+            RowQuantity::Moment => Facts {
                 of_displacements: true,
                 get: |contents| contents.wrench.map(|wrench| Field::Numbers(wrench.moment)),
                 ..facts(&["mx", "my", "mz"], Quantity::Moment, "moment")
             },
-            Beside::Load => {
+            RowQuantity::Load => {
                 Facts { get: |contents| contents.load.map(one), ..facts(&["load"], Quantity::Force, "load") }
             }
-            Beside::Time => Facts {
+            RowQuantity::Time => Facts {
                 of_displacements: true,
                 get: |contents| contents.time.or_else(|| contents.reading?.time).map(one),
                 set: Some(|reading, value| reading.time = Some(value.x)),
                 ..facts(&["time"], Quantity::Time, "time")
             },
-            Beside::Expanded => Facts {
+            RowQuantity::Expanded => Facts {
                 size: Some("An uncertainty"),
                 get: |contents| contents.reading?.expanded.map(Field::Numbers),
                 set: Some(|reading, value| reading.expanded = Some(value)),
                 ..facts(&["u95x", "u95y", "u95z"], Quantity::Length, "uncertainty")
             },
-            Beside::Temperature => Facts {
+            RowQuantity::Temperature => Facts {
                 get: |contents| contents.reading?.temperature.map(one),
                 set: Some(|reading, value| reading.temperature = Some(value.x)),
                 ..facts(&["temperature"], Quantity::Temperature, "temperature")
@@ -135,7 +135,7 @@ impl Beside {
 
     /// What a column of this name without unit holds.
     pub(super) fn quantity_of(stem: &str) -> Option<Quantity> {
-        let mut all = Beside::ALL.into_iter().map(Beside::facts);
+        let mut all = RowQuantity::ALL.into_iter().map(RowQuantity::facts);
         let matching = all.find(|facts| facts.stems.contains(&stem));
         matching.map(|facts| facts.quantity)
     }
@@ -157,12 +157,12 @@ impl Beside {
     }
 
     /// Whether a row says something of it.
-    pub(super) fn is_in(self, contents: &Given<'_>) -> bool {
+    pub(super) fn is_in(self, contents: &RowContents<'_>) -> bool {
         (self.facts().get)(contents).is_some()
     }
 
     /// What stands in its fields, empty where there is no value.
-    pub(super) fn texts(self, contents: &Given<'_>) -> Vec<String> {
+    pub(super) fn texts(self, contents: &RowContents<'_>) -> Vec<String> {
         let facts = self.facts();
         let unit = facts.quantity.units().first();
         let text = |value: f64| unit.map_or(value, |unit| unit.shortest(value)).to_string();

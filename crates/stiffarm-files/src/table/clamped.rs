@@ -1,9 +1,9 @@
 //! `posture,state,fx_n,…,mz_nm[,dq1_deg,…][,q1_deg,…][,dx_mm,…,rz_deg]`:
 //! readings with the flange fixed.
 
-use super::beside::Beside;
+use super::beside::RowQuantity;
 use super::grid::{Column, Row, Table};
-use super::heading::Known;
+use super::heading::ColumnDefinition;
 use super::line::line;
 use super::postures::{angle_names, angles};
 use super::quantity::Quantity;
@@ -22,18 +22,18 @@ use stiffarm::units::{m_to_shortest_mm, rad_to_deg, rad_to_shortest_deg};
 /// No joint gives way by more \[deg\].
 const LARGEST_GIVE_DEG: f64 = 5.0;
 
-fn shift() -> [Known; 3] {
-    ["dx", "dy", "dz"].map(|stem| Known::of(stem, Quantity::Length, "shift"))
+fn shift() -> [ColumnDefinition; 3] {
+    ["dx", "dy", "dz"].map(|stem| ColumnDefinition::of(stem, Quantity::Length, "shift"))
 }
 
-fn turn() -> [Known; 3] {
-    ["rx", "ry", "rz"].map(|stem| Known::of(stem, Quantity::Angle, "turn"))
+fn turn() -> [ColumnDefinition; 3] {
+    ["rx", "ry", "rz"].map(|stem| ColumnDefinition::of(stem, Quantity::Angle, "turn"))
 }
 
 /// `dq1` to `dqn`.
-fn differences(joints: usize) -> Vec<Known> {
+fn differences(joints: usize) -> Vec<ColumnDefinition> {
     let stems = (1..=joints).map(|j| format!("dq{j}"));
-    stems.map(|stem| Known::of(stem, Quantity::Angle, "dq")).collect()
+    stems.map(|stem| ColumnDefinition::of(stem, Quantity::Angle, "dq")).collect()
 }
 
 /// Reads clamped postures from a table with one row per posture and load state;
@@ -83,10 +83,16 @@ pub fn write_clamped(clamped: &[ClampedPosture], robot: &Robot) -> String {
     let joints = robot.joint_count();
     let moves = clamped.iter().any(|c| c.fixture_motion.is_some());
     let mut heading: Vec<String> = ["posture", "state"].map(String::from).to_vec();
-    heading.extend(Beside::Force.definitions().iter().chain(&Beside::Moment.definitions()).map(Known::heading));
-    heading.extend(differences(joints).iter().map(Known::heading));
+    heading.extend(
+        RowQuantity::Force
+            .definitions()
+            .iter()
+            .chain(&RowQuantity::Moment.definitions())
+            .map(ColumnDefinition::heading),
+    );
+    heading.extend(differences(joints).iter().map(ColumnDefinition::heading));
     if moves {
-        heading.extend(shift().iter().chain(&turn()).map(Known::heading));
+        heading.extend(shift().iter().chain(&turn()).map(ColumnDefinition::heading));
     }
     heading.extend(angle_names(joints));
     let mut text = line(&heading);
@@ -123,10 +129,10 @@ struct Columns {
 impl Columns {
     fn of(table: &Table<'_>, cell: &Cell, has_postures: bool) -> Result<Self> {
         let joints = cell.setup.robot.joint_count();
-        let angle_columns: Vec<Known> = Known::angles(joints).collect();
-        let mut definitions = ["posture", "state"].map(Known::name).to_vec();
-        definitions.extend(Beside::Force.definitions());
-        definitions.extend(Beside::Moment.definitions());
+        let angle_columns: Vec<ColumnDefinition> = ColumnDefinition::angles(joints).collect();
+        let mut definitions = ["posture", "state"].map(ColumnDefinition::name).to_vec();
+        definitions.extend(RowQuantity::Force.definitions());
+        definitions.extend(RowQuantity::Moment.definitions());
         definitions.extend(differences(joints));
         definitions.extend(shift());
         definitions.extend(turn());
@@ -149,10 +155,10 @@ impl Columns {
             )));
         }
         Ok(Columns {
-            posture: heading.require(&Known::name("posture"), hint)?,
-            state: heading.require(&Known::name("state"), hint)?,
-            force: heading.all(&Beside::Force.definitions(), both)?,
-            moment: heading.all(&Beside::Moment.definitions(), both)?,
+            posture: heading.require(&ColumnDefinition::name("posture"), hint)?,
+            state: heading.require(&ColumnDefinition::name("state"), hint)?,
+            force: heading.all(&RowQuantity::Force.definitions(), both)?,
+            moment: heading.all(&RowQuantity::Moment.definitions(), both)?,
             differences,
             shift: motion.as_ref().map(|columns| columns[..3].to_vec()),
             turn: motion.as_ref().map(|columns| columns[3..].to_vec()),

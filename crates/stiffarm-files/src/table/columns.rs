@@ -1,8 +1,8 @@
 //! The columns that tables of displacements and of readings share.
 
-use super::beside::Beside;
+use super::beside::RowQuantity;
 use super::grid::{Column, Row, Table};
-use super::heading::Known;
+use super::heading::ColumnDefinition;
 use super::postures::angles;
 use super::values::Values;
 use nalgebra::Vector3;
@@ -22,7 +22,7 @@ pub(super) struct MeasurementColumns {
     pub(super) state: Option<Column>,
     pub(super) point: Column,
     vector: Vec<Column>,
-    beside: BTreeMap<Beside, Vec<Column>>,
+    beside: BTreeMap<RowQuantity, Vec<Column>>,
     pub(super) angles: Option<Vec<Column>>,
 }
 
@@ -42,20 +42,20 @@ impl MeasurementColumns {
             Values::Displacements => "a table of displacements has the columns posture, point, dx_mm, dy_mm, dz_mm",
         };
         let hint = hint.to_string() + &unmatched(table, cell, &values.definitions(joints));
-        let posture = heading.require(&Known::name("posture"), &hint)?;
+        let posture = heading.require(&ColumnDefinition::name("posture"), &hint)?;
         let state = match values {
-            Values::Positions => Some(heading.require(&Known::name("state"), &hint)?),
+            Values::Positions => Some(heading.require(&ColumnDefinition::name("state"), &hint)?),
             Values::Displacements => heading.get("state"),
         };
-        let point = heading.require(&Known::name("point"), &hint)?;
+        let point = heading.require(&ColumnDefinition::name("point"), &hint)?;
         let vector = heading.all(&values.components(), &hint)?;
-        let mut beside: BTreeMap<Beside, Vec<Column>> = BTreeMap::new();
+        let mut beside: BTreeMap<RowQuantity, Vec<Column>> = BTreeMap::new();
         for quantity in values.beside() {
             let columns = heading.all_or_none(&quantity.definitions(), &quantity.hint())?;
             beside.extend(columns.map(|columns| (quantity, columns)));
         }
         let first = |quantity| beside.get(&quantity).and_then(|columns| columns.first().copied());
-        let force = first(Beside::Force);
+        let force = first(RowQuantity::Force);
         if force.is_none() && cell.setup.load == Load::Measured {
             let message = "The cell's load is measured, but the table has no forces.";
             let hint = match (values, &cell.sensor) {
@@ -72,18 +72,17 @@ impl MeasurementColumns {
             };
             return fault(None, Code::TableHeading, message, hint);
         }
-        if let (None, Some(moment)) = (force, first(Beside::Moment)) {
+        if let (None, Some(moment)) = (force, first(RowQuantity::Moment)) {
             let message = "The table has moments but no forces.";
             let hint = "add fx_n, fy_n, fz_n (zeros where a pure moment acts)";
             return fault(Some(moment), Code::TableHeading, message, hint);
         }
-        if let (Some(load), false) = (first(Beside::Load), cell.setup.load.each().any(|l| l.size().is_some())) {
-            let message = "Only a rope, a cylinder with anchor_mm or a weight has one force per state, and the cell's \
-                load is none.";
+        if let (Some(load), false) = (first(RowQuantity::Load), cell.setup.load.each().any(|l| l.size().is_some())) {
+            let message = "Only a rope, a cylinder with anchor_mm or a weight has one force per state, and the cell's load is none.";
             let hint = "give fx_n, fy_n, fz_n, or set load.kind to \"rope\", \"cylinder\" or \"weight\"";
             return fault(Some(load), Code::Conflict, message, hint);
         }
-        let angle_columns: Vec<Known> = Known::angles(joints).collect();
+        let angle_columns: Vec<ColumnDefinition> = ColumnDefinition::angles(joints).collect();
         let hint = format!("give the angles of all {joints} joints, or a posture file");
         let angles = heading.all_or_none(&angle_columns, &hint)?;
         if angles.is_none() && !has_postures {
@@ -95,18 +94,18 @@ impl MeasurementColumns {
     }
 
     /// The columns of a quantity; none where the table has not got it.
-    fn of_beside(&self, quantity: Beside) -> &[Column] {
+    fn of_beside(&self, quantity: RowQuantity) -> &[Column] {
         self.beside.get(&quantity).map_or(&[], Vec::as_slice)
     }
 
     /// The column of a quantity that has one.
-    pub(super) fn only(&self, quantity: Beside) -> Option<Column> {
+    pub(super) fn only(&self, quantity: RowQuantity) -> Option<Column> {
         self.of_beside(quantity).first().copied()
     }
 
     /// Which columns of force there are.
     pub(super) fn wrench_columns(&self) -> WrenchColumns {
-        match [Beside::Force, Beside::Moment].map(|quantity| self.only(quantity)) {
+        match [RowQuantity::Force, RowQuantity::Moment].map(|quantity| self.only(quantity)) {
             [None, _] => WrenchColumns::None,
             [Some(_), None] => WrenchColumns::Force,
             [Some(_), Some(_)] => WrenchColumns::ForceAndMoment,
@@ -151,7 +150,7 @@ impl MeasurementColumns {
 
     /// Name of the tracker's station, where the row has one.
     pub(super) fn station(&self, table: &Table<'_>, row: &Row) -> Result<Option<String>> {
-        let column = table.filled(row, self.only(Beside::Station));
+        let column = table.filled(row, self.only(RowQuantity::Station));
         let name = column.map(|column| table.name(row, column)).transpose()?;
         Ok(name.map(String::from))
     }
@@ -160,7 +159,7 @@ impl MeasurementColumns {
     /// the station of one and not of the other.
     pub(super) fn same_station(&self, table: &Table<'_>, [first, row]: [&Row<'_>; 2], of: Option<&str>) -> Result<()> {
         let (Some(column), [before, station]) =
-            (self.only(Beside::Station), [self.station(table, first)?, self.station(table, row)?])
+            (self.only(RowQuantity::Station), [self.station(table, first)?, self.station(table, row)?])
         else {
             return Ok(());
         };
@@ -191,7 +190,7 @@ impl MeasurementColumns {
 
     /// Time \[s\], where the row has one.
     pub(super) fn time(&self, table: &Table<'_>, row: &Row) -> Result<Option<f64>> {
-        let column = table.filled(row, self.only(Beside::Time));
+        let column = table.filled(row, self.only(RowQuantity::Time));
         column.map(|column| table.number(row, column)).transpose()
     }
 
@@ -216,7 +215,7 @@ impl MeasurementColumns {
 
     /// Force and moment \[N, N·m\]; a moment without columns is zero.
     pub(super) fn wrench(&self, table: &Table<'_>, row: &Row) -> Result<Option<Wrench>> {
-        let [force, moment] = [Beside::Force, Beside::Moment].map(|quantity| self.of_beside(quantity));
+        let [force, moment] = [RowQuantity::Force, RowQuantity::Moment].map(|quantity| self.of_beside(quantity));
         if force.is_empty() {
             return Ok(None);
         }
@@ -225,7 +224,7 @@ impl MeasurementColumns {
 
     /// True where all fields of force and moment are empty.
     pub(super) fn has_no_wrench(&self, table: &Table<'_>, row: &Row) -> bool {
-        let groups = [Beside::Force, Beside::Moment].map(|quantity| self.of_beside(quantity));
+        let groups = [RowQuantity::Force, RowQuantity::Moment].map(|quantity| self.of_beside(quantity));
         let mut columns = groups.iter().flat_map(|columns| columns.iter());
         columns.all(|column| table.is_blank(row, *column))
     }
@@ -275,7 +274,7 @@ impl MeasurementColumns {
     /// The first column in which two rows of one posture and state differ.
     pub(super) fn contradiction(&self, table: &Table<'_>, first: &Row, row: &Row) -> Error {
         let angles = self.angles.iter().flatten();
-        let quantities = [Beside::Force, Beside::Moment, Beside::Load];
+        let quantities = [RowQuantity::Force, RowQuantity::Moment, RowQuantity::Load];
         let columns = angles.chain(quantities.iter().flat_map(|quantity| self.of_beside(*quantity)));
         let differs = |column: &Column| table.number(first, *column).ok() != table.number(row, *column).ok();
         let column = columns.copied().find(differs).unwrap_or(self.posture);
@@ -296,7 +295,7 @@ impl MeasurementColumns {
 }
 
 /// Says which of the cell's foreign headings the table has not, for hints.
-fn unmatched(table: &Table<'_>, cell: &Cell, definitions: &[Known]) -> String {
+fn unmatched(table: &Table<'_>, cell: &Cell, definitions: &[ColumnDefinition]) -> String {
     let missing = |ours: &String| {
         // A path has columns that measurements have not.
         definitions.iter().any(|k| k.headings().any(|heading| heading == *ours))

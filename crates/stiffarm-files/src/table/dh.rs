@@ -1,7 +1,7 @@
 //! `joint,alpha_deg,a_mm,d_mm,offset_deg` with limits and signs: rows of a robot.
 
 use super::grid::{Row, Table};
-use super::heading::{Found, Known};
+use super::heading::{ColumnDefinition, NamedColumns};
 use super::quantity::Quantity;
 use nalgebra::{DMatrix, DVector, Isometry3};
 use std::collections::HashMap;
@@ -24,15 +24,15 @@ const HINT: &str = "a table of rows has the columns joint, alpha_deg, a_mm, d_mm
 /// round, a sign that is none: with line, column and the column's name.
 pub fn read_dh_rows(bytes: &[u8], file_name: &str, name: &str, convention: DhConvention) -> Result<DhRobot> {
     let table = Table::read(bytes, file_name, &Columns::default())?;
-    let joint = Known::name("joint");
+    let joint = ColumnDefinition::name("joint");
     let numbers = [
-        Known::of("alpha", Quantity::Angle, "alpha"),
-        Known::of("a", Quantity::Length, "a"),
-        Known::of("d", Quantity::Length, "d"),
-        Known::of("offset", Quantity::Angle, "offset"),
+        ColumnDefinition::of("alpha", Quantity::Angle, "alpha"),
+        ColumnDefinition::of("a", Quantity::Length, "a"),
+        ColumnDefinition::of("d", Quantity::Length, "d"),
+        ColumnDefinition::of("offset", Quantity::Angle, "offset"),
     ];
-    let limits = ["low", "high"].map(|stem| Known::of(stem, Quantity::Angle, "limits"));
-    let sign = Known::of("sign", Quantity::Number, "sign");
+    let limits = ["low", "high"].map(|stem| ColumnDefinition::of(stem, Quantity::Angle, "limits"));
+    let sign = ColumnDefinition::of("sign", Quantity::Number, "sign");
     let definitions = [std::slice::from_ref(&joint), &numbers, &limits, std::slice::from_ref(&sign)].concat();
     let heading = table.check_heading(&definitions, 0)?;
     let joint = heading.require(&joint, HINT)?;
@@ -120,7 +120,12 @@ pub(crate) fn other_convention(convention: DhConvention, rows: &[DhRow]) -> Opti
 }
 
 /// 1 or −1; 1 without a column.
-fn read_sign(table: &Table<'_>, heading: &Found<'_, '_>, definition: &Known, row: &Row) -> Result<f64> {
+fn read_sign(
+    table: &Table<'_>,
+    heading: &NamedColumns<'_, '_>,
+    definition: &ColumnDefinition,
+    row: &Row,
+) -> Result<f64> {
     let Some(column) = heading.of(definition) else {
         return Ok(1.0);
     };

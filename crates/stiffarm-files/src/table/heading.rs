@@ -1,7 +1,7 @@
 //! Checks of a table's heading: every column known, none twice, none missing,
 //! each with one of its units.
 
-use super::beside::Beside;
+use super::beside::RowQuantity;
 use super::grid::{Column, Table};
 use super::heading_row::own_unit;
 use super::naming::{joint_number, normal};
@@ -12,7 +12,7 @@ use stiffarm::error::{Code, Error, Result, did_you_mean};
 
 /// A column that a table may have.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Known {
+pub(super) struct ColumnDefinition {
     /// Its name without the unit.
     stem: String,
     quantity: Quantity,
@@ -20,18 +20,18 @@ pub(super) struct Known {
     group: &'static str,
 }
 
-impl Known {
+impl ColumnDefinition {
     pub(super) fn name(stem: &'static str) -> Self {
-        Known::of(stem, Quantity::Name, stem)
+        ColumnDefinition::of(stem, Quantity::Name, stem)
     }
 
     pub(super) fn of(stem: impl Into<String>, quantity: Quantity, group: &'static str) -> Self {
-        Known { stem: stem.into(), quantity, group }
+        ColumnDefinition { stem: stem.into(), quantity, group }
     }
 
     /// `q1` to `qn`.
-    pub(super) fn angles(joints: usize) -> impl Iterator<Item = Known> {
-        (1..=joints).map(|j| Known::of(format!("q{j}"), Quantity::Angle, "q"))
+    pub(super) fn angles(joints: usize) -> impl Iterator<Item = ColumnDefinition> {
+        (1..=joints).map(|j| ColumnDefinition::of(format!("q{j}"), Quantity::Angle, "q"))
     }
 
     /// The heading in the usual unit.
@@ -69,25 +69,29 @@ impl Known {
     }
 }
 
-impl Beside {
+impl RowQuantity {
     /// Its columns.
-    pub(super) fn definitions(self) -> Vec<Known> {
+    pub(super) fn definitions(self) -> Vec<ColumnDefinition> {
         let (stems, quantity, group) = self.columns();
         let stems = stems.iter();
-        stems.map(|stem| Known::of(*stem, quantity, group)).collect()
+        stems.map(|stem| ColumnDefinition::of(*stem, quantity, group)).collect()
     }
 }
 
 /// The columns of a table, by their names without unit.
 #[derive(Debug)]
-pub(super) struct Found<'t, 'a> {
+pub(super) struct NamedColumns<'t, 'a> {
     table: &'t Table<'a>,
     columns: BTreeMap<String, Column>,
 }
 
 impl<'a> Table<'a> {
     /// Checks that each column is known, stands once, and has the unit of its group.
-    pub(super) fn check_heading(&self, definitions: &[Known], joints: usize) -> Result<Found<'_, 'a>> {
+    pub(super) fn check_heading(
+        &self,
+        definitions: &[ColumnDefinition],
+        joints: usize,
+    ) -> Result<NamedColumns<'_, 'a>> {
         let numeric = |text: &str| text.replacen(',', ".", 1).parse::<f64>().is_ok();
         let (first, rest) = (self.headings.first(), self.headings.get(1..).unwrap_or(&[]));
         let all = first.is_some() && !rest.is_empty() && rest.iter().all(|h| numeric(&h.name));
@@ -134,11 +138,11 @@ impl<'a> Table<'a> {
                 return Err(error.hint(format!("give these {} in one unit", k.quantity.plural())));
             }
         }
-        Ok(Found { table: self, columns })
+        Ok(NamedColumns { table: self, columns })
     }
 
     /// The error of a heading of two rows, `position [mm]` above x, y and z, where it is one.
-    fn two_rows(&self, definitions: &[Known]) -> Option<Error> {
+    fn two_rows(&self, definitions: &[ColumnDefinition]) -> Option<Error> {
         let below = (self.rows.len() > 1).then(|| self.rows.at(1))?;
         let is_known = |name: &String| definitions.iter().any(|k| k.column(name, 0).is_some());
         let (mut names, mut understood) = (Vec::new(), 0);
@@ -160,7 +164,7 @@ impl<'a> Table<'a> {
             let headings = with_unit.iter().filter_map(|n| own_unit(&normal(n)));
             let bare = definitions.iter().find(|k| k.stem == name);
             let heading = [name.clone()].into_iter().chain(headings).find(is_known);
-            let heading = heading.or_else(|| bare.map(Known::heading));
+            let heading = heading.or_else(|| bare.map(ColumnDefinition::heading));
             understood += usize::from(heading.is_some());
             // What is not understood keeps its place.
             names.push(heading.unwrap_or_else(|| [shown, &field.text].join(" ").trim().to_string()));
@@ -180,7 +184,7 @@ impl<'a> Table<'a> {
         self.heading_error(Some(second.at), Code::Conflict, message).hint("keep one of them")
     }
 
-    fn unknown_column(&self, column: usize, definitions: &[Known], joints: usize) -> Error {
+    fn unknown_column(&self, column: usize, definitions: &[ColumnDefinition], joints: usize) -> Error {
         let name = self.headings[column].name.as_str();
         let error = self.heading_error(Some(column), Code::TableHeading, "The table has no column of this name.");
         if self.headings.len() == 1 {
@@ -213,7 +217,7 @@ impl<'a> Table<'a> {
             )
         });
         // A heading of ours with a unit of its own is a matter of that unit.
-        let has_unit = |k: &Known| k.stem == stem(name) && !k.quantity.units().is_empty();
+        let has_unit = |k: &ColumnDefinition| k.stem == stem(name) && !k.quantity.units().is_empty();
         let unit_is_wrong = definitions.iter().any(has_unit) && stem(name) != name;
         // Names of ours without their unit are a matter of that unit, too.
         let bare = |name: &str| definitions.iter().any(|k| k.stem == name && k.has_common_name());
@@ -232,14 +236,14 @@ impl<'a> Table<'a> {
         if let Some(same) = definitions.iter().find(|k| k.stem == stem(name)) {
             return error.hint(rename(&name[stem(name).len()..], same));
         }
-        let without_unit = |k: &&Known| {
+        let without_unit = |k: &&ColumnDefinition| {
             let rest = name.strip_prefix(k.stem.as_str());
             k.quantity == Quantity::Number && rest.is_some_and(|rest| rest.starts_with('_'))
         };
         if let Some(same) = definitions.iter().find(without_unit) {
             return error.hint(format!("it has no unit: name the column {}", same.stem));
         }
-        let names: Vec<String> = definitions.iter().flat_map(Known::headings).collect();
+        let names: Vec<String> = definitions.iter().flat_map(ColumnDefinition::headings).collect();
         let theirs = self.foreign.iter().map(String::as_str);
         let nearest = did_you_mean(name, names.iter().map(String::as_str).chain(theirs));
         error.hint(nearest.or(suggested).unwrap_or_else(|| {
@@ -252,19 +256,19 @@ impl<'a> Table<'a> {
     }
 }
 
-impl Found<'_, '_> {
+impl NamedColumns<'_, '_> {
     /// The column of this name without unit.
     pub(super) fn get(&self, stem: &str) -> Option<Column> {
         self.columns.get(stem).copied()
     }
 
     /// The column of `definition`.
-    pub(super) fn of(&self, definition: &Known) -> Option<Column> {
+    pub(super) fn of(&self, definition: &ColumnDefinition) -> Option<Column> {
         self.get(&definition.stem)
     }
 
     /// A column that must be there.
-    pub(super) fn require(&self, definition: &Known, hint: &str) -> Result<Column> {
+    pub(super) fn require(&self, definition: &ColumnDefinition, hint: &str) -> Result<Column> {
         self.get(&definition.stem).ok_or_else(|| {
             let message = format!("The column {} is missing.", definition.heading());
             self.table.heading_error(None, Code::TableHeading, message).hint(hint)
@@ -272,7 +276,7 @@ impl Found<'_, '_> {
     }
 
     /// Columns that are there together or not at all.
-    pub(super) fn all_or_none(&self, group: &[Known], hint: &str) -> Result<Option<Vec<Column>>> {
+    pub(super) fn all_or_none(&self, group: &[ColumnDefinition], hint: &str) -> Result<Option<Vec<Column>>> {
         if group.iter().all(|definition| self.get(&definition.stem).is_none()) {
             return Ok(None);
         }
@@ -280,7 +284,7 @@ impl Found<'_, '_> {
     }
 
     /// Columns that must be there together.
-    pub(super) fn all(&self, group: &[Known], hint: &str) -> Result<Vec<Column>> {
+    pub(super) fn all(&self, group: &[ColumnDefinition], hint: &str) -> Result<Vec<Column>> {
         let unit = group.iter().find_map(|definition| self.get(&definition.stem)?.unit);
         let columns = group.iter().map(|definition| {
             self.require(definition, hint).map_err(|error| match unit {
@@ -298,13 +302,13 @@ impl Found<'_, '_> {
 }
 
 /// True for the columns of measurements and paths, which alone come from another software.
-fn is_foreign(definitions: &[Known]) -> bool {
+fn is_foreign(definitions: &[ColumnDefinition]) -> bool {
     definitions.iter().any(|k| k.stem == "point")
 }
 
 /// The known headings in their usual units.
-fn list(definitions: &[Known], separator: &str) -> String {
-    let names: Vec<String> = definitions.iter().map(Known::heading).collect();
+fn list(definitions: &[ColumnDefinition], separator: &str) -> String {
+    let names: Vec<String> = definitions.iter().map(ColumnDefinition::heading).collect();
     names.join(separator)
 }
 
@@ -314,7 +318,7 @@ pub(super) fn stem(name: &str) -> &str {
 }
 
 /// What to do with the column of `definition` whose unit is written as `unit`.
-fn rename(unit: &str, definition: &Known) -> String {
+fn rename(unit: &str, definition: &ColumnDefinition) -> String {
     let letters: String = unit.chars().filter(|c| c.is_alphanumeric()).collect();
     let headings: Vec<String> = definition.headings().collect();
     let suffixes: Vec<&str> = definition.quantity.units().iter().map(|u| u.suffix).collect();
@@ -347,12 +351,12 @@ fn or<S: AsRef<str>>(names: &[S]) -> String {
 ///
 /// # Errors
 /// A name that no known column has, with the nearest, among `also`, too, as a hint.
-pub(super) fn find_heading(name: &str, definitions: &[Known], joints: usize, also: &str) -> Result<String> {
+pub(super) fn find_heading(name: &str, definitions: &[ColumnDefinition], joints: usize, also: &str) -> Result<String> {
     let heading = normal(name);
     if definitions.iter().any(|k| k.column(&heading, 0).is_some()) {
         return Ok(heading);
     }
-    let names: Vec<String> = definitions.iter().flat_map(Known::headings).collect();
+    let names: Vec<String> = definitions.iter().flat_map(ColumnDefinition::headings).collect();
     let same = definitions.iter().find(|k| k.stem == stem(&heading));
     let hint = match (same, joint_number(&heading)) {
         (Some(same), _) => format!("write {}", or(&same.headings().collect::<Vec<_>>())),

@@ -1,6 +1,6 @@
 //! Which row of a file is the heading, and units in brackets.
 
-use super::beside::Beside;
+use super::beside::RowQuantity;
 use super::naming::{DATE, NAME, normal};
 use super::place::place_of;
 use super::quantity::Quantity;
@@ -10,7 +10,7 @@ use stiffarm::model::cell::Columns;
 const MOST_ABOVE: usize = 100;
 
 /// Columns that must be known for a row below the first to be a heading.
-const ENOUGH: usize = 3;
+const FEWEST_COLUMNS: usize = 3;
 
 /// Number of the first row, from 0, in which enough columns are known or mapped; `None` where
 /// none of the first rows is one.
@@ -22,7 +22,7 @@ where
     let mut rows = rows.into_iter().take(MOST_ABOVE);
     rows.position(|row| {
         let fields = row.into_iter();
-        fields.filter(|field| is_known(field.as_ref(), foreign)).take(ENOUGH).count() == ENOUGH
+        fields.filter(|field| is_known(field.as_ref(), foreign)).take(FEWEST_COLUMNS).count() == FEWEST_COLUMNS
     })
 }
 
@@ -63,7 +63,7 @@ fn quantity(base: &str) -> Option<Quantity> {
         "feed" => Some(Quantity::Feed),
         "power" => Some(Quantity::Power),
         _ if joint("q") || joint("dq") => Some(Quantity::Angle),
-        _ => Beside::quantity_of(base),
+        _ => RowQuantity::quantity_of(base),
     }
 }
 

@@ -1,8 +1,8 @@
 //! `along_mm` or `time_s`, and `fx_n,fy_n,fz_n[,mx_nm,my_nm,mz_nm]` or `power_w`: a recorded load along a path.
 
-use super::beside::Beside;
+use super::beside::RowQuantity;
 use super::grid::Table;
-use super::heading::Known;
+use super::heading::ColumnDefinition;
 use super::quantity::Quantity;
 use nalgebra::{Vector3, Vector6};
 use stiffarm::error::{Code, Error, Result};
@@ -22,12 +22,12 @@ pub fn read_log(bytes: &[u8], file_name: &str, cell: &Cell, axes: Option<ForceAx
 
 fn read(table: &Table<'_>, axes: Option<ForceAxes>) -> Result<LoadLog> {
     let mut definitions = vec![
-        Known::of("along", Quantity::Length, "along"),
-        Known::of("time", Quantity::Time, "time"),
-        Known::of("power", Quantity::Power, "power"),
+        ColumnDefinition::of("along", Quantity::Length, "along"),
+        ColumnDefinition::of("time", Quantity::Time, "time"),
+        ColumnDefinition::of("power", Quantity::Power, "power"),
     ];
-    definitions.extend(Beside::Force.definitions());
-    definitions.extend(Beside::Moment.definitions());
+    definitions.extend(RowQuantity::Force.definitions());
+    definitions.extend(RowQuantity::Moment.definitions());
     let heading = table.check_heading(&definitions, 0)?;
     let choice = |first: &str, second: &str, columns: [&str; 2]| {
         let (one, other) = (heading.get(first), heading.get(second));
@@ -61,11 +61,11 @@ fn read(table: &Table<'_>, axes: Option<ForceAxes>) -> Result<LoadLog> {
         }
     };
     let force = if has_forces {
-        heading.all(&Beside::Force.definitions(), "give all three components of the force")?
+        heading.all(&RowQuantity::Force.definitions(), "give all three components of the force")?
     } else {
         Vec::new()
     };
-    let moment = heading.all_or_none(&Beside::Moment.definitions(), &Beside::Moment.hint())?;
+    let moment = heading.all_or_none(&RowQuantity::Moment.definitions(), &RowQuantity::Moment.hint())?;
     let mut stations: Vec<f64> = Vec::new();
     let mut values = Vec::new();
     for row in table.rows()? {

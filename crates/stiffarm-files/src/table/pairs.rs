@@ -1,7 +1,7 @@
 //! `name,tracker_x_mm,tracker_y_mm,tracker_z_mm,base_x_mm,base_y_mm,base_z_mm`.
 
 use super::grid::{Column, Row, Table};
-use super::heading::Known;
+use super::heading::ColumnDefinition;
 use super::quantity::Quantity;
 use nalgebra::Vector3;
 use std::collections::HashMap;
@@ -22,9 +22,12 @@ pub fn read_pairs(bytes: &[u8], file_name: &str) -> Result<Vec<PointPair>> {
 }
 
 fn read(table: &Table<'_>) -> Result<Vec<PointPair>> {
-    let name = Known::name("name");
-    let position_of = |frame: &'static str| -> Vec<Known> {
-        ["x", "y", "z"].iter().map(|axis| Known::of(format!("{frame}_{axis}"), Quantity::Length, frame)).collect()
+    let name = ColumnDefinition::name("name");
+    let position_of = |frame: &'static str| -> Vec<ColumnDefinition> {
+        ["x", "y", "z"]
+            .iter()
+            .map(|axis| ColumnDefinition::of(format!("{frame}_{axis}"), Quantity::Length, frame))
+            .collect()
     };
     let (tracker, base) = (position_of("tracker"), position_of("base"));
     let definitions = [std::slice::from_ref(&name), &tracker, &base].concat();

@@ -1,16 +1,16 @@
 //! `posture,x_mm,y_mm,z_mm` and the numbers of an orientation.
 
 use super::grid::Table;
-use super::heading::Known;
+use super::heading::ColumnDefinition;
 use super::line::line;
-use super::quantity::{Quantity, rounded};
+use super::quantity::Quantity;
 use nalgebra::{Isometry3, Translation3};
 use std::collections::HashMap;
 use stiffarm::error::Result;
 use stiffarm::model::cell::Columns;
 use stiffarm::model::pose::Convention;
 pub use stiffarm::model::pose::NamedPose;
-use stiffarm::units::m_to_mm;
+use stiffarm::units::{m_to_mm, rounded};
 
 /// Decimals of written positions \[mm\] and orientations: rounding of the
 /// kinematics stays out.
@@ -24,9 +24,9 @@ const DECIMALS: i32 = 9;
 /// are no orientation: with line, column and the column's name.
 pub fn read_poses(bytes: &[u8], file_name: &str, convention: Convention) -> Result<Vec<NamedPose>> {
     let table = Table::read(bytes, file_name, &Columns::default())?;
-    let name = Known::name("posture");
-    let position = ["x", "y", "z"].map(|stem| Known::of(stem, Quantity::Length, "position"));
-    let orientation: Vec<Known> = convention.columns().iter().map(|c| definition(c)).collect();
+    let name = ColumnDefinition::name("posture");
+    let position = ["x", "y", "z"].map(|stem| ColumnDefinition::of(stem, Quantity::Length, "position"));
+    let orientation: Vec<ColumnDefinition> = convention.columns().iter().map(|c| definition(c)).collect();
     let all = [std::slice::from_ref(&name), position.as_slice(), orientation.as_slice()].concat();
     let heading = table.check_heading(&all, 0)?;
     let hint = format!(
@@ -61,10 +61,10 @@ pub fn read_poses(bytes: &[u8], file_name: &str, convention: Convention) -> Resu
 }
 
 /// The column of a convention as tables know it.
-fn definition(column: &'static str) -> Known {
+fn definition(column: &'static str) -> ColumnDefinition {
     match column.strip_suffix("_deg").or(column.strip_suffix("_rad")) {
-        Some(stem) => Known::of(stem, Quantity::Angle, "orientation"),
-        None => Known::of(column, Quantity::Number, "orientation"),
+        Some(stem) => ColumnDefinition::of(stem, Quantity::Angle, "orientation"),
+        None => ColumnDefinition::of(column, Quantity::Number, "orientation"),
     }
 }
 

@@ -1,7 +1,7 @@
 //! `posture,q1_deg,…,qn_deg`.
 
 use super::grid::{Column, Row, Table};
-use super::heading::Known;
+use super::heading::ColumnDefinition;
 use std::collections::HashMap;
 use stiffarm::error::{Code, Result};
 use stiffarm::model::cell::Columns;
@@ -22,8 +22,8 @@ pub fn read_postures(bytes: &[u8], file_name: &str, robot: &Robot) -> Result<Vec
 
 fn read(table: &Table<'_>, robot: &Robot) -> Result<Vec<Posture>> {
     let joints = robot.joint_count();
-    let name = Known::name("posture");
-    let angle_columns: Vec<Known> = Known::angles(joints).collect();
+    let name = ColumnDefinition::name("posture");
+    let angle_columns: Vec<ColumnDefinition> = ColumnDefinition::angles(joints).collect();
     let definitions = [std::slice::from_ref(&name), &angle_columns].concat();
     let heading = table.check_heading(&definitions, joints)?;
     let hint = format!("a posture table has the columns posture, q1_deg to q{joints}_deg");
@@ -43,7 +43,7 @@ fn read(table: &Table<'_>, robot: &Robot) -> Result<Vec<Posture>> {
 
 /// Names of the angle columns as they are written.
 pub(super) fn angle_names(joints: usize) -> Vec<String> {
-    Known::angles(joints).map(|definition| definition.heading()).collect()
+    ColumnDefinition::angles(joints).map(|definition| definition.heading()).collect()
 }
 
 /// Controller angles of a row \[rad\], inside the machine's limits.

@@ -1,7 +1,8 @@
 //! Units of columns: the suffixes that a quantity may have, and what they mean.
 
 use stiffarm::units::{
-    deg_to_rad, in_to_m, kn_to_n, m_to_mm, min_to_s, mm_to_m, ms_to_s, nmm_to_nm, rad_to_deg, shortest, um_to_m,
+    deg_to_rad, in_to_m, kn_to_n, m_to_mm, min_to_s, mm_to_m, ms_to_s, nmm_to_nm, rad_to_deg, rounded, shortest,
+    um_to_m,
 };
 
 /// What a column holds.
@@ -71,15 +72,6 @@ impl PartialEq for Unit {
     fn eq(&self, other: &Self) -> bool {
         self.suffix == other.suffix
     }
-}
-
-/// `value` rounded to `decimals`, which may be below zero: the double nearest to
-/// that decimal number, never −0.
-pub(super) fn rounded(value: f64, decimals: i32) -> f64 {
-    // Powers of ten up to 22 are exact, so that each way rounds once.
-    let step = 10f64.powi(decimals.abs());
-    let number = if decimals >= 0 { (value * step).round() / step } else { (value / step).round() * step };
-    number + 0.0
 }
 
 const fn unit(suffix: &'static str, to_si: fn(f64) -> f64, from_si: fn(f64) -> f64) -> Unit {

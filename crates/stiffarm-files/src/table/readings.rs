@@ -1,6 +1,6 @@
 //! `posture,state,point,x_mm,y_mm,z_mm[,station][,fx_n,…][,mx_nm,…][,load_n][,time_s][,u95x_mm,…][,temperature_c][,q1_deg,…]`.
 
-use super::beside::Beside;
+use super::beside::RowQuantity;
 use super::columns::{MeasurementColumns, Plan};
 use super::grid::{Row, Table};
 use super::loads;
@@ -262,7 +262,7 @@ impl Reader<'_, '_> {
 
     /// Force of rope or weight \[N\], where the row has one.
     fn load(&self, row: &Row, role: Role) -> Result<Option<f64>> {
-        let Some(column) = self.table.filled(row, self.columns.only(Beside::Load)) else {
+        let Some(column) = self.table.filled(row, self.columns.only(RowQuantity::Load)) else {
             return Ok(None);
         };
         let load = self.table.number(row, column)?;

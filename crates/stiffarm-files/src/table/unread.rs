@@ -10,13 +10,13 @@ use stiffarm::error::{Code, Result};
 use stiffarm::findings::each_once;
 
 /// Readings that far from the tracker's origin are no zeros of a dial \[m\].
-const FAR: f64 = 0.1;
+const FAR_FROM_TRACKER: f64 = 0.1;
 
 /// Readings of one point in one posture differ by less \[m\] …
-const NEAR: f64 = 0.01;
+const SAME_POINT_DISTANCE: f64 = 0.01;
 
 /// … and by less than this part of the coordinate, so that a power of ten is no chance.
-const NEAR_PART: f64 = 0.3;
+const SAME_POINT_SHARE: f64 = 0.3;
 
 /// By so much more a distance must stray from the usual one, as a logarithm, to be the wrong one.
 const CLEARLY: f64 = 0.5;
@@ -28,7 +28,7 @@ const MOST_TENS: i32 = 6;
 const MOST_REPEATS: usize = 1000;
 
 /// A row with a position \[m\], and the names of its posture and point.
-struct Read<'r> {
+struct PositionRow<'r> {
     row: &'r Row<'r>,
     position: Vector3<f64>,
     of: (&'r str, &'r str),
@@ -42,14 +42,14 @@ struct Read<'r> {
 pub(super) fn check(table: &Table<'_>, columns: &MeasurementColumns, rows: &[Row<'_>]) -> Result<()> {
     let mut read = Vec::new();
     for row in rows.iter().filter(|row| !columns.has_no_position(table, row)) {
-        read.push(Read {
+        read.push(PositionRow {
             row,
             position: columns.vector(table, row)?,
             of: (&row.fields[columns.posture.at].text, &row.fields[columns.point.at].text),
         });
     }
     zeros(table, columns, &read)?;
-    let mut groups: BTreeMap<_, Vec<&Read<'_>>> = BTreeMap::new();
+    let mut groups: BTreeMap<_, Vec<&PositionRow<'_>>> = BTreeMap::new();
     for one in &read {
         groups.entry(one.of).or_default().push(one);
     }
@@ -59,7 +59,7 @@ pub(super) fn check(table: &Table<'_>, columns: &MeasurementColumns, rows: &[Row
     for group in groups.values().filter(|group| group.len() <= MOST_REPEATS) {
         for (at, one) in group.iter().enumerate() {
             let others = group.iter().enumerate().filter(|(other, _)| *other != at);
-            let others: Vec<&Read<'_>> = others.map(|(_, other)| *other).collect();
+            let others: Vec<&PositionRow<'_>> = others.map(|(_, other)| *other).collect();
             let powers = tens(one, &others, usual).into_iter().flatten();
             faults.extend(powers.map(|(k, tens)| (one.row, k, tens)));
         }
@@ -100,17 +100,18 @@ pub(super) fn check(table: &Table<'_>, columns: &MeasurementColumns, rows: &[Row
     Err(table.error(row, column.at, Code::InvalidValue, message).hint(hint))
 }
 
-fn zeros(table: &Table<'_>, columns: &MeasurementColumns, read: &[Read<'_>]) -> Result<()> {
-    let is_zero = |one: &&Read<'_>| one.position == Vector3::zeros();
+fn zeros(table: &Table<'_>, columns: &MeasurementColumns, read: &[PositionRow<'_>]) -> Result<()> {
+    let is_zero = |one: &&PositionRow<'_>| one.position == Vector3::zeros();
     let mut distances: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for one in read.iter().filter(|one| !is_zero(one)) {
         distances.entry(one.of.1).or_default().push(one.position.norm());
     }
-    let far =
-        distances.into_iter().filter(|(_, point_distances)| median(point_distances.clone()).is_some_and(|d| d > FAR));
+    let far = distances
+        .into_iter()
+        .filter(|(_, point_distances)| median(point_distances.clone()).is_some_and(|d| d > FAR_FROM_TRACKER));
     let far: Vec<&str> = far.map(|(point, _)| point).collect();
-    let is_lost = |one: &&Read<'_>| is_zero(one) && far.contains(&one.of.1);
-    let lost: Vec<&Read<'_>> = read.iter().filter(is_lost).collect();
+    let is_lost = |one: &&PositionRow<'_>| is_zero(one) && far.contains(&one.of.1);
+    let lost: Vec<&PositionRow<'_>> = read.iter().filter(is_lost).collect();
     let Some(first) = lost.first() else {
         return Ok(());
     };
@@ -127,13 +128,13 @@ fn zeros(table: &Table<'_>, columns: &MeasurementColumns, read: &[Read<'_>]) -> 
 
 /// The coordinates of a reading that are a power of ten too large or small against the `others` of
 /// its point, and the powers, where they explain all in which it differs from them.
-fn tens(one: &Read<'_>, others: &[&Read<'_>], usual: f64) -> Option<Vec<(usize, i32)>> {
+fn tens(one: &PositionRow<'_>, others: &[&PositionRow<'_>], usual: f64) -> Option<Vec<(usize, i32)>> {
     let mut powers = Vec::new();
     let mut corrected = one.position;
     for k in 0..3 {
         let other = median(others.iter().map(|other| other.position[k]).collect())?;
-        let (value, tolerance) = (one.position[k], NEAR.min(NEAR_PART * other.abs()));
-        if (value - other).abs() <= NEAR {
+        let (value, tolerance) = (one.position[k], SAME_POINT_DISTANCE.min(SAME_POINT_SHARE * other.abs()));
+        if (value - other).abs() <= SAME_POINT_DISTANCE {
             continue;
         }
         let power = (value / other).abs().log10().round();
@@ -148,9 +149,9 @@ fn tens(one: &Read<'_>, others: &[&Read<'_>], usual: f64) -> Option<Vec<(usize, 
     }
     // Several others that agree are right; of two readings the one is wrong that stands where no
     // other of the table does.
-    let near = |other: &&Read<'_>| {
+    let near = |other: &&PositionRow<'_>| {
         let first = others.first();
-        first.is_some_and(|first| (other.position - first.position).norm() < 2.0 * NEAR)
+        first.is_some_and(|first| (other.position - first.position).norm() < 2.0 * SAME_POINT_DISTANCE)
     };
     let agree = others.len() > 1 && others.iter().all(near);
     let apart = |position: &Vector3<f64>| (position.norm() / usual).ln().abs();

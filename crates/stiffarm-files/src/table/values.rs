@@ -1,8 +1,8 @@
 //! Which columns tables of measurements may have, and what the headings say that they hold.
 
-use super::beside::Beside;
+use super::beside::RowQuantity;
 use super::grid::Table;
-use super::heading::{Known, find_heading, stem};
+use super::heading::{ColumnDefinition, find_heading, stem};
 use super::path::path_definitions;
 use super::quantity::Quantity;
 use stiffarm::error::{Code, Result};
@@ -24,26 +24,26 @@ impl Values {
         }
     }
 
-    pub(super) fn components(self) -> [Known; 3] {
+    pub(super) fn components(self) -> [ColumnDefinition; 3] {
         let group = match self {
             Values::Positions => "position",
             Values::Displacements => "displacement",
         };
-        self.stems().map(|stem| Known::of(stem, Quantity::Length, group))
+        self.stems().map(|stem| ColumnDefinition::of(stem, Quantity::Length, group))
     }
 
     /// What its rows may have beside names, lengths and angles.
-    pub(super) fn beside(self) -> impl Iterator<Item = Beside> {
-        let all = Beside::ALL.into_iter();
+    pub(super) fn beside(self) -> impl Iterator<Item = RowQuantity> {
+        let all = RowQuantity::ALL.into_iter();
         all.filter(move |quantity| self == Values::Positions || quantity.is_of_displacements())
     }
 
     /// The columns that a table of these values may have.
-    pub(super) fn definitions(self, joints: usize) -> Vec<Known> {
-        let mut definitions = ["posture", "state", "point"].map(Known::name).to_vec();
+    pub(super) fn definitions(self, joints: usize) -> Vec<ColumnDefinition> {
+        let mut definitions = ["posture", "state", "point"].map(ColumnDefinition::name).to_vec();
         definitions.extend(self.components());
-        definitions.extend(self.beside().flat_map(Beside::definitions));
-        definitions.extend(Known::angles(joints));
+        definitions.extend(self.beside().flat_map(RowQuantity::definitions));
+        definitions.extend(ColumnDefinition::angles(joints));
         definitions
     }
 
@@ -81,7 +81,7 @@ impl Values {
 }
 
 /// Every column that a measurement table may have.
-fn measurement_definitions(joints: usize) -> Vec<Known> {
+fn measurement_definitions(joints: usize) -> Vec<ColumnDefinition> {
     let mut definitions = Values::Positions.definitions(joints);
     let displacements = Values::Displacements.components();
     definitions.splice(3..3, displacements);
@@ -90,7 +90,7 @@ fn measurement_definitions(joints: usize) -> Vec<Known> {
 
 /// Every column that a table of measurements or of a path may have: those for
 /// which the cell file can name other headings.
-fn all_definitions(joints: usize) -> Vec<Known> {
+fn all_definitions(joints: usize) -> Vec<ColumnDefinition> {
     let mut definitions = measurement_definitions(joints);
     for column in path_definitions(joints) {
         if !definitions.iter().any(|k| k.heading() == column.heading()) {
@@ -114,5 +114,5 @@ pub(crate) fn own_heading(name: &str, joints: usize, also: &str) -> Result<Strin
 #[cfg(feature = "schema")]
 pub(crate) fn own_headings(joints: usize) -> Vec<String> {
     let definitions = all_definitions(joints);
-    definitions.iter().flat_map(Known::headings).collect()
+    definitions.iter().flat_map(ColumnDefinition::headings).collect()
 }

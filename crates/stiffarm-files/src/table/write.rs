@@ -1,6 +1,6 @@
 //! Writing of tables.
 
-use super::beside::{Beside, Given};
+use super::beside::{RowContents, RowQuantity};
 use super::layout::Layout;
 use super::line::line;
 use super::postures::angle_names;
@@ -44,9 +44,9 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
     let mut displacements = measured.iter().flat_map(|group| &group.displacements);
     let has_times = displacements.any(|d| d.time.is_some());
     let layout = Layout::new(Values::Displacements, |beside| match beside {
-        Beside::Force => wrenches.is_some(),
-        Beside::Moment => has_moments,
-        Beside::Time => has_times,
+        RowQuantity::Force => wrenches.is_some(),
+        RowQuantity::Moment => has_moments,
+        RowQuantity::Time => has_times,
         _ => false,
     });
     let mut text = line(&layout.heading(cell));
@@ -60,7 +60,7 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
             ];
             fields.extend(displacement.value.iter().map(|m| m_to_shortest_mm(*m).to_string()));
             let wrench = wrenches.as_ref().and_then(|wrenches| wrenches[g]);
-            let contents = Given { wrench, time: displacement.time, ..Given::default() };
+            let contents = RowContents { wrench, time: displacement.time, ..RowContents::default() };
             fields.extend(layout.fields(&contents));
             fields.extend(degrees(&group.posture.q));
             text += &line(&fields);
@@ -93,9 +93,9 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
     let postures = || table.postures.iter().chain(&table.incomplete);
     let rows = || postures().flat_map(rows_of);
     let layout = Layout::new(Values::Positions, |beside| match beside {
-        Beside::Force => table.wrench_columns != WrenchColumns::None,
-        Beside::Moment => table.wrench_columns == WrenchColumns::ForceAndMoment,
-        Beside::Station if table.pending.iter().any(|row| row.station.is_some()) => true,
+        RowQuantity::Force => table.wrench_columns != WrenchColumns::None,
+        RowQuantity::Moment => table.wrench_columns == WrenchColumns::ForceAndMoment,
+        RowQuantity::Station if table.pending.iter().any(|row| row.station.is_some()) => true,
         _ => rows().any(|(_, _, contents)| beside.is_in(&contents)),
     });
     let mut text = line(&layout.heading(cell));
@@ -122,7 +122,7 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
     for row in begun.into_iter().chain(others) {
         let mut fields = vec![row.posture.clone(), row.state.clone(), row.point.clone()];
         fields.extend([""; 3].map(String::from));
-        fields.extend(layout.fields(&Given { station: row.station.as_deref(), ..Given::default() }));
+        fields.extend(layout.fields(&RowContents { station: row.station.as_deref(), ..RowContents::default() }));
         fields.resize(layout.heading(cell).len(), String::new());
         text += &line(&fields);
     }
@@ -130,10 +130,10 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
 }
 
 /// The readings of a posture, each with its state and what its row says beside.
-fn rows_of(posture: &PostureReadings) -> impl Iterator<Item = (&StateReadings, &Reading, Given<'_>)> {
+fn rows_of(posture: &PostureReadings) -> impl Iterator<Item = (&StateReadings, &Reading, RowContents<'_>)> {
     posture.states.iter().flat_map(move |state| {
         state.readings.iter().map(move |reading| {
-            let contents = Given {
+            let contents = RowContents {
                 station: posture.station.as_deref(),
                 wrench: state.wrench,
                 load: state.load,

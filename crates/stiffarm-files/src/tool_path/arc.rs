@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 pub(super) const ROUNDED: f64 = 0.05e-3;
 
 /// So near where it begins an arc has gone round \[m\].
-const HERE: f64 = 5e-6;
+const FULL_TURN_DISTANCE: f64 = 5e-6;
 
 /// An arc about an axis, counter-clockwise seen against it; with a rise along it a helix.
 pub(super) struct Circle {
@@ -71,7 +71,7 @@ impl Circle {
             return None;
         }
         let (middle, half) = (aside.atan2(ahead), away.acos());
-        let here = HERE / spoke.norm();
+        let here = FULL_TURN_DISTANCE / spoke.norm();
         let mut met = [middle - half, middle + half].map(|angle| match angle.rem_euclid(TAU) {
             angle if angle < here || angle > TAU - here => TAU,
             angle => angle,

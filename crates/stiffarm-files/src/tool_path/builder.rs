@@ -17,38 +17,38 @@ const OTHER_FRAME: [f64; 2] = [1e-3, 0.002];
 
 /// Where the tip should be, in the frame of the program, SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Place {
+pub(super) enum TipTarget {
     /// The tip frame.
     Pose(Isometry3<f64>),
     /// Position, and direction from the tip to the spindle.
     Axis(Vector3<f64>, UnitVector3<f64>),
 }
 
-impl Place {
+impl TipTarget {
     pub fn position(&self) -> Vector3<f64> {
         match self {
-            Place::Pose(pose) => pose.translation.vector,
-            Place::Axis(position, _) => *position,
+            TipTarget::Pose(pose) => pose.translation.vector,
+            TipTarget::Axis(position, _) => *position,
         }
     }
 
     /// The same orientation elsewhere.
-    pub fn at(&self, position: Vector3<f64>) -> Place {
+    pub fn at(&self, position: Vector3<f64>) -> TipTarget {
         match self {
-            Place::Pose(pose) => Place::Pose(Isometry3::from_parts(position.into(), pose.rotation)),
-            Place::Axis(_, axis) => Place::Axis(position, *axis),
+            TipTarget::Pose(pose) => TipTarget::Pose(Isometry3::from_parts(position.into(), pose.rotation)),
+            TipTarget::Axis(_, axis) => TipTarget::Axis(position, *axis),
         }
     }
 
     /// The orientation on the way to that of `other`, which stands at `position`.
-    pub fn towards(&self, other: &Place, share: f64, position: Vector3<f64>) -> Place {
+    pub fn towards(&self, other: &TipTarget, share: f64, position: Vector3<f64>) -> TipTarget {
         match (self, other) {
-            (Place::Pose(from), Place::Pose(to)) => {
+            (TipTarget::Pose(from), TipTarget::Pose(to)) => {
                 let rotation = from.rotation.try_slerp(&to.rotation, share, 1e-9);
                 let rotation = rotation.unwrap_or(to.rotation);
-                Place::Pose(Isometry3::from_parts(position.into(), rotation))
+                TipTarget::Pose(Isometry3::from_parts(position.into(), rotation))
             }
-            (Place::Axis(_, from), Place::Axis(_, to)) => Place::Axis(position, from.slerp(to, share)),
+            (TipTarget::Axis(_, from), TipTarget::Axis(_, to)) => TipTarget::Axis(position, from.slerp(to, share)),
             _ => other.at(position),
         }
     }
@@ -144,11 +144,11 @@ impl<'c> Builder<'c> {
     }
 
     /// A point in `line`. A rapid one carries no load, and how the arm gets there is the machine's.
-    pub fn point(&mut self, line: usize, place: &Place, rapid: bool) {
+    pub fn point(&mut self, line: usize, place: &TipTarget, rapid: bool) {
         let frame = &self.form.frame;
         let target = match place {
-            Place::Pose(pose) => PathTarget::Pose(frame * pose),
-            Place::Axis(position, axis) => PathTarget::Axis {
+            TipTarget::Pose(pose) => PathTarget::Pose(frame * pose),
+            TipTarget::Axis(position, axis) => PathTarget::Axis {
                 position: frame.rotation * position + frame.translation.vector,
                 axis: frame.rotation * -*axis,
             },
@@ -171,7 +171,7 @@ impl<'c> Builder<'c> {
     }
 
     /// Points on the straight way to a point in `line` that is far away; true where there are any.
-    pub fn between(&mut self, line: usize, from: &Place, to: &Place) -> bool {
+    pub fn between(&mut self, line: usize, from: &TipTarget, to: &TipTarget) -> bool {
         let (start, way) = (from.position(), to.position() - from.position());
         let length = way.norm();
         if length < 4.0 * NEAR_END {

@@ -1,6 +1,6 @@
 //! Several straight moves for one move of a program: an arc, a cycle, or a long move whose correction bends.
 
-use super::targets::SAME_PLACE;
+use super::targets::SAME_POSITION;
 use super::{Orientation, ToolPath};
 use crate::program::fixed;
 use nalgebra::Vector3;
@@ -74,7 +74,7 @@ impl ToolPath {
                 words = words.trim_start_matches(',').to_string();
             }
             if let Some(inverse) = division.inverse {
-                words += &format!(" F{}", fixed(inverse * way / piece.length.max(SAME_PLACE), 4));
+                words += &format!(" F{}", fixed(inverse * way / piece.length.max(SAME_POSITION), 4));
             }
             let (first, end) = match k {
                 0 => (division.first.as_str(), division.end.as_str()),

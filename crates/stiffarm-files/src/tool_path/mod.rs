@@ -30,7 +30,7 @@ use builder::Builder;
 use divided::Divided;
 pub use gcode::page as gcode_page;
 pub use kind::{Kind, LANGUAGES, PathLanguage, recognised};
-pub use moves::{MoveOptions, Posed, write_moves};
+pub use moves::{MoveOptions, PosedPoint, write_moves};
 use nalgebra::Isometry3;
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::findings::{Finding, Severity};

@@ -1,7 +1,7 @@
 //! A path as a new program of linear moves.
 
 use crate::program::characters::wrapped;
-use crate::program::{Language, Leads, PoseForm, filled, fixed};
+use crate::program::{Language, LinearMove, PoseForm, filled, fixed};
 use nalgebra::Isometry3;
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::model::cell::Cell;
@@ -27,7 +27,7 @@ pub struct MoveOptions {
 }
 
 /// A point of it: the pose of the tip in the base frame \[m\] and controller angles \[rad\].
-pub type Posed<'a> = (Isometry3<f64>, &'a [f64]);
+pub type PosedPoint<'a> = (Isometry3<f64>, &'a [f64]);
 
 /// The text of a program that leads the tip of `cell` through `points`: a joint move to the first, linear
 /// moves to all others. Poses count from the workpiece frame, in URScript from the controller's base.
@@ -35,7 +35,12 @@ pub type Posed<'a> = (Isometry3<f64>, &'a [f64]);
 /// # Errors
 /// A language in which no paths are written, a robot of another controller or not of six joints, a name
 /// that the language does not allow, a speed that is not above zero, too many points.
-pub fn write_moves(language: Language, cell: &Cell, points: &[Posed<'_>], options: &MoveOptions) -> Result<String> {
+pub fn write_moves(
+    language: Language,
+    cell: &Cell,
+    points: &[PosedPoint<'_>],
+    options: &MoveOptions,
+) -> Result<String> {
     let fault = |code, message: String| Err(Error::new(code, message));
     let pose_form = language.poses();
     let Some((poses, moves)) = pose_form.and_then(|poses| Some((poses, poses.moves?))) else {
@@ -70,7 +75,7 @@ pub fn write_moves(language: Language, cell: &Cell, points: &[Posed<'_>], option
     let tool = options.tool.as_deref().unwrap_or(tool);
     let base = options.base.as_deref().unwrap_or(base);
     let workpiece = if poses.in_base { *robot.controller_base() } else { cell.work.workpiece };
-    let leads = points.iter().zip(1..).map(|((pose, q), number)| Leads {
+    let leads = points.iter().zip(1..).map(|((pose, q), number)| LinearMove {
         number,
         pose: numbers(&poses, &(workpiece.inverse() * pose)),
         angles: q.iter().map(|angle| fixed(rad_to_deg(*angle), 4)).collect(),

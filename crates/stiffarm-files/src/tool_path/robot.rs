@@ -5,11 +5,11 @@
 //! the program says them.
 
 use super::arc::Circle;
-use super::builder::{Builder, Feed, Place};
+use super::builder::{Builder, Feed, TipTarget};
 use super::{Divided, FAR_AWAY, FARTHEST, Form, Orientation};
 use crate::program::{
-    Aim, Cursor, External, Frames, Language, Leg, Motion, Number, Pose, PoseForm, ProgramFile, ProgramOptions, Reader,
-    Taken, read_legs,
+    ActiveFrame, Cursor, External, Frames, Language, Motion, MoveTarget, Number, Pose, PoseForm, ProgramFile,
+    ProgramMove, ProgramOptions, Reader, read_legs,
 };
 use nalgebra::{Isometry3, Vector3};
 use std::collections::{BTreeMap, HashSet};
@@ -98,18 +98,18 @@ struct Axis {
 /// A point's tool (0) or base (1).
 struct Frame<'a> {
     number: usize,
-    taken: Option<Arc<Taken<'a>>>,
+    taken: Option<Arc<ActiveFrame<'a>>>,
 }
 
 /// So much may the same place of an external axis differ, in the program's unit: what is rounded.
-const SAME_PLACE: f64 = 1e-3;
+const SAME_EXTERNAL_AXIS: f64 = 1e-3;
 
 struct Walk<'a, 'b, 'c> {
     builder: &'b mut Builder<'c>,
     poses: PoseForm,
     /// What the numbers of the next pose are where it leaves them out.
     numbers: [Option<f64>; 7],
-    last: Option<Place>,
+    last: Option<TipTarget>,
     /// By their names.
     external: BTreeMap<String, Axis>,
     /// Frames of the points, each once.
@@ -119,12 +119,12 @@ struct Walk<'a, 'b, 'c> {
 }
 
 impl<'a> Walk<'a, '_, '_> {
-    fn leg(&mut self, leg: Leg<'a>) -> Result<()> {
+    fn leg(&mut self, leg: ProgramMove<'a>) -> Result<()> {
         let line = leg.place.line_number();
-        let (to, via) = match (leg.aim, leg.via.map(|via| *via)) {
-            (Aim::Pose(to), None) => (to, None),
-            (Aim::Pose(to), Some(Aim::Pose(via))) => (to, Some(via)),
-            (Aim::Angles(_, external), None) if leg.motion == Motion::Joint => {
+        let (to, via) = match (leg.target, leg.via.map(|via| *via)) {
+            (MoveTarget::Pose(to), None) => (to, None),
+            (MoveTarget::Pose(to), Some(MoveTarget::Pose(via))) => (to, Some(via)),
+            (MoveTarget::Angles(_, external), None) if leg.motion == Motion::Joint => {
                 self.stand(external, line);
                 self.builder.remark("joint-moves", "", line, Severity::Note, || {
                     "Moves to joint angles ({}) stay as they are: the path is what lies between them.".to_string()
@@ -169,7 +169,7 @@ impl<'a> Walk<'a, '_, '_> {
         self.stand(pose.external.clone(), line);
         for (name, axis) in &mut self.external {
             let stands = *axis.stands.get_or_insert(axis.now);
-            if (axis.now - stands).abs() > SAME_PLACE {
+            if (axis.now - stands).abs() > SAME_EXTERNAL_AXIS {
                 let moved = pose.external.iter().find(|external| external.name == *name);
                 let cursor = moved.map_or(place, |external| &external.place);
                 let message = format!(
@@ -203,11 +203,11 @@ impl<'a> Walk<'a, '_, '_> {
         }
     }
 
-    fn place(&mut self, to: &Pose<'_>) -> Result<Place> {
+    fn place(&mut self, to: &Pose<'_>) -> Result<TipTarget> {
         for (current, number) in self.numbers.iter_mut().zip(to.values()) {
             *current = number.or(*current);
         }
-        placed(&self.poses, &self.numbers).map(Place::Pose)
+        placed(&self.poses, &self.numbers).map(TipTarget::Pose)
     }
 
     fn go(&mut self, line: usize, to: &Pose<'_>, rapid: bool) -> Result<()> {
@@ -310,8 +310,8 @@ fn hold(frames: &[Frame<'_>], poses: &PoseForm, base: &Isometry3<f64>, builder: 
     ];
     for (number, (what, counterpart, cell)) in kinds.into_iter().enumerate() {
         let taken = frames.iter().filter(|frame| frame.number == number);
-        let taken: Vec<&Taken<'_>> = taken.filter_map(|frame| frame.taken.as_deref()).collect();
-        for Taken { name, line, factors } in &taken {
+        let taken: Vec<&ActiveFrame<'_>> = taken.filter_map(|frame| frame.taken.as_deref()).collect();
+        for ActiveFrame { name, line, factors } in &taken {
             let is_null = poses.null_frames.contains(&name.to_ascii_uppercase().as_str());
             if factors.is_empty() && !is_null {
                 builder.remark("frame-unknown", what, *line, Severity::Note, || {

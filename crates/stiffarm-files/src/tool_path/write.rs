@@ -2,7 +2,7 @@
 
 use super::divided::{Divided, Piece, pieces};
 use super::numbers::{bends, decimals_of, near};
-use super::targets::{SAME, SAME_PLACE, Turned, is_same, placed};
+use super::targets::{SAME_ORIENTATION, SAME_POSITION, TargetOrientation, is_same, placed};
 use super::{Form, Kind, Orientation, Slot, TOLERANCE, ToolPath};
 use crate::program::fixed;
 use nalgebra::Vector3;
@@ -210,13 +210,13 @@ impl Writer<'_> {
     fn aim(
         &mut self,
         slots: std::ops::Range<usize>,
-        (from, was): (Vector3<f64>, Turned),
+        (from, was): (Vector3<f64>, TargetOrientation),
         commanded: &PathPoint,
     ) -> Result<()> {
         let form = &self.path.form;
         let (position, is) = placed(form, commanded)?;
         let moved =
-            if (position - from).norm() < SAME_PLACE { Vector3::zeros() } else { (position - from) / form.unit };
+            if (position - from).norm() < SAME_POSITION { Vector3::zeros() } else { (position - from) / form.unit };
         let from = from / form.unit;
         self.numbers[..3].copy_from_slice((from + moved).as_slice());
         let mut is_stated = false;
@@ -230,17 +230,17 @@ impl Writer<'_> {
         let old = self.numbers;
         let tilt = was.axis().angle(&is.axis());
         self.has_changed |= moved.amax() > 0.5 * 10f64.powi(-(form.decimals[0] as i32));
-        self.has_changed |= tilt >= SAME && form.orientation != Orientation::Kept;
+        self.has_changed |= tilt >= SAME_ORIENTATION && form.orientation != Orientation::Kept;
         match form.orientation {
             Orientation::Kept => self.tilt_left = self.tilt_left.max(tilt),
             Orientation::Axis => {
-                if tilt >= SAME || !is_stated {
+                if tilt >= SAME_ORIENTATION || !is_stated {
                     self.numbers[3..6].copy_from_slice((-is.axis()).as_slice());
                 }
             }
             Orientation::Full { convention, degrees } => {
                 let (was, is) = (was.rotation()?, is.rotation()?);
-                if was.angle_to(&is) >= SAME {
+                if was.angle_to(&is) >= SAME_ORIENTATION {
                     let count = convention.columns().len();
                     let near = near(convention, degrees, &old[3..3 + count], &is);
                     self.numbers[3..3 + count].copy_from_slice(&near);

@@ -1,15 +1,14 @@
 //! Capsules around the collision geometry of the links.
 
 use super::{CollisionGeometry, CollisionShape, UrdfRobot};
+use crate::mesh::LARGEST_EXTENT;
 use nalgebra::{Isometry3, Vector3};
 use stiffarm::error::{Error, Result};
 use stiffarm::model::robot::LinkCapsule;
 use stiffarm::model::shape::{Capsule, Solid, TriangleMesh, capsules_around, capsules_of_mesh};
 
 /// Most capsules around the meshes of a link.
-const MOST: usize = 2;
-/// No link of a robot is larger \[m\].
-const LARGEST: f64 = 20.0;
+const MOST_CAPSULES: usize = 2;
 
 impl UrdfRobot {
     /// Capsules that contain the collision geometry of each link: at most two around all
@@ -59,7 +58,7 @@ impl UrdfRobot {
                 check_size(shape, size)?;
                 link_capsules.extend(capsules_around(&solid.placed(&pose)));
             }
-            link_capsules.splice(0..0, capsules_of_mesh(&meshes, MOST));
+            link_capsules.splice(0..0, capsules_of_mesh(&meshes, MOST_CAPSULES));
             capsules
                 .extend(link_capsules.into_iter().map(|capsule| LinkCapsule { link, capsule: capsule.placed(&frame) }));
         }
@@ -86,7 +85,7 @@ fn scaled(factors: [f64; 3], mesh: impl FnOnce(f64) -> Result<TriangleMesh>) -> 
 }
 
 fn check_size(shape: &CollisionShape, size: f64) -> Result<()> {
-    if size <= LARGEST {
+    if size <= LARGEST_EXTENT {
         return Ok(());
     }
     let message =

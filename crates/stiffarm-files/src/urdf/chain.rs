@@ -22,7 +22,7 @@ use stiffarm::findings::Finding;
 use stiffarm::model::robot::{JointAxis, MOST_JOINTS};
 
 /// Axes are one where directions \[rad\] and places \[m\] differ by no more than rounding.
-const SAME: f64 = 1e-10;
+const SAME_AXIS: f64 = 1e-10;
 
 /// A chain as axes moved by the controller's joints.
 pub(super) struct Chain<'a> {
@@ -52,7 +52,7 @@ pub(super) struct ChainLink<'a> {
 }
 
 /// What a joint follows: itself, or another one.
-struct Follows<'a> {
+struct JointDrive<'a> {
     drive: &'a Joint,
     multiplier: f64,
     offset: f64,
@@ -146,12 +146,12 @@ fn placed<'a>(groups: &[Group<'a>], links: Vec<(&'a str, Isometry3<f64>)>) -> Ve
 
 /// Adds a joint to the axis before it, where it is the same and one of the two
 /// follows another joint, or as an axis of its own.
-fn add<'a>(groups: &mut Vec<Group<'a>>, joint: &'a Joint, axis: JointAxis, follows: &Follows<'a>, link: usize) {
+fn add<'a>(groups: &mut Vec<Group<'a>>, joint: &'a Joint, axis: JointAxis, follows: &JointDrive<'a>, link: usize) {
     let last = groups.last_mut();
     let one = last.filter(|group| {
         let apart = (axis.point - group.axis.point).cross(&group.axis.direction);
         let turned = axis.direction.cross(&group.axis.direction);
-        (group.has_mimic || follows.is_mimic) && apart.norm() <= SAME && turned.norm() <= SAME
+        (group.has_mimic || follows.is_mimic) && apart.norm() <= SAME_AXIS && turned.norm() <= SAME_AXIS
     });
     let Some(group) = one else {
         groups.push(Group {
@@ -260,8 +260,8 @@ fn direction(source: &Source<'_>, joint: &Joint) -> Result<UnitVector3<f64>> {
 }
 
 /// What a joint follows, through joints that follow others themselves.
-fn follows<'a>(tree: &Tree<'a>, joint: &'a Joint) -> Result<Follows<'a>> {
-    let mut follows = Follows { drive: joint, multiplier: 1.0, offset: 0.0, is_mimic: false };
+fn follows<'a>(tree: &Tree<'a>, joint: &'a Joint) -> Result<JointDrive<'a>> {
+    let mut follows = JointDrive { drive: joint, multiplier: 1.0, offset: 0.0, is_mimic: false };
     let error = |code, message| tree.source.error_at("joint", &joint.name, code, message);
     for _ in 0..=tree.robot.joints.len() {
         let Some(mimic) = &follows.drive.mimic else {

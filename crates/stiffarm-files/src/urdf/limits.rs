@@ -6,7 +6,7 @@ use super::source::Source;
 use std::f64::consts::TAU;
 use stiffarm::error::{Code, Result};
 use stiffarm::findings::Finding;
-use stiffarm::units::{deg_to_rad, rad_to_deg};
+use stiffarm::units::{deg_to_rad, rad_to_deg, rounded};
 
 /// Limits of a joint \[rad\]: full turns for one without end.
 pub(super) fn limits(source: &Source<'_>, joint: &Joint) -> Result<[f64; 2]> {
@@ -50,11 +50,7 @@ fn meant(rad: f64) -> f64 {
     let deg = rad_to_deg(rad);
     // Of all digits the conversion itself costs the last.
     let last = rad_to_deg(10f64.powi(-(decimals as i32))).max(4.0 * f64::EPSILON * deg.abs());
-    let rounded = |decimals: usize| {
-        let factor = 10f64.powi(decimals as i32);
-        (deg * factor).round() / factor
-    };
-    let near = (0..decimals).map(rounded).find(|r| (r - deg).abs() <= last);
+    let near = (0..decimals).map(|decimals| rounded(deg, decimals as i32)).find(|r| (r - deg).abs() <= last);
     near.map_or(rad, deg_to_rad)
 }
 

@@ -1,4 +1,4 @@
-"""The four built-in tasks with the library itself."""
+"""The four built-in tasks of campaigns give what the library gives by itself."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ SELECT: dict[str, Any] = {
 
 def run(data: dict[str, Any], folder: Path, **arguments: Any) -> list[dict[str, Any]]:
     Campaign.from_dict(data).run(folder, progress=False, **arguments)
-    found = rows(folder)
-    assert [row["error_message"] for row in found] == [None] * len(found)
-    return found
+    made = rows(folder)
+    assert [row["error_message"] for row in made] == [None] * len(made)
+    return made
 
 
 def with_axes(task: str, options: dict[str, Any] | None = None, **axes: Any) -> dict[str, Any]:
@@ -110,14 +110,14 @@ def test_simulations_are_those_of_the_library(tmp_path: Path) -> None:
 
 def test_a_scattered_prior_costs_something_under_the_true_one(tmp_path: Path) -> None:
     data = with_axes("select", {"rounds": 1}, postures=[4], prior_scatter=[0.0, 1.0], seed={"first": 1, "last": 3})
-    found = run(data, tmp_path)
-    known, unknown = (
-        [row["index_expected_error"] for row in found if row["prior_scatter"] == scatter]
+    items = run(data, tmp_path)
+    exact, scattered = (
+        [row["index_expected_error"] for row in items if row["prior_scatter"] == scatter]
         for scatter in (0.0, 1.0)
     )
-    assert statistics.fmean(unknown) > statistics.fmean(known)
-    values = [row["index_value"] for row in found]
-    assert values[:3] == known
+    assert statistics.fmean(scattered) > statistics.fmean(exact)
+    values = [row["index_value"] for row in items]
+    assert values[:3] == exact
     # Each seed draws its own prior.
     assert len(set(values)) == 6
 
@@ -165,8 +165,8 @@ def test_tools_loads_and_anchors_change_the_cell(tmp_path: Path) -> None:
     data["tools"] = {"long": long_tool}
     rope = {"kind": "rope", "anchor_mm": [1600, 600, 0]}
     data["loads"] = {"other": {**rope, "magnitude_n": 100}}
-    found = run(data, tmp_path)
-    for row in found:
+    items = run(data, tmp_path)
+    for row in items:
         keys["tool"] = long_tool
         keys["load"] = {**rope, "magnitude_n": row["load_n"]}
         cell = sa.Cell.from_dict(keys)

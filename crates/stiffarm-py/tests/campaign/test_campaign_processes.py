@@ -75,7 +75,7 @@ def test_the_same_grid_gives_the_same_bytes(grid: dict[str, Any], tmp_path: Path
 
 
 def test_what_goes_wrong_is_a_row_and_the_rest_goes_on(wild: Path) -> None:
-    found = {row["way"]: row for row in rows(wild)}
+    by_way = {row["way"]: row for row in rows(wild)}
     expected = {
         "raises": ("task-error", "ValueError: seed 2 at <object object at 0x…>"),
         "refuses": ("invalid_value", "The load is none."),
@@ -94,7 +94,7 @@ def test_what_goes_wrong_is_a_row_and_the_rest_goes_on(wild: Path) -> None:
         "infinite": ("bad-result", "The figure value is -inf; a number is finite, and None where there is none."),
     }
     for way in WAYS:
-        row = found[way]
+        row = by_way[way]
         if way in expected:
             assert row["status"] == "failed"
             assert (row["error_code"], row["error_message"]) == expected[way]

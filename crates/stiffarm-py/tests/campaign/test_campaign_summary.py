@@ -1,4 +1,4 @@
-"""Summaries, figures and the command."""
+"""Summaries and figures of a campaign are those of its rows, and its command says where it stands."""
 
 from __future__ import annotations
 
@@ -45,11 +45,11 @@ def test_aggregates_are_those_of_the_rows(ran: Campaign, tmp_path: Path) -> None
 def test_quantiles_are_numpys() -> None:
     numpy = pytest.importorskip("numpy")
     values = [3.0, 1.5, 9.25, 4.0, -2.0, None, 7]
-    found = statistics_of(values)
-    kept = [3.0, 1.5, 9.25, 4.0, -2.0, 7.0]
+    summary = statistics_of(values)
+    present = [3.0, 1.5, 9.25, 4.0, -2.0, 7.0]
     for name, share in (("p05", 5), ("p25", 25), ("median", 50), ("p75", 75), ("p95", 95)):
-        assert found[name] == pytest.approx(numpy.percentile(kept, share), rel=1e-14)
-    assert found["values"] == 6
+        assert summary[name] == pytest.approx(numpy.percentile(present, share), rel=1e-14)
+    assert summary["values"] == 6
     assert statistics_of([None])["mean"] is None
     # No table holds one, and a mean over one is none.
     assert numpy.isnan(statistics_of([*values, float("nan")])["mean"])
@@ -88,7 +88,7 @@ def test_failures_are_counted_by_kind(tmp_path: Path) -> None:
     assert "3 × invalid_value, first item 6 (way=refuses,seed=1): The load is none." in str(summary)
 
 
-def told(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str, str]:
+def printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str, str]:
     """Exit code, standard output and standard error of the command in this process, which needs no start."""
     code = main([str(one) for one in arguments])
     return code, *capsys.readouterr()
@@ -101,9 +101,9 @@ def test_the_command_runs_says_how_far_and_sums_up(
     code, out, err = finish("run", campaign, folder)
     assert (code, err) == (0, "")
     assert out == f"24 of 24 items, 0 failed: {folder / 'results.parquet'}\n"
-    code, out, _ = told(capsys, "status", folder)
+    code, out, _ = printed(capsys, "status", folder)
     assert (code, out) == (0, "quick: 24 of 24 items, 0 failed\n")
-    code, out, _ = told(capsys, "summary", folder)
+    code, out, _ = printed(capsys, "summary", folder)
     assert code == 0 and "margin_mm by index" in out
     assert open_folder(folder).declaration == Campaign.read(campaign).declaration
 
@@ -117,10 +117,10 @@ def test_the_command_says_where_an_error_is(
     code, out, err = finish("run", path, tmp_path / "a")
     assert (code, out) == (2, "")
     assert err.startswith(f"error: {path}: axes.n: 'n' is not known here.\n  hint: ")
-    code, _, err = told(capsys, "status", tmp_path)
+    code, _, err = printed(capsys, "status", tmp_path)
     assert code == 2 and "no folder of a campaign" in err
-    code, _, err = told(capsys, "summary", tmp_path)
+    code, _, err = printed(capsys, "summary", tmp_path)
     assert code == 2 and "no folder of a campaign" in err
     failing = {"name": "w", "task": "campaign_tasks:wild", "axes": {"way": "raises", "seed": 1}}
-    code, out, _ = told(capsys, "run", toml(path, failing), tmp_path / "b")
+    code, out, _ = printed(capsys, "run", toml(path, failing), tmp_path / "b")
     assert code == 1 and "1 failed" in out

@@ -1,14 +1,12 @@
 //! How a view looks at the cell.
 
+use crate::scene::first_look::{TURN, toward};
 use stiffarm::nalgebra::Vector3;
 
 /// The camera of the perspective stands this many times as far away as the scene is large.
 const AWAY: f64 = 3.5;
 /// What is nearer to the camera than this share of its distance is cut off.
 const NEAREST: f64 = 0.15;
-/// Sideways turn of the perspective from the side view, and its tilt from above \[deg\].
-const TURN: f64 = 32.0;
-const TILT: f64 = 24.0;
 
 /// Axes of a view in the base frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,9 +32,8 @@ impl Camera {
 
     /// In perspective, at something of this size around `centre`.
     pub(super) fn perspective(centre: Vector3<f64>, size: f64) -> Self {
-        let (turn, tilt) = (TURN.to_radians(), TILT.to_radians());
-        let toward = Vector3::new(turn.sin() * tilt.cos(), -turn.cos() * tilt.cos(), tilt.sin());
-        let right = Vector3::new(turn.cos(), turn.sin(), 0.0);
+        let toward = toward(TURN);
+        let right = Vector3::z().cross(&toward).normalize();
         Camera { right, up: toward.cross(&right), toward, eye: Some((centre, AWAY * size.max(1e-3))) }
     }
 

@@ -1,11 +1,9 @@
 //! Outlines of solids in a view: convex hulls of projected points.
 
 use super::camera::Camera;
+use crate::scene::corners::{circle, corner_points};
 use stiffarm::model::shape::Solid;
-use stiffarm::nalgebra::{Point3, Vector3};
-
-/// Points of a circle.
-const ROUND: usize = 40;
+use stiffarm::nalgebra::Vector3;
 
 /// Points whose convex hull in this view is the solid's outline; empty for what has no end.
 fn rim_points(solid: &Solid, camera: &Camera) -> Vec<Vector3<f64>> {
@@ -19,49 +17,6 @@ fn rim_points(solid: &Solid, camera: &Camera) -> Vec<Vector3<f64>> {
             .collect(),
         _ => corner_points(solid),
     }
-}
-
-/// Points on the solid's edges, those of round edges sampled.
-pub(super) fn corner_points(solid: &Solid) -> Vec<Vector3<f64>> {
-    match solid {
-        Solid::Capsule(capsule) => {
-            let r = capsule.radius;
-            let ends = [capsule.a, capsule.b];
-            let sides = [-1.0, 1.0];
-            ends.iter()
-                .flat_map(|end| {
-                    let along = (0..3).flat_map(move |i| sides.map(|side| end + Vector3::ith(i, side * r)));
-                    along.collect::<Vec<_>>()
-                })
-                .collect()
-        }
-        Solid::Block { pose, half } => (0..8)
-            .map(|i| {
-                let side = |bit: usize| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
-                let corner = half.component_mul(&Vector3::new(side(0), side(1), side(2)));
-                (pose * Point3::from(corner)).coords
-            })
-            .collect(),
-        Solid::Cylinder { pose, half_length, radius } => {
-            let axes = [Vector3::x(), Vector3::y()].map(|axis| pose.rotation * axis);
-            let along = pose.rotation * Vector3::z() * *half_length;
-            let middle = pose.translation.vector;
-            let mut points = circle(middle - along, *radius, axes);
-            points.extend(circle(middle + along, *radius, axes));
-            points
-        }
-        Solid::HalfSpace { .. } => Vec::new(),
-    }
-}
-
-/// Points of a circle in the plane of two axes.
-pub(super) fn circle(centre: Vector3<f64>, radius: f64, axes: [Vector3<f64>; 2]) -> Vec<Vector3<f64>> {
-    (0..ROUND)
-        .map(|i| {
-            let (sin, cos) = (std::f64::consts::TAU * i as f64 / ROUND as f64).sin_cos();
-            centre + (axes[0] * cos + axes[1] * sin) * radius
-        })
-        .collect()
 }
 
 /// The outline of a solid in a view; `None` for what has no end or lies behind who looks.

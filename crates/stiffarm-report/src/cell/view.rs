@@ -1,11 +1,12 @@
-//! Things of a cell as marks of a view \[mm\].
+//! What a picture shows of a cell as marks of a view \[mm\].
 
 use super::camera::Camera;
-use super::outline::{circle, corner_points, hull_of, outline};
-use super::stage::Stage;
-use super::things::{Layer, Name, Shown, Thing, Things, What};
+use super::elements::{Element, Elements, Geometry, Layer, Name, Shown};
+use super::outline::{hull_of, outline};
 use crate::figure::Axis;
 use crate::figure::drawing::{Label, Mark, Shape, Tone, View};
+use crate::scene::corners::{circle, corner_points, edges};
+use crate::scene::stage::Stage;
 use stiffarm::model::shape::Solid;
 use stiffarm::nalgebra::{Unit, Vector3};
 
@@ -13,34 +14,31 @@ use stiffarm::nalgebra::{Unit, Vector3};
 const ROOM: f64 = 0.04;
 /// The arm's axes lie within its shapes: so much farther than they are, as a share of the scene.
 const WITHIN: f64 = 0.08;
+/// Bodies that differ by less in how near they are \[m\] are drawn from the base to the tool.
+const AS_NEAR: f64 = 1e-5;
 /// Arrows shorter than this share of the scene are left out.
 const SHORT: f64 = 0.02;
 const MM: f64 = 1e3;
 
-/// A view of the things.
-pub(super) fn view(title: &str, axes: Option<[&str; 2]>, camera: &Camera, stage: &Stage, things: &Things) -> View {
+/// A view of the elements.
+pub(super) fn view(title: &str, axes: Option<[&str; 2]>, camera: &Camera, stage: &Stage, all: &Elements<'_>) -> View {
     let extent = extent(camera, stage);
     let draws = Draws { camera, stage, extent };
-    let mut order: Vec<(&Thing, f64)> = things.things.iter().map(|thing| (thing, draws.nearness(thing))).collect();
-    order.sort_by(|(a, near), (b, nearer)| {
-        a.layer.cmp(&b.layer).then(match a.layer {
-            Layer::Bodies => near.total_cmp(nearer),
-            _ => std::cmp::Ordering::Equal,
-        })
-    });
+    let mut order: Vec<&Element> = all.elements.iter().collect();
+    order.sort_by_cached_key(|element| (element.layer, draws.nearness(element)));
     View {
         title: title.into(),
         axes: axes.map(|names| names.map(|name| Axis::linear(name, "mm"))),
         extent: extent.map(|ends| ends.map(|v| v * MM)),
-        marks: order.iter().flat_map(|(thing, _)| draws.marks(thing)).collect(),
-        labels: things.names.iter().filter_map(|n| draws.label(n)).collect(),
+        marks: order.iter().flat_map(|element| draws.marks(element)).collect(),
+        labels: all.names.iter().filter_map(|n| draws.label(n)).collect(),
     }
 }
 
 /// What must be seen, with some room.
 fn extent(camera: &Camera, stage: &Stage) -> [[f64; 2]; 2] {
     let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-    for p in stage.points().iter().filter_map(|p| camera.point(p)) {
+    for p in stage.points.iter().filter_map(|p| camera.point(p)) {
         for (end, v) in ends.iter_mut().zip(p) {
             *end = [end[0].min(v), end[1].max(v)];
         }
@@ -56,84 +54,66 @@ struct Draws<'a> {
 }
 
 impl Draws<'_> {
-    fn nearness(&self, thing: &Thing) -> f64 {
-        let mean = |points: &[Vector3<f64>]| {
-            let sum: Vector3<f64> = points.iter().sum();
-            sum / points.len().max(1) as f64
+    /// How near a body is, in steps of [`AS_NEAR`].
+    fn nearness(&self, element: &Element) -> i64 {
+        let (points, within) = match &element.geometry {
+            Geometry::Solid(solid) if element.layer == Layer::Bodies => (corner_points(solid), 0.0),
+            Geometry::Line(points) if element.layer == Layer::Bodies => (points.clone(), WITHIN * self.stage.size()),
+            _ => return 0,
         };
-        match &thing.what {
-            What::Solid(Solid::HalfSpace { .. }) | What::Level(_) => f64::NEG_INFINITY,
-            What::Solid(solid) => self.camera.nearness(&mean(&corner_points(solid))),
-            What::Hull(points) => self.camera.nearness(&mean(points)),
-            What::Line(points) => self.camera.nearness(&mean(points)) - WITHIN * self.stage.size(),
-            What::Arrow([p, _]) | What::Point(p) => self.camera.nearness(p),
-        }
+        let middle = points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64;
+        ((self.camera.nearness(&middle) - within) / AS_NEAR).round() as i64
     }
 
-    fn marks(&self, thing: &Thing) -> Vec<Mark> {
-        let line = |a: &Vector3<f64>, b: &Vector3<f64>| {
-            let piece = self.camera.segment(a, b)?;
-            Some(Shape::Line(piece.map(|p| p.map(|v| v * MM)).to_vec()))
+    fn marks(&self, element: &Element) -> Vec<Mark> {
+        let camera = self.camera;
+        let shapes: Vec<Shape> = match &element.geometry {
+            Geometry::Solid(Solid::HalfSpace { point, normal }) => {
+                Vec::from_iter(self.half_space(point, normal).map(Shape::Area))
+            }
+            Geometry::Solid(solid) if element.tone == Tone::Bound && !camera.is_flat() => self.frame_of(solid),
+            Geometry::Solid(solid) => Vec::from_iter(outline(solid, camera).map(Shape::Area)),
+            Geometry::Hull(points) => Vec::from_iter(hull_of(points, camera).map(Shape::Area)),
+            Geometry::Line(points) if camera.is_flat() => {
+                vec![Shape::Line(points.iter().map(|p| camera.flat(p)).collect())]
+            }
+            Geometry::Line(points) => {
+                let pieces = points.windows(2).filter_map(|p| camera.segment(&p[0], &p[1]));
+                pieces.map(|piece| Shape::Line(piece.to_vec())).collect()
+            }
+            Geometry::Arrow([from, to]) => {
+                let ends = camera.segment(from, to).filter(|[a, b]| self.is_long(a, b));
+                Vec::from_iter(ends.map(Shape::Arrow))
+            }
+            Geometry::Point(at) => Vec::from_iter(camera.point(at).map(Shape::Point)),
+            Geometry::Level(height) => Vec::from_iter(self.level(*height)),
         };
-        let shapes: Vec<Shape> = match &thing.what {
-            What::Solid(Solid::HalfSpace { point, normal }) => {
-                self.half_space(point, normal).map(area).into_iter().collect()
-            }
-            What::Solid(solid) if thing.tone == Tone::Bound && !self.camera.is_flat() => self.frame_of(solid),
-            What::Solid(solid) => outline(solid, self.camera).map(area).into_iter().collect(),
-            What::Hull(points) => hull_of(points, self.camera).map(area).into_iter().collect(),
-            What::Line(points) => {
-                if self.camera.is_flat() {
-                    vec![Shape::Line(points.iter().map(|p| self.camera.flat(p).map(|v| v * MM)).collect())]
-                } else {
-                    points.windows(2).filter_map(|p| line(&p[0], &p[1])).collect()
-                }
-            }
-            What::Arrow([from, to]) => {
-                let ends = self.camera.segment(from, to);
-                let long = |[a, b]: &[[f64; 2]; 2]| (b[0] - a[0]).hypot(b[1] - a[1]) > SHORT * self.stage.size();
-                let ends = ends.filter(long).map(|ends| ends.map(|p| p.map(|v| v * MM)));
-                ends.map(Shape::Arrow).into_iter().collect()
-            }
-            What::Point(at) => {
-                let at = self.camera.point(at).map(|p| p.map(|v| v * MM));
-                at.map(Shape::Point).into_iter().collect()
-            }
-            What::Level(height) => self.level(*height).into_iter().collect(),
-        };
-        let marks = shapes.into_iter();
-        marks.map(|s| Mark::new(s, thing.tone).with_caution(thing.caution)).collect()
+        let marks = shapes.into_iter().map(|shape| Mark::new(in_mm(shape), element.tone));
+        marks.map(|mark| mark.with_caution(element.caution)).collect()
+    }
+
+    /// True where an arrow is long enough to be seen.
+    fn is_long(&self, from: &[f64; 2], to: &[f64; 2]) -> bool {
+        (to[0] - from[0]).hypot(to[1] - from[1]) > SHORT * self.stage.size()
     }
 
     /// Edges of a limit in perspective.
     fn frame_of(&self, solid: &Solid) -> Vec<Shape> {
-        let rounds: Vec<Vec<Vector3<f64>>> = match solid {
-            Solid::Block { .. } => {
-                let c = corner_points(solid);
-                let edges = (0..8_usize).flat_map(|i| {
-                    let ends = [1, 2, 4].map(|bit| (i, i | bit));
-                    ends.into_iter().filter(|(a, b)| a != b)
-                });
-                edges.map(|(a, b)| vec![c[a], c[b]]).collect()
-            }
+        let lines: Vec<Vec<Vector3<f64>>> = match solid {
+            Solid::Block { .. } => edges(&corner_points(solid)).map(Vec::from).collect(),
             // A tube without end, at the height of the base.
             Solid::Cylinder { pose, radius, .. } => {
                 let axes = [Vector3::x(), Vector3::y()].map(|axis| pose.rotation * axis);
                 let along = pose.rotation * Vector3::z();
                 let middle = pose.translation.vector;
-                let foot = middle - along * along.dot(&middle);
-                let mut round = circle(foot, *radius, axes);
+                let mut round = circle(middle - along * along.dot(&middle), *radius, axes);
                 round.extend(round.first().copied());
                 vec![round]
             }
             _ => Vec::new(),
         };
-        let seen = rounds.iter().filter_map(|points| {
-            let points: Option<Vec<[f64; 2]>> =
-                points.iter().map(|p| self.camera.point(p).map(|p| p.map(|v| v * MM))).collect();
-            points.map(Shape::Line)
-        });
-        seen.collect()
+        let seen = lines.iter().map(|points| points.iter().map(|p| self.camera.point(p)).collect::<Option<Vec<_>>>());
+        seen.flatten().map(Shape::Line).collect()
     }
 
     /// A height as a line across a view from the side.
@@ -144,7 +124,7 @@ impl Draws<'_> {
         }
         let [[left, right], _] = self.extent;
         let reach = right - left;
-        Some(Shape::Line([left - reach, right + reach].map(|x| [x * MM, height * MM]).to_vec()))
+        Some(Shape::Line([left - reach, right + reach].map(|x| [x, height]).to_vec()))
     }
 
     /// What lies behind a plane: half of the view where it is seen edge-on, else the piece of the
@@ -159,41 +139,20 @@ impl Draws<'_> {
             return None;
         }
         let at = self.camera.flat(point);
-        let out = |p: &[f64; 2]| across[0] * (p[0] - at[0]) + across[1] * (p[1] - at[1]);
-        let [x, y] = self.extent.map(|[a, b]| [2.0 * a - b, 2.0 * b - a]);
-        let around = [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]];
-        let mut kept = Vec::new();
-        for (i, here) in around.iter().enumerate() {
-            let before = &around[(i + 3) % 4];
-            let (a, b) = (out(before), out(here));
-            if (a > 0.0) != (b > 0.0) {
-                let t = a / (a - b);
-                kept.push([0, 1].map(|k| before[k] + t * (here[k] - before[k])));
-            }
-            if b <= 0.0 {
-                kept.push(*here);
-            }
-        }
-        (kept.len() > 2).then_some(kept)
+        // Beyond all that is seen to three sides; the frame cuts it off.
+        let far = 2.0 * self.extent.iter().flatten().chain(&at).map(|v| v.abs()).sum::<f64>();
+        let corner = |beside: f64, behind: f64| {
+            [at[0] - across[1] * beside - across[0] * behind, at[1] + across[0] * beside - across[1] * behind]
+        };
+        Some(vec![corner(far, 0.0), corner(far, far), corner(-far, far), corner(-far, 0.0)])
     }
 
     /// Where a plane meets the edges of the box around the scene.
     fn slice(&self, point: &Vector3<f64>, normal: &Unit<Vector3<f64>>) -> Vec<Vector3<f64>> {
         let corners = self.stage.corners();
-        let mut points = Vec::new();
-        for i in 0..8_usize {
-            for bit in [1, 2, 4] {
-                if i & bit != 0 {
-                    continue;
-                }
-                let (p, q) = (corners[i], corners[i | bit]);
-                let (a, b) = ((p - point).dot(normal), (q - point).dot(normal));
-                if (a > 0.0) != (b > 0.0) {
-                    points.push(p + (q - p) * (a / (a - b)));
-                }
-            }
-        }
-        points
+        let ends = edges(&corners).map(|[p, q]| (p, q, (p - point).dot(normal), (q - point).dot(normal)));
+        let crossing = ends.filter(|(.., a, b)| (*a > 0.0) != (*b > 0.0));
+        crossing.map(|(p, q, a, b)| p + (q - p) * (a / (a - b))).collect()
     }
 
     /// A name, where this view shows it.
@@ -206,8 +165,7 @@ impl Draws<'_> {
             Shown::Cluster(cluster) => (at?, name.text.clone(), cluster),
             Shown::Arrow => {
                 let (at, foot) = (at?, self.camera.point(&Vector3::zeros())?);
-                let long = (at[0] - foot[0]).hypot(at[1] - foot[1]) > SHORT * self.stage.size();
-                long.then(|| (at, name.text.clone(), ""))?
+                self.is_long(&foot, &at).then(|| (at, name.text.clone(), ""))?
             }
             Shown::Plane(normal) => {
                 let [a, b] = self.camera.flat(&normal);
@@ -239,6 +197,13 @@ impl Draws<'_> {
     }
 }
 
-fn area(corners: Vec<[f64; 2]>) -> Shape {
-    Shape::Area(corners.into_iter().map(|p| p.map(|v| v * MM)).collect())
+/// The shape in mm.
+fn in_mm(shape: Shape) -> Shape {
+    let mm = |p: [f64; 2]| p.map(|v| v * MM);
+    match shape {
+        Shape::Area(corners) => Shape::Area(corners.into_iter().map(mm).collect()),
+        Shape::Line(points) => Shape::Line(points.into_iter().map(mm).collect()),
+        Shape::Arrow(ends) => Shape::Arrow(ends.map(mm)),
+        Shape::Point(at) => Shape::Point(mm(at)),
+    }
 }

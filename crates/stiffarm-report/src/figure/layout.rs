@@ -111,8 +111,8 @@ impl Layout {
     /// The font families, the stated one first, as a CSS list. Characters that
     /// no family name has are left out.
     pub(super) fn families(&self) -> String {
-        let known = |c: &char| c.is_alphanumeric() || " -_.+".contains(*c);
-        let family: String = self.font_family.chars().filter(known).collect();
+        let is_of_name = |c: &char| c.is_alphanumeric() || " -_.+".contains(*c);
+        let family: String = self.font_family.chars().filter(is_of_name).collect();
         match family.trim() {
             "" => USUAL_FAMILIES.to_owned(),
             family => format!("'{family}', {USUAL_FAMILIES}"),

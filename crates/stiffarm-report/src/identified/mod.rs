@@ -10,7 +10,7 @@ pub use residuals::{clamped_residual_figure, residual_figure};
 pub use states::{influence_figure, load_states_figure};
 pub use stiffness::{StiffnessRow, stiffness_figure};
 
-/// The number of a name in such a list.
-pub(crate) fn place(names: &[&str], name: &str) -> usize {
-    names.iter().position(|other| *other == name).unwrap_or(0)
+/// The number of a name in such a list; `None` where it is not in it.
+pub(crate) fn place(names: &[&str], name: &str) -> Option<usize> {
+    names.iter().position(|other| *other == name)
 }

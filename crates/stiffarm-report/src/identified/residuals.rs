@@ -20,14 +20,14 @@ pub fn residual_figure(identification: &Identification) -> Figure {
     let labels = if several { points.len().max(1) } else { 1 };
     let mut shown = vec![(Vec::new(), Vec::new()); labels];
     for one in &identification.postures {
-        let at = place(&postures, &one.posture) as f64;
+        let Some(at) = place(&postures, &one.posture) else { continue };
         for residual in &one.residuals {
-            let number = place(&points, &residual.point);
+            let Some(number) = place(&points, &residual.point) else { continue };
             let (x, y) = &mut shown[if several { number } else { 0 }];
             // Points of a posture stand side by side.
             let share = (number as f64 + 0.5) / points.len().max(1) as f64 - 0.5;
             for component in residual.residual_m {
-                x.push(at + 0.7 * share);
+                x.push(at as f64 + 0.7 * share);
                 y.push(1e3 * component);
             }
         }
@@ -86,7 +86,8 @@ pub fn clamped_residual_figure(identification: &ClampedIdentification) -> Figure
     let mut series: Vec<Series> = Vec::new();
     for state in states {
         let of_state = identification.postures.iter().filter(|p| p.state == state);
-        let (x, y) = of_state.map(|p| (place(&postures, &p.posture) as f64, mdeg(p.residual_rms_rad))).unzip();
+        let at = |posture: &str| Some(place(&postures, posture)? as f64);
+        let (x, y) = of_state.filter_map(|p| Some((at(&p.posture)?, mdeg(p.residual_rms_rad)))).unzip();
         series.push(Series::new(state, Style::Points, x, y));
     }
     if let Some(expected) = identification.expected_std_rad {

@@ -2,7 +2,7 @@
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::order::places;
-use stiffarm::estimate::identify::NO_LONGER;
+use stiffarm::estimate::identify::LARGEST_HALF_WIDTH;
 
 /// One joint of [`stiffness_figure`].
 #[derive(Debug, Clone, PartialEq)]
@@ -70,7 +70,7 @@ pub fn stiffness_figure(
         part("readings", 1.0, &|row| row.statistical),
         part("systematic", 1.0, &|row| row.systematic),
         // As in the table: farther ends are told by the interval.
-        part("total", NO_LONGER, &|row| row.total),
+        part("total", LARGEST_HALF_WIDTH, &|row| row.total),
     ];
     let parts = parts
         .into_iter()
@@ -81,7 +81,7 @@ pub fn stiffness_figure(
     let panel =
         |title: &str, y: Axis, series: Vec<Series>| Panel::new(title, Axis::categorical("", joints.clone()), y, series);
     let mut panels = vec![panel("stiffness", Axis::log("joint stiffness", "10⁶ N·m/rad"), series)];
-    let no_longer = format!("{:.0} %", 100.0 * NO_LONGER);
+    let no_longer = format!("{:.0} %", 100.0 * LARGEST_HALF_WIDTH);
     let widths = match (parts.is_empty(), has_both) {
         (true, _) => format!("; no joint is known to better than {no_longer}"),
         (false, true) => format!(

@@ -1,6 +1,6 @@
 //! Tables of a page.
 
-use super::words::text;
+use super::words;
 use crate::figure::svg::escape;
 use crate::tell::{DataTable, Text};
 
@@ -27,8 +27,8 @@ pub(super) fn table(data: &DataTable) -> String {
         let cells = row.iter().enumerate().map(|(c, cell)| {
             let class = class(c);
             match c {
-                0 => format!("<th scope=\"row\"{}>{}</th>", short(cell), text(cell)),
-                _ => format!("<td{class}>{}</td>", text(cell)),
+                0 => format!("<th scope=\"row\"{}>{}</th>", short(cell), words::cell(cell)),
+                _ => format!("<td{class}>{}</td>", words::cell(cell)),
             }
         });
         format!("<tr>{}</tr>\n", cells.collect::<String>())

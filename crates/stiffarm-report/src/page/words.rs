@@ -2,15 +2,25 @@
 
 use crate::figure::svg::escape;
 use crate::tell::{Number, Piece, Text};
+use stiffarm::units::sentence_with_minus;
 
 /// Longest code that stays on one line \[characters\]; narrow screens have room for it.
 const UNBROKEN: usize = 26;
 
 /// Words in which numbers of the result keep their full value.
 pub(super) fn text(text: &Text) -> String {
+    pieces(text, together)
+}
+
+/// The same in a cell of a table, where words may be a name from a file: its signs stay.
+pub(super) fn cell(text: &Text) -> String {
+    pieces(text, unbroken)
+}
+
+fn pieces(text: &Text, shown: fn(&str) -> String) -> String {
     let pieces = text.0.iter().map(|piece| match piece {
-        Piece::Words(words) => together(words),
-        Piece::Strong(words) => format!("<strong>{}</strong>", together(words)),
+        Piece::Words(words) => shown(words),
+        Piece::Strong(words) => format!("<strong>{}</strong>", shown(words)),
         Piece::Code(words) => code(words),
         Piece::Link(words, anchor) => {
             format!("<a href=\"#{}\">{}</a>", escape(anchor), escape(words))
@@ -21,8 +31,13 @@ pub(super) fn text(text: &Text) -> String {
     pieces.collect()
 }
 
-/// Words in which no line ends between a number and its % or ±.
+/// Words of a sentence, with the minus of numbers.
 fn together(words: &str) -> String {
+    unbroken(&sentence_with_minus(words))
+}
+
+/// Words in which no line ends between a number and its % or ±.
+fn unbroken(words: &str) -> String {
     let words = words.replace("± ", "±\u{a0}").replace(" %", "\u{a0}%");
     escape(&words)
 }

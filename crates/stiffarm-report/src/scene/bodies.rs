@@ -1,8 +1,6 @@
 //! What is drawn of arm, tool and surroundings.
 
-use super::data::{ArmShapes, Body, BodyKind, SceneSolid};
-use super::numbers::{length, place, pose, vector};
-use crate::cell::stage::stands;
+use super::data::{ArmShapes, Body, BodyKind};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::robot::Robot;
 use stiffarm::model::scene::{Carrier, Part};
@@ -12,11 +10,11 @@ use stiffarm::nalgebra::{Isometry3, Vector3};
 /// Radius of the first and the last tube of an arm without shapes, as shares of its length.
 const THICK: [f64; 2] = [0.07, 0.03];
 
-/// The bodies of a cell, and how many of them come before those of its own scene.
+/// The bodies of a cell, and how many of them are the robot's and come before those of the cell's scene.
 pub(super) fn bodies(cell: &Cell) -> (ArmShapes, usize, Vec<Body>) {
     let robot = &cell.setup.robot;
-    let own = cell.scene.parts();
-    let has_arm = own.iter().any(|p| matches!(p.carrier, Carrier::Link(_)));
+    let parts = cell.scene.parts();
+    let has_arm = parts.iter().any(|p| matches!(p.carrier, Carrier::Link(_)));
     let (shapes, arm) = if has_arm {
         (ArmShapes::Own, Vec::new())
     } else {
@@ -25,8 +23,7 @@ pub(super) fn bodies(cell: &Cell) -> (ArmShapes, usize, Vec<Body>) {
             links => (ArmShapes::Own, links),
         }
     };
-    let parts = arm.iter().chain(own);
-    let bodies = parts.map(|part| body(part, robot.joint_count()));
+    let bodies = arm.iter().chain(parts).map(|part| body(part, robot.joint_count()));
     (shapes, arm.len(), bodies.collect())
 }
 
@@ -35,7 +32,7 @@ fn body(part: &Part, joints: usize) -> Body {
         name: part.name.clone(),
         kind: match part.carrier {
             Carrier::Flange => BodyKind::Tool,
-            _ if stands(part) => BodyKind::Standing,
+            Carrier::World if part.name != "base" => BodyKind::Standing,
             _ => BodyKind::Arm,
         },
         carrier: match part.carrier {
@@ -43,20 +40,7 @@ fn body(part: &Part, joints: usize) -> Body {
             Carrier::Link(i) => i,
             Carrier::Flange => joints + 1,
         },
-        solids: part.solids.iter().map(solid).collect(),
-    }
-}
-
-fn solid(solid: &Solid) -> SceneSolid {
-    match solid {
-        Solid::Capsule(Capsule { a, b, radius }) => {
-            SceneSolid::Capsule { a: place(a), b: place(b), radius: length(*radius) }
-        }
-        Solid::Block { pose: at, half } => SceneSolid::Block { pose: pose(at), half: place(half) },
-        Solid::Cylinder { pose: at, half_length, radius } => {
-            SceneSolid::Cylinder { pose: pose(at), half_length: length(*half_length), radius: length(*radius) }
-        }
-        Solid::HalfSpace { point, normal } => SceneSolid::Plane { point: place(point), normal: vector(normal) },
+        solids: part.solids.clone(),
     }
 }
 

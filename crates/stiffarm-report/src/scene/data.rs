@@ -1,11 +1,13 @@
 //! The cell in three dimensions as data: what a page needs to draw it, and no pixels.
 
 use super::extras::{ArrowSet, Ellipsoid, ScenePath};
-use super::numbers::Triple;
+use super::numbers::{Pose, Triple};
+use super::solids::solids;
 use serde::Serialize;
-
-/// Position \[m\] and rotation as a quaternion x, y, z, w.
-pub type Pose = [f64; 7];
+use stiffarm::model::cell::{LimitKind, LimitMargin};
+use stiffarm::model::shape::Solid;
+use stiffarm::nalgebra::{Unit, Vector3};
+use stiffarm::units::degrees;
 
 /// A cell at groups of postures.
 ///
@@ -33,6 +35,9 @@ pub struct Scene {
     pub shapes: ArmShapes,
     /// Links, tool, and what stands in the cell.
     pub bodies: Vec<Body>,
+    /// So many of the bodies, the first ones, are the robot's or made up in its proportions; the others are the cell's.
+    #[serde(skip)]
+    pub robot_bodies: usize,
     /// The flange in the frame of the last link.
     pub flange: Pose,
     /// Measuring points, flange axes.
@@ -68,6 +73,41 @@ pub struct Scene {
     pub ellipsoids: Vec<Ellipsoid>,
 }
 
+impl Scene {
+    /// The same at work: its loading point is the tool tip, which moves by these shifts \[m\] posture by posture, and
+    /// not by the joints alone; group by group. What the measuring points do is left out.
+    #[must_use]
+    pub fn at_work(mut self, shifts: &[Vec<Triple>]) -> Self {
+        self.loaded = Some("tip");
+        for load in &mut self.loads {
+            load.kind = "at work";
+        }
+        for (group, shifts) in self.groups.iter_mut().zip(shifts) {
+            for (posture, shift) in group.postures.iter_mut().zip(shifts) {
+                for load in &mut posture.loads {
+                    load.deflection = vec![*shift];
+                }
+            }
+        }
+        self
+    }
+
+    /// The bodies of the cell with their numbers, without those that only three dimensions show.
+    pub(crate) fn parts(&self) -> impl Iterator<Item = (usize, &Body)> + Clone {
+        self.bodies.iter().enumerate().skip(self.robot_bodies)
+    }
+
+    /// The postures of all groups.
+    pub(crate) fn postures(&self) -> impl Iterator<Item = &ScenePosture> {
+        self.groups.iter().flat_map(|group| &group.postures)
+    }
+
+    /// Where the ropes end.
+    pub(crate) fn anchors(&self) -> impl Iterator<Item = Vector3<f64>> {
+        self.loads.iter().filter_map(|load| load.anchor.map(Vector3::from))
+    }
+}
+
 /// Where the arm's shapes come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -99,46 +139,9 @@ pub struct Body {
     pub kind: BodyKind,
     /// Number of the link whose frame its solids are in: 0 is the base frame, one more than the joints the flange.
     pub carrier: usize,
-    /// Its solids.
-    pub solids: Vec<SceneSolid>,
-}
-
-/// A solid in the frame of its body's carrier.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case", tag = "kind")]
-pub enum SceneSolid {
-    /// A cylinder with half spheres at its ends.
-    Capsule {
-        /// One end of its axis.
-        a: Triple,
-        /// The other end.
-        b: Triple,
-        /// Its radius.
-        radius: f64,
-    },
-    /// A box about the origin of its pose.
-    Block {
-        /// Centre and axes.
-        pose: Pose,
-        /// Half its size along its axes.
-        half: Triple,
-    },
-    /// A cylinder about the z axis of its pose.
-    Cylinder {
-        /// Centre and axes.
-        pose: Pose,
-        /// Half its length.
-        half_length: f64,
-        /// Its radius.
-        radius: f64,
-    },
-    /// Everything behind a plane.
-    Plane {
-        /// A point on it.
-        point: Triple,
-        /// Away from what is filled.
-        normal: Triple,
-    },
+    /// Its solids in that frame \[m\].
+    #[serde(serialize_with = "solids")]
+    pub solids: Vec<Solid>,
 }
 
 /// A place and its name.
@@ -175,6 +178,17 @@ pub struct SceneLimits {
     pub wrist_height: Option<f64>,
     /// The cylinder about axis 1 that they stay out of.
     pub keep_out: Option<KeepOut>,
+    /// The cone about an axis from each anchor in which the loading device may act, and its half angle.
+    #[serde(skip)]
+    pub rope_cone: Option<(Unit<Vector3<f64>>, f64)>,
+}
+
+impl SceneLimits {
+    /// The limits that are heights.
+    pub(crate) fn levels(&self) -> impl Iterator<Item = (LimitKind, f64)> + use<> {
+        let levels = [(LimitKind::Floor, self.floor), (LimitKind::WristHeight, self.wrist_height)];
+        levels.into_iter().filter_map(|(kind, height)| Some((kind, height?)))
+    }
 }
 
 /// A cylinder without end.
@@ -204,8 +218,9 @@ pub struct Group {
 pub struct ScenePosture {
     /// Its name.
     pub name: String,
-    /// Controller angles \[°\].
-    pub angles_deg: Vec<f64>,
+    /// Controller angles \[rad\].
+    #[serde(rename = "angles_deg", with = "degrees")]
+    pub q: Vec<f64>,
     /// Frame of each link, unloaded.
     pub links: Vec<Pose>,
     /// What each load does, by number of load case; empty where the load is not known.
@@ -213,9 +228,15 @@ pub struct ScenePosture {
     /// Numbers of the measuring points that each station sees.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub seen: Vec<Vec<usize>>,
+    /// Number of the station that sees most.
+    #[serde(skip)]
+    pub best_station: Option<usize>,
     /// The two bodies that come nearest to each other.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closest: Option<Closest>,
+    /// How near each limit is.
+    #[serde(skip)]
+    pub margins: Vec<LimitMargin>,
     /// How much room the limits leave, in words, each unit's smallest; `None` without limits.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub room: Option<String>,

@@ -1,7 +1,12 @@
 //! A scene as part of a page.
 
 use super::data::Scene;
+use crate::figure::svg::escape;
+use serde::Serialize;
+use serde_json::Serializer;
+use serde_json::ser::Formatter;
 use std::fmt::Write as _;
+use std::io;
 
 /// The script of every page with scenes: three.js and the viewer. It adds one global, `stiffarm`.
 pub const VIEWER_SCRIPT: &str = concat!(
@@ -26,32 +31,35 @@ pub const VIEWER_STYLE: &str = include_str!("../../assets/viewer/viewer.css");
 /// `id` names its element in the page, `title` says what it is. `fallback` is HTML, a picture of the same: what is
 /// seen on paper, and where the browser cannot draw in three dimensions.
 pub fn scene_html(scene: &Scene, id: &str, title: &str, fallback: &str) -> String {
-    let json = serde_json::to_string(scene).unwrap_or_else(|_| "null".into());
+    let json = short_json(scene).unwrap_or_else(|| "null".into());
     let mut html = String::new();
     let _ = write!(
         html,
         "<div class=\"scene\" id=\"{id}\" data-title=\"{title}\">\n<div class=\"scene-fallback\">{fallback}</div>\n\
          <script type=\"application/json\">{json}</script>\n</div>\n",
-        id = escaped(id),
-        title = escaped(title),
+        id = escape(id),
+        title = escape(title),
         json = inert(&json),
     );
     html
 }
 
-/// Text as the value of an attribute.
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            c => out.push(c),
-        }
+/// JSON with numbers so short that many postures stay a small file.
+fn short_json(scene: &Scene) -> Option<String> {
+    let mut json = Vec::new();
+    scene.serialize(&mut Serializer::with_formatter(&mut json, ShortNumbers)).ok()?;
+    String::from_utf8(json).ok()
+}
+
+/// Seven significant digits, none of them below 1e-12.
+struct ShortNumbers;
+
+impl Formatter for ShortNumbers {
+    fn write_f64<W: ?Sized + io::Write>(&mut self, writer: &mut W, value: f64) -> io::Result<()> {
+        let short: f64 = format!("{value:.6e}").parse().unwrap_or(value);
+        // Adding zero turns −0 into 0.
+        write!(writer, "{}", (short * 1e12).round() / 1e12 + 0.0)
     }
-    out
 }
 
 /// JSON that ends no script element and begins no comment, whatever its strings say.

@@ -1,35 +1,42 @@
-//! A cell in three dimensions for a page: its data, and the script that shows them.
+//! A cell at postures as data, and the script that shows it in three dimensions on a page.
 //!
-//! [`scene`] asks the library about every posture once; the page computes nothing but where to draw. The script is
-//! three.js and `assets/viewer/`, joined as [`VIEWER_SCRIPT`]; `assets/README.md` says where three.js comes from.
+//! [`scene`] asks the library about every posture once; page and [`Scene::drawing`] compute nothing but where to draw.
+//! The script is three.js and `assets/viewer/`, joined as [`VIEWER_SCRIPT`]; `assets/README.md` says where three.js
+//! comes from.
 
+pub(crate) mod arm;
 mod bodies;
+pub(crate) mod corners;
 mod data;
 mod extras;
-mod first_look;
+pub(crate) mod first_look;
 mod html;
+pub(crate) mod limits;
 mod numbers;
 mod postures;
-mod with;
+mod solids;
+pub(crate) mod stage;
 
 pub use data::{
-    ArmShapes, Body, BodyKind, Closest, Group, KeepOut, LoadKind, NamedPlace, Pose, Scene, SceneLimits, SceneLoad,
-    ScenePosture, SceneSolid,
+    ArmShapes, Body, BodyKind, Closest, Group, KeepOut, LoadKind, NamedPlace, Scene, SceneLimits, SceneLoad,
+    ScenePosture,
 };
 pub use extras::{Arrow, ArrowSet, Ellipsoid, ScenePath};
 pub use html::{VIEWER_SCRIPT, VIEWER_STYLE, scene_html};
-pub use numbers::Triple;
+pub use numbers::{Pose, Triple};
 
-use crate::cell::stage::Stage;
 use crate::series_colour;
-use numbers::{length, place, pose, share, vector};
-use postures::Looks;
+use arm::Arm;
+use numbers::pose;
+use postures::AtPostures;
+use stage::Stage;
 use stiffarm::Result;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::{Load, Wrench};
 use stiffarm::model::observation::Setup;
 use stiffarm::model::posture::Posture;
 use stiffarm::model::stiffness::Model;
+use stiffarm::nalgebra::Vector3;
 
 /// Postures that are shown together.
 #[derive(Debug, Clone, Copy)]
@@ -50,18 +57,12 @@ impl<'a> SceneGroup<'a> {
 }
 
 /// How the arm bends.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct SceneOptions<'a> {
     /// Joint stiffness k \[N·m/rad\], one per spring; `None` takes the cell's own, where it has one.
     pub stiffness: Option<&'a [f64]>,
     /// The model that gives the deflections.
     pub model: Model,
-}
-
-impl Default for SceneOptions<'_> {
-    fn default() -> Self {
-        SceneOptions { stiffness: None, model: Model::Equilibrium }
-    }
 }
 
 /// The cell at these groups of postures.
@@ -72,28 +73,23 @@ impl Default for SceneOptions<'_> {
 pub fn scene(cell: &Cell, groups: &[SceneGroup<'_>], options: &SceneOptions<'_>) -> Result<Scene> {
     let robot = &cell.setup.robot;
     let stiffness = options.stiffness.or(cell.prior.as_deref());
-    let (shapes, before, bodies) = bodies::bodies(cell);
-    let mut looks = Looks::new(cell, stiffness, options.model, before)?;
-    let mut all = Vec::new();
-    let mut shown = Vec::with_capacity(groups.len());
-    for group in groups {
-        let mut postures = Vec::with_capacity(group.postures.len());
-        for (number, posture) in group.postures.iter().enumerate() {
-            let (one, terms) = looks.look(posture, group.wrenches.get(number))?;
-            postures.push(one);
-            all.push(terms);
-        }
-        shown.push(Group { name: group.name.to_string(), colour: series_colour(group.name), postures });
-    }
-    let stage = Stage::of(cell, &all, (!all.is_empty()).then_some(0));
-    let corners = stage.corners();
+    let (shapes, robot_bodies, bodies) = bodies::bodies(cell);
+    let mut at_postures = AtPostures::new(cell, stiffness, options.model, robot_bodies)?;
+    let groups = groups.iter().map(|group| {
+        let postures = group.postures.iter().enumerate();
+        let postures = postures.map(|(number, posture)| at_postures.at(posture, group.wrenches.get(number)));
+        let postures = postures.collect::<Result<_>>()?;
+        Ok(Group { name: group.name.to_string(), colour: series_colour(group.name), postures })
+    });
+    let groups = groups.collect::<Result<_>>()?;
     let stations = cell.scene.sight().map(|sight| sight.stations.iter());
-    Ok(Scene {
+    let mut scene = Scene {
         cell: cell.name.clone(),
         robot: robot.name().to_string(),
         joints: robot.joints().iter().map(|j| j.name.clone()).collect(),
         shapes,
         bodies,
+        robot_bodies,
         flange: pose(robot.flange()),
         measuring_points: cell
             .setup
@@ -104,21 +100,29 @@ pub fn scene(cell: &Cell, groups: &[SceneGroup<'_>], options: &SceneOptions<'_>)
             .collect(),
         loads: loads(&cell.setup),
         stations: stations.into_iter().flatten().map(|station| named(&station.name, &station.position)).collect(),
-        limits: limits(cell, &stage),
-        extent: [place(&corners[0]), place(&corners[7])],
-        first_turn: first_look::first_look(cell, &all).map(share),
-        force_length: length(stage.force_length()),
+        limits: limits(cell),
+        extent: Default::default(),
+        first_turn: None,
+        force_length: 0.0,
         model: stiffness.map(|_| options.model.as_str()),
         loaded: None,
-        groups: shown,
+        groups,
         path: None,
         arrows: None,
         ellipsoids: Vec::new(),
-    })
+    };
+    let arms: Vec<Arm<'_>> = scene.postures().map(|posture| Arm::of(&scene, posture)).collect();
+    let stage = Stage::of(&scene, &arms, arms.first());
+    let first_turn = first_look::first_look(&scene, robot.length(), &arms);
+    let corners = stage.corners();
+    scene.extent = [corners[0].into(), corners[7].into()];
+    scene.force_length = stage.force_length;
+    scene.first_turn = first_turn;
+    Ok(scene)
 }
 
-fn named(name: &str, at: &stiffarm::nalgebra::Vector3<f64>) -> NamedPlace {
-    NamedPlace { name: name.to_string(), at: place(at) }
+fn named(name: &str, at: &Vector3<f64>) -> NamedPlace {
+    NamedPlace { name: name.to_string(), at: (*at).into() }
 }
 
 fn loads(setup: &Setup) -> Vec<LoadKind> {
@@ -132,26 +136,27 @@ fn loads(setup: &Setup) -> Vec<LoadKind> {
             Load::Constant { .. } => "wrench",
             Load::Measured | Load::Cases(_) => "measured",
         },
-        at: place(&setup.tool.loading_point),
+        at: setup.tool.loading_point.into(),
         anchor: match &setup.load {
-            Load::Rope { anchor, .. } => Some(place(anchor)),
+            Load::Rope { anchor, .. } => Some((*anchor).into()),
             _ => None,
         },
     });
     loads.collect()
 }
 
-fn limits(cell: &Cell, stage: &Stage) -> SceneLimits {
+fn limits(cell: &Cell) -> SceneLimits {
     let limits = &cell.limits;
-    let (origin, axis) = stage.first_axis();
+    let first = cell.setup.robot.joints().first().map(|joint| joint.placement).unwrap_or_default();
     SceneLimits {
-        tool_box: limits.tool_box.map(|ends| ends.map(|p| place(&p))),
+        tool_box: limits.tool_box.map(|ends| ends.map(Triple::from)),
         floor: limits.floor,
         wrist_height: limits.wrist_height,
         keep_out: limits.keep_out_radius.map(|radius| KeepOut {
-            origin: place(&origin),
-            axis: vector(&axis),
-            radius: length(radius),
+            origin: first.translation.vector.into(),
+            axis: (first.rotation * Vector3::z()).into(),
+            radius,
         }),
+        rope_cone: cell.scene.rope().and_then(|rope| rope.cone),
     }
 }

@@ -1,38 +1,38 @@
 //! A cell at one posture after the other.
 
 use super::data::{Closest, SceneLoad, ScenePosture};
-use super::numbers::{digits, length, place, pose, vector};
-use crate::cell::cautions::{Cautions, least_room, sentences};
+use super::limits::{least_room, sentences, violated_parts};
+use super::numbers::{Triple, pose};
 use stiffarm::Result;
 use stiffarm::model::cell::{Cell, PostureMargins};
 use stiffarm::model::load::{Load, Wrench};
 use stiffarm::model::observation::{PostureTerms, Setup};
 use stiffarm::model::posture::Posture;
 use stiffarm::model::stiffness::{Model, displacement_between, equilibrium, joint_compliance, linear_displacement};
-use stiffarm::nalgebra::{DVector, Vector3};
-use stiffarm::units::rad_to_deg;
+use stiffarm::nalgebra::{DVector, Vector3, Vector6};
 
 /// What is asked of every posture, made ready once.
-pub(super) struct Looks<'a> {
+pub(super) struct AtPostures<'a> {
     cell: &'a Cell,
     setups: Vec<Setup>,
     margins: PostureMargins<'a>,
     stiffness: Option<&'a [f64]>,
     model: Model,
     /// Number of bodies before those of the cell's scene.
-    before: usize,
+    robot_bodies: usize,
 }
 
-impl<'a> Looks<'a> {
-    pub(super) fn new(cell: &'a Cell, stiffness: Option<&'a [f64]>, model: Model, before: usize) -> Result<Self> {
+impl<'a> AtPostures<'a> {
+    pub(super) fn new(cell: &'a Cell, stiffness: Option<&'a [f64]>, model: Model, robot_bodies: usize) -> Result<Self> {
         if let Some(stiffness) = stiffness {
             joint_compliance(&cell.setup.robot, stiffness)?;
         }
-        Ok(Looks { cell, setups: cell.setup.cases(), margins: cell.posture_margins()?, stiffness, model, before })
+        let (setups, margins) = (cell.setup.cases(), cell.posture_margins()?);
+        Ok(AtPostures { cell, setups, margins, stiffness, model, robot_bodies })
     }
 
-    /// A posture as data and its terms, under `wrench` where the load is measured and that is known.
-    pub(super) fn look(&mut self, posture: &Posture, wrench: Option<&Wrench>) -> Result<(ScenePosture, PostureTerms)> {
+    /// A posture as data, under `wrench` where the load is measured and that is known.
+    pub(super) fn at(&mut self, posture: &Posture, wrench: Option<&Wrench>) -> Result<ScenePosture> {
         let is_measured = self.cell.setup.load == Load::Measured;
         let none = Wrench::force(Vector3::zeros());
         let any = wrench.or(is_measured.then_some(&none));
@@ -44,25 +44,25 @@ impl<'a> Looks<'a> {
             }
         }
         let margins = self.margins.named(&posture.q)?;
-        let cautions = Cautions::of(self.cell, &margins);
-        let red = cautions.parts.iter().enumerate().filter(|(_, red)| **red);
+        let violated = violated_parts(self.cell, &margins);
         let scene = &self.cell.scene;
-        let shown = ScenePosture {
+        Ok(ScenePosture {
             name: posture.name.clone(),
-            angles_deg: posture.q.iter().map(|q| digits(rad_to_deg(*q))).collect(),
+            q: posture.q.clone(),
             links: terms.frames().links().iter().map(pose).collect(),
             loads,
             seen: scene.seen_by_each(&terms).into_iter().map(|s| s.points).collect(),
+            best_station: scene.seen(&terms).map(|s| s.station),
             closest: scene.closest(&terms).map(|pair| Closest {
                 names: pair.names,
-                distance: length(pair.distance),
-                points: pair.points.map(|p| place(&p)),
+                distance: pair.distance,
+                points: pair.points.map(Triple::from),
             }),
             room: least_room(&margins),
             violated: sentences("It", &margins),
-            caution: red.map(|(number, _)| self.before + number).collect(),
-        };
-        Ok((shown, terms))
+            caution: violated.iter().map(|number| self.robot_bodies + number).collect(),
+            margins,
+        })
     }
 
     fn load(&self, setup: &Setup, posture: &Posture, wrench: Option<&Wrench>) -> Result<SceneLoad> {
@@ -71,9 +71,9 @@ impl<'a> Looks<'a> {
         let bent = self.stiffness.and_then(|k| self.bent(setup, posture, &terms, k, wrench).ok());
         let (turns, deflection) = bent.unzip();
         Ok(SceneLoad {
-            force: vector(&terms.wrench().force),
-            moment: vector(&terms.wrench().moment),
-            turns: turns.map(|turns: DVector<f64>| turns.iter().copied().map(digits).collect()),
+            force: terms.wrench().force.into(),
+            moment: terms.wrench().moment.into(),
+            turns,
             deflection: deflection.unwrap_or_default(),
         })
     }
@@ -86,27 +86,23 @@ impl<'a> Looks<'a> {
         terms: &PostureTerms,
         stiffness: &[f64],
         wrench: Option<&Wrench>,
-    ) -> Result<(DVector<f64>, Vec<[f64; 3]>)> {
+    ) -> Result<(Vec<f64>, Vec<Triple>)> {
         let points = setup.tool.measuring_points.iter().map(|p| p.position);
         let in_flange = [setup.tool.loading_point].into_iter().chain(points);
-        let shift = |moved: stiffarm::nalgebra::Vector6<f64>| vector(&Vector3::new(moved[0], moved[1], moved[2]));
+        let shift = |moved: Vector6<f64>| [moved[0], moved[1], moved[2]];
         match self.model {
             Model::Equilibrium => {
                 let after = equilibrium(setup, &posture.q, stiffness, wrench)?;
                 let (from, to) = (terms.frames(), after.frames());
                 let shifts = in_flange.map(|point| shift(displacement_between(from, to, &point)));
-                let shifts = shifts.collect();
-                Ok((after.deflection, shifts))
+                Ok((after.deflection.as_slice().to_vec(), shifts.collect()))
             }
             Model::Linear => {
                 let torque = DVector::from_column_slice(terms.torque());
                 let turns = joint_compliance(&setup.robot, stiffness)? * torque;
                 let at = in_flange.map(|point| terms.frames().point(&point));
-                let shifts = at.map(|p| {
-                    let moved = linear_displacement(setup, terms, &p, stiffness, None)?;
-                    Ok(shift(moved))
-                });
-                Ok((turns, shifts.collect::<Result<_>>()?))
+                let shifts = at.map(|p| Ok(shift(linear_displacement(setup, terms, &p, stiffness, None)?)));
+                Ok((turns.as_slice().to_vec(), shifts.collect::<Result<_>>()?))
             }
         }
     }

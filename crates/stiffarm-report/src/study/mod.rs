@@ -12,5 +12,5 @@ pub use figures::{figures, slug};
 pub use measured::{measured_figure, measured_table};
 pub use published::{PAPER, PublishedTables, published_for};
 pub use table::{Cell, Table};
+pub(crate) use tables::index_name;
 pub use tables::tables;
-pub(crate) use tables::{starts_summary, stiffness_side_by_side};

@@ -78,25 +78,6 @@ impl Table {
     }
 }
 
-/// Number with four significant digits, `–` where there is none.
-pub(super) fn significant(value: Option<f64>) -> String {
-    let Some(v) = value.filter(|v| v.is_finite()) else {
-        return "–".into();
-    };
-    if v == 0.0 {
-        return "0".into();
-    }
-    let magnitude = v.abs().log10().floor() as i32;
-    match magnitude {
-        -4..4 => format!("{v:.decimals$}", decimals = (3 - magnitude) as usize),
-        4..9 => {
-            let unit = 10f64.powi(magnitude - 3);
-            format!("{:.0}", (v / unit).round() * unit)
-        }
-        _ => format!("{v:.3e}"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

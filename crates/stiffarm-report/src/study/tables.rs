@@ -2,7 +2,7 @@
 
 use super::figures::illustration;
 use super::published::published_for;
-use super::table::{Cell, Table, significant};
+use super::table::{Cell, Table};
 use stiffarm::estimate::simulate::{ElasticGroup, ElasticSimulation};
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::Selection;
@@ -90,23 +90,10 @@ fn with_groups(first: &str, study: &Study) -> Vec<String> {
 fn indices(study: &Study) -> Table {
     let mut table = Table::new("indices", "Every index of each group.", with_groups("index", study));
     for index in Index::ALL {
-        let (fraction, length) = (index.is_relative_error(), index.is_length());
-        let unit = match (length, fraction) {
-            (true, _) => " [mm]",
-            (_, true) => " [%]",
-            _ => "",
-        };
+        let (unit, factor) = index.shown_in();
+        let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
         let name = format!("{}{unit}", index.as_str());
-        let values = study.groups.iter().map(|g| {
-            let value = g.evaluation.indices.get(index);
-            if fraction {
-                Cell::percent(value)
-            } else if length {
-                value.map(|v| 1e3 * v).into()
-            } else {
-                value.into()
-            }
-        });
+        let values = study.groups.iter().map(|g| g.evaluation.indices.get(index).map(|value| factor * value).into());
         table.rows.push(row(name, values));
     }
     let mut add = |name: &str, cell: &dyn Fn(&Selection) -> Cell| {
@@ -195,7 +182,7 @@ fn simulation(study: &Study) -> Table {
 }
 
 /// Name of a row of the other initial groups.
-fn index_name(index: Option<Index>) -> String {
+pub(crate) fn index_name(index: Option<Index>) -> String {
     index.map_or("(start)".into(), Index::in_words)
 }
 
@@ -217,27 +204,6 @@ fn starts(study: &Study) -> Table {
                     Cell::percent(*value),
                 ]);
             }
-        }
-    }
-    table
-}
-
-/// The same counted and as medians, for the page.
-pub(crate) fn starts_summary(study: &Study) -> Table {
-    let headings = ["initial groups", "index", "improved on the start", "median mean expected deviation [%]"];
-    let mut table = Table::new(
-        "other-starts-summary",
-        "How often each index improves on its start, and the median outcome.",
-        headings.map(String::from).to_vec(),
-    );
-    for kind in &study.starts.kinds {
-        for start in &kind.rows {
-            table.rows.push(vec![
-                kind.kind.as_str().into(),
-                index_name(start.index).into(),
-                start.index.map_or("–".into(), |_| format!("{} of {}", start.improved, kind.count)).into(),
-                Cell::percent(start.median),
-            ]);
         }
     }
     table
@@ -265,42 +231,6 @@ fn stiffness(study: &Study) -> Table {
                 high.into(),
             ]);
         }
-    }
-    table
-}
-
-/// The same side by side, beside the paper's Table 6, for the page.
-pub(crate) fn stiffness_side_by_side(study: &Study) -> Table {
-    // The paper's rows are those of all six joints.
-    let published = published_for(&study.robot).filter(|_| study.joints.len() == 6);
-    let mut headings = vec!["joint".to_string(), "truth".to_string()];
-    headings.extend(study.groups.iter().map(|g| g.name.clone()));
-    if published.is_some() {
-        headings.extend((1..=3).map(|g| format!("paper, Group {g}")));
-    }
-    let mut table = Table::new(
-        "stiffness-side-by-side",
-        "Joint stiffness identified from one simulated measurement, N·m/rad (Table 6), with the 95 % interval by the \
-         scatter of the readings.",
-        headings,
-    );
-    for (j, joint) in study.joints.iter().enumerate() {
-        let ours = study.groups.iter().map(|group| {
-            let estimate = group.identification.as_ref().map(|i| &i.estimates.joints[j]);
-            match estimate.and_then(|e| Some((e.stiffness?, e.interval))) {
-                Some((k, [low @ Some(_), high @ Some(_)])) => {
-                    format!("{} ({}–{})", significant(Some(k)), significant(low), significant(high)).into()
-                }
-                Some((k, [low @ Some(_), None])) => {
-                    format!("{} (above {})", significant(Some(k)), significant(low)).into()
-                }
-                Some((k, _)) => format!("{} (no interval)", significant(Some(k))).into(),
-                None => Cell::Number(None),
-            }
-        });
-        let theirs = published.iter().flat_map(|p| p.stiffness[j]).map(Cell::from);
-        let values = std::iter::once(study.stiffness[j].into()).chain(ours).chain(theirs);
-        table.rows.push(row(joint.as_str(), values));
     }
     table
 }

@@ -1,7 +1,7 @@
 //! Residuals as arrows at the measuring points, on the cell in 3D.
 
 use crate::order::in_order;
-use crate::scene::{Arrow, SceneGroup, SceneOptions};
+use crate::scene::{Arrow, ArrowSet, Scene, SceneGroup, SceneOptions};
 use crate::tell::Given;
 use crate::tell::Section;
 use stiffarm::Result;
@@ -16,7 +16,7 @@ pub(in crate::tell) struct Residuals<'a> {
     /// Controller angles \[rad\].
     pub angles: &'a [f64],
     pub wrench: Option<[f64; 6]>,
-    /// How much moves in this state \[m\]: of a posture the state with most is shown.
+    /// What is compared of the load states of a posture \[m\]: that with most is shown.
     pub size: f64,
     /// Measuring point, residual in base axes \[m\].
     pub at: Vec<(&'a str, [f64; 3])>,
@@ -38,23 +38,23 @@ pub(super) fn cell_section(context: &Given<'_>, identified: &Identified) -> Resu
         "measured",
         &all.collect::<Vec<_>>(),
         stiffness.as_deref(),
-        ("Residuals", "what the fit leaves of each displacement"),
+        ("Residuals", "what the fit leaves of each displacement", "that moves most"),
     )
 }
 
-/// A section with postures and arrows of one kind; `None` where the result has no angles.
+/// A section with postures and arrows of one kind, and which of several load states is shown; `None` where the result
+/// has no angles.
 pub(in crate::tell) fn residual_section(
     context: &Given<'_>,
     group: &str,
     all: &[Residuals<'_>],
     stiffness: Option<&[f64]>,
-    (label, explained): (&str, &str),
+    (label, explained, most): (&str, &str, &str),
 ) -> Result<Option<Section>> {
     if all.is_empty() || all.iter().any(|one| one.angles.is_empty()) {
         return Ok(None);
     }
     let names = in_order(all.iter().map(|one| one.posture));
-    // Of several load states the one that moves most.
     let mut shown: Vec<&Residuals<'_>> = Vec::with_capacity(names.len());
     for name in &names {
         let load_states = all.iter().filter(|one| one.posture == *name);
@@ -89,15 +89,17 @@ pub(in crate::tell) fn residual_section(
         arrows
     });
     let scene = context.scene(&groups, &options)?;
-    let scene = scene.map(|scene| if arrows.is_empty() { scene } else { scene.with_arrows(label, arrows) });
-    let states = if all.len() > names.len() { " Of several load states the one that moves most is shown." } else { "" };
+    let arrows = (!arrows.is_empty()).then(|| ArrowSet { label: label.into(), arrows });
+    let scene = scene.map(|scene| Scene { arrows, ..scene });
+    let states = match all.len() > names.len() {
+        true => format!(" Of several load states the one {most} is shown."),
+        false => String::new(),
+    };
     let text = format!(
         "The measured postures in their order. Arrows at the measuring points are {explained}, drawn much larger than \
          they are: arrows that point alike at all points of a posture are a shift that its points share, arrows \
          without order are noise.{states}"
     );
-    context.scene_section(scene, &postures, &text).map(|mut section| {
-        section.title = format!("{label} on the cell in 3D");
-        Some(section)
-    })
+    let title = format!("{label} on the cell in 3D");
+    Ok(Some(Section { title, ..context.scene_section(scene, &text) }))
 }

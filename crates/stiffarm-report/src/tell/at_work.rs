@@ -1,6 +1,6 @@
 //! What the pages of a loaded tool share: the path in 3D, the bands, how the tip gives way.
 
-use crate::cell::{Full, cell_drawing};
+use crate::cell::Full;
 use crate::path::{norm, thinned};
 use crate::scene::{Ellipsoid, Scene, SceneGroup, SceneOptions, ScenePath, scene};
 use crate::tell::Given;
@@ -20,8 +20,6 @@ use stiffarm::work::predict::{PrincipalAxis, TipBand};
 pub(super) const TIP_STIFFNESS: Quantity = Quantity::new("N/µm", 1e-6, Form::Significant(3));
 /// Force at work \[N\].
 pub(super) const FORCE: Quantity = Quantity::new("N", 1.0, Form::Significant(3));
-/// Where a tip or a workpiece is, from m.
-pub(super) const POSITION: Quantity = Quantity::new("mm", 1e3, Form::Decimals(1));
 /// A component of a direction.
 const DIRECTION: Quantity = Quantity::new("", 1.0, Form::Decimals(3));
 /// Most postures of a path that one steps through.
@@ -77,13 +75,12 @@ impl AtWork<'_> {
     pub fn section(&self, context: &Given<'_>, explained: &str) -> Result<Section> {
         let first = self.groups.iter().find_map(|(_, points)| points.first());
         let (Some(cell), Some(first)) = (context.cell, first) else {
-            return context.scene_section(None, &[], explained);
+            return Ok(context.scene_section(None, explained));
         };
         let cell = self.cell(cell, first);
         let (shown, left_out) = self.shown();
         let scene = self.scene(&cell, &shown)?;
-        let drawn: Vec<Posture> = shown.iter().flatten().map(|p| posture(p)).collect();
-        let drawing = cell_drawing(&cell, &drawn, Full::Number(self.drawn_in_full(&shown)))?;
+        let drawing = scene.drawing(None, Full::Number(self.drawn_in_full(&shown)));
         let explained = match left_out {
             0 => explained.to_string(),
             _ => format!(
@@ -159,13 +156,14 @@ impl AtWork<'_> {
             scene = scene.at_work(&each(shown, |p| p.shift_m));
         }
         if let (Some(name), Some((_, points))) = (self.path, self.groups.first()) {
-            scene = scene.with_path(path(name, points));
+            scene.path = Some(path(name, points));
         }
         let ellipsoids = shown.iter().enumerate().flat_map(|(group, points)| {
             let points = points.iter().enumerate();
             points.filter_map(move |(posture, point)| ellipsoid(group, posture, point))
         });
-        Ok(scene.with_ellipsoids(ellipsoids.collect()))
+        scene.ellipsoids = ellipsoids.collect();
+        Ok(scene)
     }
 }
 
@@ -206,7 +204,7 @@ fn ellipsoid(group: usize, posture: usize, point: &WorkPoint) -> Option<Ellipsoi
         return None;
     }
     let micro = principal.map(|axis| match axis.stiffness_n_per_m {
-        Some(k) => format!("{} N/µm", digits(1e-6 * k)),
+        Some(k) => Number::new(k).of(TIP_STIFFNESS).text(),
         None => "rigid".to_string(),
     });
     Some(Ellipsoid {
@@ -220,11 +218,6 @@ fn ellipsoid(group: usize, posture: usize, point: &WorkPoint) -> Option<Ellipsoi
             micro.join(", ")
         ),
     })
-}
-
-fn digits(value: f64) -> String {
-    let number = Number::computed(value).significant(3);
-    number.text()
 }
 
 /// Where the tip gives way: name and principal axes.

@@ -10,7 +10,7 @@ use stiffarm::model::cell::{Cell, LimitKind, LimitedPoints, Measure, MeasuringTi
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::check::CellCheck;
-use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::units::{rad_to_shortest_deg, rounded, with_minus};
 
 impl<O> Telling<O> for CellCheck {
     fn told(&self, _options: &O, context: &Given<'_>) -> Result<Told> {
@@ -76,7 +76,7 @@ impl<O> Telling<O> for CellCheck {
 fn joints(context: &Given<'_>, check: &CellCheck) -> DataTable {
     let robot = context.cell.map(|cell| cell.setup.robot.joints());
     let range = |range: [f64; 2]| {
-        let [low, high] = range.map(rad_to_shortest_deg);
+        let [low, high] = range.map(|angle| with_minus(rad_to_shortest_deg(angle).to_string()));
         Text::from(format!("{low} to {high}"))
     };
     let names = check.joints.iter();
@@ -208,7 +208,7 @@ fn load(load: &Load) -> String {
 
 /// A force \[N\] with the digits that kilograms of a weight leave.
 fn force(newton: f64) -> String {
-    ((newton * 1e3).round() / 1e3).to_string()
+    with_minus(rounded(newton, 3).to_string())
 }
 
 fn wrench(wrench: &Wrench, axes: Axes) -> String {

@@ -42,7 +42,7 @@ impl<O> Telling<O> for Compensated {
 }
 
 fn conclusion(result: &Compensation) -> Text {
-    let mm = |length: f64| Number::new(length).mm().decimals(3);
+    let mm = |length: f64| Number::new(length).of(Quantity::LENGTH);
     let text = Text::new("Without correction the tool bends away by ")
         .number(mm(result.uncompensated_rms_m))
         .words(" (RMS), at most ")
@@ -50,7 +50,7 @@ fn conclusion(result: &Compensation) -> Text {
     let Some(beyond) = result.beyond_uncertainty else {
         return text.words("; nothing says how much of that the correction takes away on the real arm.");
     };
-    let text = text.words("; with it ").number(Number::new(result.error_rms_m).mm().decimals(3));
+    let text = text.words("; with it ").number(Number::new(result.error_rms_m).of(Quantity::LENGTH));
     let text = match result.expected_factor {
         Some(factor) if factor < 1.0 => text
             .words(" (RMS) are to be expected, ")
@@ -170,7 +170,7 @@ fn band_section(result: &Compensation) -> Option<Section> {
         Text::new("By the model itself nothing is left (below 10⁻⁶ mm): ")
     } else {
         Text::new("By the model itself ")
-            .number(Number::new(result.residual_max_m).mm().significant(2))
+            .number(Number::new(result.residual_max_m).of(Quantity::LENGTH.digits(2)))
             .words(" are left at most: ")
     };
     let text = model.words(format!(

@@ -1,13 +1,13 @@
 //! What the tellings of all results share.
 
 use super::{Block, DataTable, Given, Outcome, Section, Text, Told};
-use crate::cell::{Full, cell_drawing};
+use crate::cell::Full;
 use crate::scene::{Scene, SceneGroup, SceneOptions, scene};
 use std::cmp::Reverse;
 use stiffarm::Result;
 use stiffarm::findings::{Finding, Severity, codes, list, visible};
 use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm::model::posture::PostureGroup;
 
 /// Commands whose numbers come after what forbids to use them.
 const AT_WORK: [&str; 4] = ["validate", "predict", "compensate", "map"];
@@ -81,28 +81,24 @@ impl Given<'_> {
         let shown: Vec<SceneGroup<'_>> =
             groups.iter().map(|group| SceneGroup::new(&group.name, &group.postures)).collect();
         let scene = self.scene(&shown, &SceneOptions::default())?;
-        let first = groups.first().map_or(&[][..], |group| &group.postures);
-        self.scene_section(scene, first, explained)
+        Ok(self.scene_section(scene, explained))
     }
 
-    /// A section with a scene that was made; `drawn` are the postures of the drawing for print.
-    ///
-    /// # Errors
-    /// As [`cell_drawing`].
-    pub(super) fn scene_section(&self, scene: Option<Scene>, drawn: &[Posture], explained: &str) -> Result<Section> {
-        let blocks = match (scene, self.cell) {
+    /// A section with a scene that was made, and a drawing of its first group for print.
+    pub(super) fn scene_section(&self, scene: Option<Scene>, explained: &str) -> Section {
+        let blocks = match scene {
             _ if !self.pictures => Vec::new(),
-            (Some(scene), Some(cell)) => {
-                let drawing = cell_drawing(cell, drawn, Full::Tightest)?;
+            Some(scene) => {
+                let drawing = scene.drawing(Some(0), Full::Tightest);
                 vec![Block::Text(explained.into()), Block::Scene(Box::new(scene), Some(drawing))]
             }
-            _ => vec![Block::Text(
+            None => vec![Block::Text(
                 Text::new("The cell of this result is not at hand, so it is not shown. ")
                     .code(format!("stiffarm report {} --cell cell.toml", self.file()))
                     .words(" shows it, with the cell file as it was when the result was made."),
             )],
         };
-        Ok(Section::new("cell", "The cell in 3D", blocks))
+        Section::new("cell", "The cell in 3D", blocks)
     }
 
     /// The name of the result's file as one types it.

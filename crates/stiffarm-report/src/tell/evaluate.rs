@@ -1,7 +1,7 @@
 //! What `evaluate` says: indices and expected errors of given postures.
 
 use super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
-use crate::tell::{DataTable, Depth, Form, Given, Number, Quantity, Telling, Text, Told, counted, shown};
+use crate::tell::{DataTable, Depth, Given, Number, Quantity, Telling, Text, Told, counted, shown};
 use stiffarm::Result;
 use stiffarm::findings::{codes, list, visible};
 use stiffarm::model::posture::PostureGroup;
@@ -116,7 +116,7 @@ fn conclusion(result: &Evaluated, groups: &[Worth<'_>], best: Option<usize>) -> 
         .words(format!(
             "{begin} joint stiffness can be expected with a relative standard error (RMS over the joints) of "
         ))
-        .number(error.percent().significant(3));
+        .number(error.of(Quantity::PERCENT.digits(3)));
     text.words(" by noise alone.").then(least_sure(group.evaluation, &result.joints))
 }
 
@@ -132,9 +132,7 @@ fn key(result: &Evaluated, groups: &[Worth<'_>]) -> DataTable {
     let left_out: Vec<_> = left_out.map(|f| visible(&f.subject)).collect();
     let which = if left_out.is_empty() { "every joint".to_string() } else { format!("all but {}", list(&left_out)) };
     DataTable::of(caption, "group", names)
-        .numbers("postures", Quantity::new("", 1.0, Form::Decimals(0)), |g| {
-            Some(Number::count(groups[g].evaluation.posture_count))
-        })
+        .numbers("postures", Quantity::COUNT, |g| Some(Number::count(groups[g].evaluation.posture_count)))
         .numbers("expected error", percent, |g| Some(Number::new(indices(g).expected_error)))
         .numbers("worst joint", percent, |g| Some(Number::new(indices(g).worst_joint)))
         .numbers("one posture lost", percent, |g| Some(Number::new(indices(g).drop_one)))

@@ -1,11 +1,12 @@
 //! What `map` says: where the tool tip gives way least.
 
-use super::at_work::{AtWork, GivesWay, POSITION, TIP_STIFFNESS, WorkPoint, principal_table, wrench};
+use super::at_work::{AtWork, GivesWay, TIP_STIFFNESS, WorkPoint, principal_table, wrench};
 use super::points::{position, region, vector};
+use crate::map::NodeQuantity;
 use crate::map_figure;
 use crate::path::norm;
 use crate::tell::{
-    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, WithCell, of_saved, with_stopped,
+    Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, WithCell, of_saved, with_stopped,
 };
 use stiffarm::Result;
 use stiffarm::ask::map::{LoadSource, Options};
@@ -13,12 +14,8 @@ use stiffarm::ask::place;
 use stiffarm::model::stiffness::Model;
 use stiffarm::work::map::{MapExtremes, MapRange, NodeValues, Placement, StiffnessMap};
 
-/// Deflection of a tip under a small load, from m.
-const SMALL: Quantity = Quantity::new("µm", 1e6, Form::Significant(3));
 /// Deflections below this are small \[m\].
 const IS_SMALL: f64 = 1e-4;
-/// Controller angles, from degrees.
-const ANGLE: Quantity = Quantity::new("deg", 1.0, Form::Decimals(2));
 
 /// A part of a range.
 type End = fn(&MapRange) -> f64;
@@ -126,33 +123,36 @@ fn conclusion(map: &StiffnessMap) -> Text {
         return Text::new("There is no place to compare.");
     };
     let place = |node: usize| position(map.nodes[node].position_m);
-    // In millimetres, or in micrometres where it is small.
-    let deflection = |value: f64| {
-        let number = Number::new(value);
-        if value < IS_SMALL { number.of(SMALL) } else { number.mm().decimals(3) }
-    };
-    let text =
-        Text::new("The tip gives way least at ").then(place(extremes.best)).words(", by ").number(deflection(least));
-    half_width(map, extremes.best, text)
+    let [deflection, half_width] = deflections(map);
+    let text = Text::new("The tip gives way least at ")
+        .then(place(extremes.best))
+        .words(", by ")
+        .number(Number::new(least).of(deflection));
+    with_half_width(map, extremes.best, text, half_width)
         .words("; ")
         .number(Number::computed(most / least).significant(2))
         .words(" times as much at ")
         .then(place(extremes.worst))
         .words(", by ")
-        .number(deflection(most))
+        .number(Number::new(most).of(deflection))
         .words(".")
 }
 
-fn half_width(map: &StiffnessMap, node: usize, text: Text) -> Text {
+/// How deflections and their ± are shown: in millimetres, or in micrometres where all are small.
+fn deflections(map: &StiffnessMap) -> [Quantity; 2] {
+    let most = map.extremes.and_then(|extremes| Some(values(map, extremes.worst)?.deflection_m));
+    match most.is_some_and(|most| most < IS_SMALL) {
+        true => [Quantity::SMALL_LENGTH, Quantity::SMALL_LENGTH.digits(2)],
+        false => [Quantity::LENGTH; 2],
+    }
+}
+
+fn with_half_width(map: &StiffnessMap, node: usize, text: Text, quantity: Quantity) -> Text {
     match values(map, node).and_then(|v| Some((v.half_width_m?, v.deflection_m))) {
         None => text,
         // Errors that do not shrink with the load, such as lost motion, say nothing about stiffness under a small one.
         Some((half, size)) if half > size => text,
-        Some((half, size)) => {
-            let number = Number::new(half);
-            let number = if size < IS_SMALL { number.of(SMALL.digits(2)) } else { number.mm().decimals(3) };
-            text.words(" ").number(number.plus_minus())
-        }
+        Some((half, _)) => text.words(" ").number(Number::new(half).of(quantity).plus_minus()),
     }
 }
 
@@ -190,12 +190,13 @@ fn key(map: &StiffnessMap, extremes: MapExtremes) -> DataTable {
     let nodes = [extremes.best, extremes.worst];
     let place = |row: usize, axis: usize| Some(Number::new(map.nodes[nodes[row]].position_m[axis]));
     let at_node = |row: usize, of: fn(&NodeValues) -> Option<f64>| of(values(map, nodes[row])?).map(Number::new);
+    let [deflection, half_width] = deflections(map);
     DataTable::of(caption, "place", ["stiffest", "softest"])
-        .numbers("x", POSITION, |row| place(row, 0))
-        .numbers("y", POSITION, |row| place(row, 1))
-        .numbers("z", POSITION, |row| place(row, 2))
-        .numbers("deflection", SMALL, |row| at_node(row, |v| Some(v.deflection_m)))
-        .numbers("± total", SMALL.digits(2), |row| at_node(row, |v| v.half_width_m))
+        .numbers("x", Quantity::PLACE, |row| place(row, 0))
+        .numbers("y", Quantity::PLACE, |row| place(row, 1))
+        .numbers("z", Quantity::PLACE, |row| place(row, 2))
+        .numbers("deflection", deflection, |row| at_node(row, |v| Some(v.deflection_m)))
+        .numbers("± total", half_width, |row| at_node(row, |v| v.half_width_m))
         .numbers("along the direction", TIP_STIFFNESS, |row| at_node(row, |v| v.stiffness_n_per_m))
         .numbers("softest", TIP_STIFFNESS, |row| at_node(row, |v| v.softest.stiffness_n_per_m))
 }
@@ -207,7 +208,7 @@ fn postures(map: &StiffnessMap, extremes: MapExtremes) -> Section {
     let caption = "Controller angles there, of the posture that bends least";
     let table = DataTable::of(caption, "place", ["stiffest", "softest"]);
     let table = (0..rows[0].len()).fold(table, |table, joint| {
-        table.numbers(&format!("q{}", joint + 1), ANGLE, |row| {
+        table.numbers(&format!("q{}", joint + 1), Quantity::ANGLE, |row| {
             let angle = rows[row].get(joint)?;
             Some(Number::computed(angle.to_degrees()))
         })
@@ -217,21 +218,25 @@ fn postures(map: &StiffnessMap, extremes: MapExtremes) -> Section {
 }
 
 fn ranges(map: &StiffnessMap) -> DataTable {
-    let along = format!("stiffness along {} [N/µm]", vector(map.direction));
-    let rows: [(&str, f64, Option<MapRange>); 4] = [
-        ("deflection per newton [µm/N]", 1e6, map.deflection_per_newton_m),
-        (&along, 1e-6, map.stiffness_n_per_m),
-        ("stiffness along the softest direction [N/µm]", 1e-6, map.softest_n_per_m),
-        ("k(J_N)", 1.0, map.k_jn),
+    let along = format!("stiffness along {}", vector(map.direction));
+    let rows = [
+        ("deflection per newton", NodeQuantity::DEFLECTION),
+        (&*along, NodeQuantity::STIFFNESS),
+        ("stiffness along the softest direction", NodeQuantity::SOFTEST),
+        ("k(J_N)", NodeQuantity::K_JN),
     ];
-    let rows = rows.iter();
-    let rows: Vec<_> = rows.filter_map(|row| Some((row.0, row.1, row.2?))).collect();
+    let rows = rows.into_iter().filter_map(|(name, quantity)| Some((name, quantity, (quantity.range)(map)?)));
+    let rows: Vec<_> = rows.collect();
     let caption = "Over the reachable places, at each the posture that bends least";
-    let table = DataTable::of(caption, "quantity", rows.iter().map(|row| row.0));
+    let names = rows.iter().map(|(name, quantity, _)| match quantity.unit {
+        "" => (*name).to_string(),
+        unit => format!("{name} [{unit}]"),
+    });
+    let table = DataTable::of(caption, "quantity", names);
     RANGE.into_iter().fold(table, |table, (end, of)| {
         table.words(end, |row| {
-            let (_, factor, range) = &rows[row];
-            Number::new(of(range)).times(*factor).significant(3).into()
+            let (_, quantity, range) = &rows[row];
+            Number::new(of(range)).times(quantity.factor).significant(3).into()
         })
     })
 }
@@ -245,10 +250,9 @@ fn counts(map: &StiffnessMap) -> DataTable {
         ("not computed", map.counts.not_computed),
     ];
     let rows: Vec<_> = rows.iter().filter(|(status, count)| *count > 0 || *status == "reachable").collect();
-    let share = Quantity::new("%", 100.0, Form::Decimals(1));
     DataTable::of("Positions by what the arm may do there", "status", rows.iter().map(|row| row.0))
         .words("positions", |row| Number::count(rows[row].1).into())
-        .numbers("share", share, |row| {
+        .numbers("share", Quantity::SHARE, |row| {
             let share = rows[row].1 as f64 / map.nodes.len().max(1) as f64;
             Some(Number::computed(share))
         })

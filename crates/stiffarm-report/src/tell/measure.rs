@@ -7,8 +7,6 @@ use stiffarm::ask::measure::{Goal, Judgement, MeasureOptions};
 use stiffarm::estimate::standing::Standing;
 use stiffarm::findings::{list, visible};
 
-/// Angles of postures, from degrees.
-const ANGLE: Quantity = Quantity::new("", 1.0, Form::Decimals(2));
 /// Deflections at the tasks, from m.
 const DEFLECTION: Quantity = Quantity::new("mm", 1e3, Form::Significant(2));
 
@@ -200,7 +198,7 @@ fn better(judgement: &Judgement) -> Text {
 
 /// Angles of a posture.
 fn angles(angles: &[f64]) -> Text {
-    let numbers = angles.iter().map(|q| Number::degrees(*q).of(ANGLE));
+    let numbers = angles.iter().map(|q| Number::degrees(*q).of(Quantity::ANGLE.bare()));
     Text::new("(").numbers(numbers).words(")°")
 }
 

@@ -36,7 +36,7 @@ mod zones;
 
 use context::with_stopped;
 pub(crate) use context::{cell_line, quoted};
-pub use number::{Form, Number, Quantity, significant};
+pub use number::{Form, Number, Quantity};
 pub(crate) use stiffarm::findings::shown;
 pub use table::DataTable;
 pub use text::{Piece, Text, counted};
@@ -53,7 +53,7 @@ use stiffarm::ask::measure::{Judgement, MeasureOptions};
 use stiffarm::ask::predict::{PredictOptions, Predicted};
 use stiffarm::ask::route::{DriveOptions, Routed};
 use stiffarm::ask::validate::{Options as ValidateOptions, Validated};
-use stiffarm::ask::zones::Asked as AskedZones;
+use stiffarm::ask::zones::ZonesResultOptions;
 use stiffarm::estimate::coverage::Coverage;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::measure::registration::RegistrationRecord;
@@ -122,7 +122,7 @@ const TELLERS: &[(&str, Teller)] = &[
     ("simulate", simulate::summary),
     ("study", study::summary),
     ("validate", of_saved::<Validated, ValidateOptions>),
-    ("zones", of_saved::<Zones, AskedZones>),
+    ("zones", of_saved::<Zones, ZonesResultOptions>),
 ];
 
 /// Tells a saved result.

@@ -1,6 +1,6 @@
 //! Numbers with their unit and their digits.
 
-use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::units::{rad_to_shortest_deg, significant_text, with_minus};
 
 /// A number of a result, as it is shown.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,6 +52,18 @@ impl Quantity {
     pub const GAP: Quantity = Self::new("arcmin", 60.0 * DEGREE, Form::Significant(2));
     /// Torque \[N·m\].
     pub const TORQUE: Quantity = Self::new("N·m", 1.0, Form::Significant(3));
+    /// A share that is compared to a tenth of a percent, from a fraction.
+    pub const SHARE: Quantity = Self::new("%", 100.0, Form::Decimals(1));
+    /// Deviation of a stiffness or an index, from a fraction.
+    pub const DEVIATION: Quantity = Self::new("%", 100.0, Form::Decimals(2));
+    /// Where something is and how far it is from other things, from m.
+    pub const PLACE: Quantity = Self::new("mm", 1e3, Form::Decimals(1));
+    /// Deflection of a tip under a small load, from m.
+    pub const SMALL_LENGTH: Quantity = Self::new("µm", 1e6, Form::Significant(3));
+    /// Controller angles, from degrees.
+    pub const ANGLE: Quantity = Self::new("°", 1.0, Form::Decimals(2));
+    /// A number of things.
+    pub const COUNT: Quantity = Self::new("", 1.0, Form::Decimals(0));
     /// A ratio.
     pub const RATIO: Quantity = Self::new("", 1.0, Form::Significant(3));
 
@@ -89,18 +101,13 @@ impl Number {
 
     /// A count of a result.
     pub fn count(count: usize) -> Self {
-        Number::new(count as f64).decimals(0)
+        Number::new(count as f64).of(Quantity::COUNT)
     }
 
     /// The same as one of this kind, with its unit.
     #[must_use]
     pub fn of(self, quantity: Quantity) -> Self {
-        Number { form: quantity.form, ..self.in_unit_of(quantity) }
-    }
-
-    /// The same in the unit of this kind, with its own digits.
-    fn in_unit_of(self, quantity: Quantity) -> Self {
-        self.times(quantity.factor).unit(quantity.unit)
+        Number { form: quantity.form, ..self.times(quantity.factor).unit(quantity.unit) }
     }
 
     /// A number of a result, with four significant digits and no unit.
@@ -150,24 +157,6 @@ impl Number {
         self
     }
 
-    /// A length in metres, shown in millimetres with its unit.
-    #[must_use]
-    pub fn mm(self) -> Self {
-        self.in_unit_of(Quantity::LENGTH)
-    }
-
-    /// A fraction, shown in percent.
-    #[must_use]
-    pub fn percent(self) -> Self {
-        self.in_unit_of(Quantity::PERCENT)
-    }
-
-    /// A joint stiffness in N·m/rad, shown in 10⁶ N·m/rad.
-    #[must_use]
-    pub fn mega(self) -> Self {
-        self.in_unit_of(Quantity::STIFFNESS)
-    }
-
     /// The same without its unit, for a column whose heading has it.
     #[must_use]
     pub fn bare(self) -> Self {
@@ -181,14 +170,9 @@ impl Number {
         };
         let text = match self.form {
             Form::Decimals(digits) => format!("{value:.digits$}"),
-            Form::Significant(digits) => significant(value, digits),
+            Form::Significant(digits) => significant_text(value, digits),
         };
-        // A rounded −0.004 is 0.00, and a minus sign is as wide as a plus.
-        match text.strip_prefix('-') {
-            Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_string(),
-            Some(rest) => format!("−{rest}"),
-            None => text,
-        }
+        with_minus(text)
     }
 
     /// What is shown, with unit and ±.
@@ -205,51 +189,18 @@ impl Number {
     }
 }
 
-/// So many significant digits of a finite value; very large and very small ones with a power of ten.
-pub fn significant(value: f64, digits: usize) -> String {
-    if value == 0.0 {
-        return "0".to_string();
-    }
-    // The exponent after rounding: 9.999 with three digits is 10.0.
-    let scientific = format!("{value:.*e}", digits.saturating_sub(1));
-    let exponent = scientific.split('e').nth(1);
-    let exponent: i32 = exponent.and_then(|e| e.parse().ok()).unwrap_or(0);
-    let places = digits as i32 - 1 - exponent;
-    match exponent {
-        -4..6 => format!("{value:.*}", places.max(0) as usize),
-        _ => scientific,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn shown(value: f64, digits: usize) -> String {
-        let number = Number::new(value).significant(digits);
-        number.digits()
-    }
-
-    #[test]
-    fn digits_are_those_asked_for() {
-        assert_eq!(shown(0.0012345, 4), "0.001234");
-        assert_eq!(shown(9.9996, 4), "10.00");
-        assert_eq!(shown(999.96, 4), "1000");
-        assert_eq!(shown(942_757.6, 4), "942758");
-        assert_eq!(shown(1_234_567.0, 4), "1.235e6");
-        assert_eq!(shown(-3.5, 2), "−3.5");
-        assert_eq!(shown(1.5e-9, 3), "1.50e-9");
-        assert_eq!(shown(0.0, 3), "0");
-    }
-
     #[test]
     fn units_and_signs_stand_around() {
-        let number = Number::new(1.25e-4).mm().decimals(3);
+        let number = Number::new(1.25e-4).of(Quantity::LENGTH).decimals(3);
         assert_eq!(number.text(), "0.125\u{a0}mm");
         assert_eq!(number.clone().plus_minus().text(), "±\u{a0}0.125\u{a0}mm");
         assert_eq!(number.bare().text(), "0.125");
-        assert_eq!(Number::new(None).mm().text(), "–");
-        let tiny = Number::new(-1e-9).mm().decimals(2);
+        assert_eq!(Number::new(None).of(Quantity::LENGTH).text(), "–");
+        let tiny = Number::new(-1e-9).of(Quantity::LENGTH).decimals(2);
         assert_eq!(tiny.digits(), "0.00");
     }
 }

@@ -1,17 +1,21 @@
 //! What `map --place` says: where the workpiece should stand.
 
-use super::at_work::{AtWork, POSITION, WorkPoint, wrench};
+use super::at_work::{AtWork, WorkPoint, wrench};
 use super::points::{position, region};
 use crate::placement_figure;
-use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, with_stopped};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, with_stopped};
 use stiffarm::Result;
 use stiffarm::ask::place::Options;
 use stiffarm::findings::visible;
 use stiffarm::model::stiffness::Model;
-use stiffarm::work::map::{Placed, Placement, PlacementCandidate, Status};
+use stiffarm::units::rounded;
+use stiffarm::work::map::{PlaceEvaluation, Placement, PlacementCandidate, Status};
 
 /// A gain from which on moving the workpiece is worth it.
 const WORTH: f64 = 1.05;
+
+/// Turn of the workpiece, from degrees.
+const TURN: Quantity = Quantity::new("°", 1.0, Form::Significant(4));
 
 impl Telling<Options> for Placement {
     fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
@@ -56,14 +60,14 @@ fn done(options: &Options, placement: &Placement) -> Text {
 }
 
 fn conclusion(placement: &Placement) -> Text {
-    let mm = |length: Option<f64>| Number::new(length).mm().decimals(3);
+    let mm = |length: Option<f64>| Number::new(length).of(Quantity::LENGTH);
     let Some(best) = &placement.best else {
         return Text::new("At none of them can the arm go along the whole path.");
     };
     let place = position(best.position_m);
     let mut text = Text::new("At ").then(place);
     if best.yaw != 0.0 {
-        let yaw = Number::degrees(best.yaw).unit("°").significant(4);
+        let yaw = Number::degrees(best.yaw).of(TURN);
         text = text.words(", turned by ").number(yaw).words(",");
     }
     text = text
@@ -106,9 +110,9 @@ fn next(placement: &Placement) -> Text {
 }
 
 /// The best place as a cell has it.
-fn lines(best: &Placed) -> Section {
+fn lines(best: &PlaceEvaluation) -> Section {
     let line = |key: &str, values: [f64; 3]| {
-        let values = values.map(|v| ((v * 1e6).round() / 1e6 + 0.0).to_string());
+        let values = values.map(|v| rounded(v, 6).to_string());
         Text::default().code(format!("{key} = [{}]", values.join(", ")))
     };
     let lines = vec![
@@ -121,17 +125,17 @@ fn lines(best: &Placed) -> Section {
 
 fn key(placement: &Placement) -> DataTable {
     let rows = [Some(("given", &placement.given)), placement.best.as_ref().map(|best| ("best", best))];
-    let rows: Vec<(&str, &Placed)> = rows.into_iter().flatten().collect();
+    let rows: Vec<(&str, &PlaceEvaluation)> = rows.into_iter().flatten().collect();
     let placed = |row: usize| rows[row].1;
     DataTable::of(
         "Deflection along the whole path at the given place and the best one",
         "place",
         rows.iter().map(|(key, _)| *key),
     )
-    .numbers("x", POSITION, |row| Some(Number::new(placed(row).position_m[0])))
-    .numbers("y", POSITION, |row| Some(Number::new(placed(row).position_m[1])))
-    .numbers("z", POSITION, |row| Some(Number::new(placed(row).position_m[2])))
-    .numbers("turned by [°]", Quantity::RATIO.digits(4), |row| Some(Number::degrees(placed(row).yaw)))
+    .numbers("x", Quantity::PLACE, |row| Some(Number::new(placed(row).position_m[0])))
+    .numbers("y", Quantity::PLACE, |row| Some(Number::new(placed(row).position_m[1])))
+    .numbers("z", Quantity::PLACE, |row| Some(Number::new(placed(row).position_m[2])))
+    .numbers("turned by", TURN, |row| Some(Number::degrees(placed(row).yaw)))
     .numbers("RMS", Quantity::LENGTH, |row| placed(row).deflection_rms_m.map(Number::new))
     .numbers("largest", Quantity::LENGTH, |row| placed(row).deflection_max_m.map(Number::new))
     .words("at point", |row| {
@@ -153,7 +157,7 @@ fn counts(placement: &Placement) -> DataTable {
         if of.is_empty() {
             continue;
         }
-        let count = Number::computed(of.len() as f64).decimals(0);
+        let count = Number::computed(of.len() as f64).of(Quantity::COUNT);
         let reason = of.iter().find_map(|c| {
             let point = visible(c.point.as_deref()?);
             Some(format!("at point {point}: {}", visible(c.reason.as_deref()?)))
@@ -168,7 +172,7 @@ fn counts(placement: &Placement) -> DataTable {
 }
 
 fn cell_section(context: &Given<'_>, placement: &Placement) -> Result<Section> {
-    let points = |placed: &Placed| -> Vec<WorkPoint> {
+    let points = |placed: &PlaceEvaluation| -> Vec<WorkPoint> {
         let points = placed.along.iter().map(|point| WorkPoint {
             name: point.point.clone(),
             q: point.q.clone(),

@@ -3,7 +3,7 @@
 use super::at_work::GivesWay;
 use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text};
 use stiffarm::findings::visible;
-use stiffarm::units::rad_to_deg;
+use stiffarm::units::{m_to_mm, rad_to_deg, rounded, with_minus};
 use stiffarm::work::features::{Feature, Verdict};
 use stiffarm::work::posture_path::{Origin, PosturePathSummary};
 use stiffarm::work::predict::PathExtremes;
@@ -103,11 +103,11 @@ pub(super) fn how_found(postures: &PosturePathSummary) -> Text {
     Text::new(how).words(", with steps of a joint up to ").number(step.significant(3).unit("°")).words(".")
 }
 
-/// Where a tip or a workpiece is: `x = 1425, y = −814, z = 800 mm`.
+/// Where a tip or a workpiece is: `x = 1425.0, y = −814.3, z = 800.0 mm`.
 pub(super) fn position(at_m: [f64; 3]) -> Text {
     let mut text = Text::default();
     for (axis, name) in ["x = ", ", y = ", ", z = "].into_iter().enumerate() {
-        let number = Number::new(at_m[axis]).mm().decimals(0);
+        let number = Number::new(at_m[axis]).of(Quantity::PLACE);
         let number = if axis < 2 { number.bare() } else { number };
         text = text.words(name).number(number);
     }
@@ -116,7 +116,7 @@ pub(super) fn position(at_m: [f64; 3]) -> Text {
 
 /// Ends of a region along x, y and z \[m\]: `x 900 to 3000 mm, z = 800 mm`.
 pub(super) fn region(ends_m: [[f64; 2]; 3]) -> String {
-    let mm = |m: f64| ((1e4 * m).round() / 10.0 + 0.0).to_string().replace('-', "−");
+    let mm = |m: f64| with_minus(rounded(m_to_mm(m), 1).to_string());
     let words = ["x", "y", "z"].into_iter().zip(ends_m);
     let words = words.map(|(name, [low, high])| {
         if high > low { format!("{name} {} to {} mm", mm(low), mm(high)) } else { format!("{name} = {} mm", mm(low)) }

@@ -14,13 +14,6 @@ pub(super) const FEW: usize = 12;
 /// k(J_N) above which a posture counts as near a singularity.
 const NEAR_SINGULAR: f64 = 50.0;
 
-/// Angles of a posture \[°\].
-const ANGLE: Quantity = Quantity::new("°", 1.0, Form::Decimals(2));
-/// Distances between parts of a cell, from m.
-const ROOM: Quantity = Quantity::new("mm", 1e3, Form::Decimals(1));
-/// What is left of a limit, from a fraction.
-const SHARE: Quantity = Quantity::new("%", 100.0, Form::Decimals(1));
-
 /// Postures with their angles, and what leaves each the least room.
 pub(super) fn posture_table(
     caption: &str,
@@ -32,14 +25,14 @@ pub(super) fn posture_table(
     let rows = (0..postures.len()).map(|p| name_of(names, p));
     let mut table = DataTable::of(caption, "posture", rows);
     for j in 0..joints {
-        table = table.numbers(&format!("q{}", j + 1), ANGLE, |p| Some(Number::degrees(*postures[p].get(j)?)));
+        table = table.numbers(&format!("q{}", j + 1), Quantity::ANGLE, |p| Some(Number::degrees(*postures[p].get(j)?)));
     }
     let length = |p: usize| limits.get(p).and_then(nearest_length);
     let share = |p: usize| limits.get(p).and_then(nearest_share);
     table
-        .numbers("room", ROOM, |p| Some(Number::new(length(p)?.margin_m)))
+        .numbers("room", Quantity::PLACE, |p| Some(Number::new(length(p)?.margin_m)))
         .words("least at", |p| length(p).map_or_else(Text::default, |limit| place(limit).into()))
-        .numbers("torque left", SHARE, |p| share(p).map(Number::new))
+        .numbers("torque left", Quantity::SHARE, |p| share(p).map(Number::new))
 }
 
 /// The name of a posture, or its number.
@@ -84,10 +77,10 @@ pub(super) fn limit_table(context: &Given<'_>, names: &[String], limits: &[Postu
     for kind in LimitKind::ALL {
         type Margin = fn(&NearestLimit) -> Option<f64>;
         let (margin, quantity): (Margin, Quantity) = match kind.unit() {
-            MarginUnit::Length => (|near| near.margin_m, ROOM),
+            MarginUnit::Length => (|near| near.margin_m, Quantity::PLACE),
             MarginUnit::Displacement => (|near| near.margin_m, Quantity::LENGTH),
             MarginUnit::Angle => (|near| near.margin_rad, DEGREES),
-            MarginUnit::Share => (|near| near.margin_share, SHARE),
+            MarginUnit::Share => (|near| near.margin_share, Quantity::SHARE),
         };
         table = table.numbers(kind.short(), quantity, |p| Some(Number::new(margin(nearest(p, kind)?))));
         if kind == LimitKind::Shapes {
@@ -112,7 +105,7 @@ pub(super) fn limit_table(context: &Given<'_>, names: &[String], limits: &[Postu
 }
 
 /// Angles that are radians in a file.
-const DEGREES: Quantity = Quantity::new("°", 180.0 / std::f64::consts::PI, Form::Decimals(1));
+pub(super) const DEGREES: Quantity = Quantity::new("°", 180.0 / std::f64::consts::PI, Form::Decimals(1));
 
 /// Whether the tracker does not see every point at every posture.
 pub(super) fn hides_points(context: &Given<'_>, limits: &[PostureLimits]) -> bool {
@@ -193,14 +186,14 @@ fn move_table(names: &[String], route: &Route) -> DataTable {
     let nearest = |m: usize| route.moves[m].nearest.as_ref();
     let rows = route.moves.iter().map(|one| between(names, one));
     DataTable::of("The moves", "move", rows)
-        .numbers("largest turn", ANGLE, |m| Some(Number::degrees(route.moves[m].turn)))
+        .numbers("largest turn", Quantity::ANGLE, |m| Some(Number::degrees(route.moves[m].turn)))
         .numbers("time", Quantity::new("s", 1.0, Form::Decimals(1)), |m| Some(Number::new(route.moves[m].time_s)))
         .words("via postures", |m| match route.moves[m].via.len() {
             0 => Text::default(),
             count => count.to_string().into(),
         })
         .words("way", |m| if route.moves[m].free { "free".into() } else { Text::default().strong("not free") })
-        .numbers("nearest", ROOM, |m| Some(Number::new(nearest(m)?.distance_m)))
+        .numbers("nearest", Quantity::PLACE, |m| Some(Number::new(nearest(m)?.distance_m)))
         .words("between", |m| nearest(m).map_or_else(Text::default, |near| visible(&near.subject).into_owned().into()))
 }
 
@@ -213,7 +206,8 @@ fn via_table(names: &[String], route: &Route) -> Option<DataTable> {
     let rows = vias.iter().map(|(one, _)| between(names, one));
     let mut table = DataTable::of("Via postures, in their order", "move", rows);
     for j in 0..joints {
-        table = table.numbers(&format!("q{}", j + 1), ANGLE, |row| Some(Number::degrees(*vias[row].1.get(j)?)));
+        table =
+            table.numbers(&format!("q{}", j + 1), Quantity::ANGLE, |row| Some(Number::degrees(*vias[row].1.get(j)?)));
     }
     Some(table)
 }
@@ -243,13 +237,8 @@ pub(super) fn near_singular(names: &[String], evaluation: &GroupEvaluation) -> O
     })
 }
 
-/// A number in millimetres as one reads a distance in a cell.
-pub(super) fn room(number: Number) -> Number {
-    number.of(ROOM)
-}
-
 /// A length \[m\] to a tenth of a millimetre, without digits nobody set.
 pub(super) fn coarse(m: f64) -> Number {
-    let number = room(Number::computed(m));
+    let number = Number::computed(m).of(Quantity::PLACE);
     if (m_to_mm(m) - m_to_mm(m).round()).abs() < 0.05 { number.decimals(0) } else { number }
 }

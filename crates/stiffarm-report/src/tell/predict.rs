@@ -1,18 +1,17 @@
 //! What `predict` says: how far the loaded tool bends away, and how sure that is.
 
 use super::at_work::{AtWork, FORCE, WorkPoint, band_table, dominant, principal_table, wrench};
-use super::points::{
-    KEY_ROWS, all_points, along_axes, extreme_places, features_section, heading, how_found, largest_first,
-};
+use super::points::{KEY_ROWS, all_points, extreme_places, features_section, heading, how_found, largest_first};
+use super::postures::DEGREES;
 use crate::level::level;
-use crate::path::{along, norm, prediction_figure};
+use crate::path::{along, prediction_figure};
 use crate::path_components::{PathShift, path_components_figure};
 use crate::point_deflection::{PointDeflection, point_deflection_figure};
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told};
 use stiffarm::Result;
 use stiffarm::ask::predict::{PredictOptions, Predicted};
 use stiffarm::findings::{codes, visible};
-use stiffarm::work::predict::{PointPrediction, Prediction};
+use stiffarm::work::predict::{POINT_COLUMNS, PointMeasure, PointPrediction, Prediction};
 
 /// Points whose stiffness matrices are shown.
 const MATRICES: usize = 2;
@@ -46,7 +45,7 @@ impl Telling<PredictOptions> for Predicted {
         sections.extend(stiffness_section(prediction));
         let count = prediction.points.len();
         sections.push(all_points(context, "The points", count, |caption, rows| {
-            with_parts(prediction, rows, points_table(prediction, caption, rows))
+            with_columns(prediction, rows, points_table(prediction, caption, rows), true)
         }));
         Ok(context.summary(findings, "Predicted deflection", verdict, Some(key), sections))
     }
@@ -87,7 +86,7 @@ fn done(predicted: &Predicted, what: &What) -> Text {
 }
 
 fn conclusion(prediction: &Prediction, worst: Option<usize>, is_untold: bool) -> Text {
-    let mm = |length: f64| Number::new(length).mm().decimals(3);
+    let mm = |length: f64| Number::new(length).of(Quantity::LENGTH);
     let text = Text::new("The tool bends away by ")
         .number(mm(prediction.deflection_rms_m))
         .words(" (RMS), at most ")
@@ -143,24 +142,26 @@ fn next(prediction: &Prediction, what: &What, worst: Option<usize>, is_untold: b
 }
 
 fn points_table(prediction: &Prediction, caption: &str, rows: &[usize]) -> DataTable {
-    let point = |row: usize| &prediction.points[rows[row]];
-    let shift = |row: usize, axis: usize| Some(Number::new(point(row).shift_m[axis]));
     let names = rows.iter().map(|i| name(&prediction.points[*i]));
-    let table =
-        DataTable::of(caption, heading(rows.len(), prediction.points.len()), names)
-            .numbers("force", FORCE, |row| Some(Number::computed(norm(point(row).force_n))));
-    along_axes(table, shift)
-        .numbers("deflection", Quantity::LENGTH, |row| Some(Number::new(point(row).deflection_m)))
-        .numbers("± total", Quantity::LENGTH, |row| Some(Number::new(point(row).band?.size_m[3])))
+    let table = DataTable::of(caption, heading(rows.len(), prediction.points.len()), names);
+    with_columns(prediction, rows, table, false)
 }
 
-/// The same table with the parts of the ±.
-fn with_parts(prediction: &Prediction, rows: &[usize], table: DataTable) -> DataTable {
-    let parts = ["± readings", "± systematic", "± load"].into_iter();
-    parts.enumerate().fold(table, |table, (i, heading)| {
-        table.numbers(heading, Quantity::LENGTH, |row| {
-            let size = prediction.points[rows[row]].band?.size_m[i];
-            (size > 0.0).then(|| Number::new(size))
+/// The table with its columns, or with those of the details.
+fn with_columns(prediction: &Prediction, rows: &[usize], table: DataTable, details: bool) -> DataTable {
+    let columns = POINT_COLUMNS.iter().filter(|column| !column.heading.is_empty() && column.is_detail == details);
+    columns.fold(table, |table, column| {
+        let quantity = match column.measure {
+            PointMeasure::Length => Quantity::LENGTH,
+            PointMeasure::Turn => DEGREES,
+            PointMeasure::Force => FORCE,
+            PointMeasure::Moment => Quantity::TORQUE,
+        };
+        table.numbers(column.heading, quantity, |row| {
+            let number = (column.at)(&prediction.points[rows[row]])?;
+            // A part of the ± that is not there is none.
+            let is_said = number > 0.0 || !details;
+            is_said.then(|| Number { is_of_result: !column.key.is_empty(), ..Number::new(number) })
         })
     })
 }
@@ -255,7 +256,7 @@ fn band_section(prediction: &Prediction, worst: usize) -> Option<Section> {
     let table = band_table(caption, &band);
     let text = Text::new(format!("Most of the ± comes from {}. ", dominant(band.size_m)))
         .words("Over all points the errors that the bands stand for are ")
-        .number(Number::new(prediction.error_rms_m).mm().decimals(3))
+        .number(Number::new(prediction.error_rms_m).of(Quantity::LENGTH))
         .words(" (RMS, all axes together). The bands know what the identification knows: what the model leaves out, ")
         .code("stiffarm validate")
         .words(" shows on readings kept out.");

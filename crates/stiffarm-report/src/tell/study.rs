@@ -1,10 +1,12 @@
 //! What `study` says: the paper's Section IV on a cell.
 
+use super::postures::posture_table;
+use super::simulate::elastic_tables;
 use super::tables::data_table;
-use crate::study::{PAPER, figures, published_for, starts_summary, stiffness_side_by_side, tables};
+use super::worth::{Worth, indices};
+use crate::study::{PAPER, figures, index_name, published_for, tables};
 use crate::tell::{
-    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, WithCell, counted, of_saved,
-    with_stopped,
+    Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, WithCell, counted, of_saved, with_stopped,
 };
 use serde::de::IgnoredAny;
 use stiffarm::findings::{Severity, visible};
@@ -16,15 +18,9 @@ use stiffarm::{Result, Termination};
 /// Findings that are the story itself, in its order; the others stand where they belong.
 const STORY: [&str; 4] = ["recommended-index", "paper-order", "first-order-means", "other-starts"];
 
-/// Deviations, from a fraction.
-const DEVIATION: Quantity = Quantity::new("%", 100.0, Form::Decimals(2));
-
-/// What the rows of the table of indices mean.
-const INDICES: &str = "Group 1 is the initial group. Each other group is selected from it under one index (Section \
-                       III.B), within the bounds of the joints and the limits of the cell. classical is max k(J_N), \
-                       condition is cond(Ψ), novel is their product; scaled is max k(J_N) × cond(Ψ·diag(1/k)); \
-                       expected_error is the RMS relative standard error of the joint stiffness. o1 to o5 are \
-                       larger-is-better.";
+/// What the groups are.
+const GROUPS: &str = "Group 1 is the initial group. Each other group is selected from it under one index (Section III.B), \
+                       within the bounds of the joints and the limits of the cell.";
 
 /// What a result says of `study`.
 pub(super) fn summary(with: &WithCell<'_>) -> Result<Told> {
@@ -92,13 +88,18 @@ impl<O> Telling<O> for Study {
         };
         let postures = groups.iter().map(|group| {
             let id = format!("postures-{}", crate::study::slug(&group.name));
-            let blocks = [picture(&id), table(&id)].into_iter().flatten().collect();
+            let table = posture_table("Controller angles of the postures", &[], &group.postures, &[]);
+            let blocks = picture(&id).into_iter().chain([Block::Table(table)]).collect();
             Block::Details(format!("Postures of {}", visible(&group.name)), blocks)
         });
         let is_papers = published_for(&study.robot).is_some();
         let text = |words: &str| Some(Block::Text(words.into()));
         let of_paper = |words: &str| is_papers.then(|| Block::Text(words.into()));
         let is_validated = groups.iter().any(|group| group.validation.is_some());
+        let [elastic_errors, elastic_shares] = match &study.elastic {
+            Some(elastic) => elastic_tables(elastic).map(|table| Some(Block::Table(table))),
+            None => [None, None],
+        };
         let has_starts = !study.starts.kinds.is_empty();
         sections.extend([
         section("story", "What it says about the paper", vec![said(&STORY)]).in_summary(),
@@ -112,8 +113,9 @@ impl<O> Telling<O> for Study {
             "What each group is expected to give",
             vec![
                 picture("expected-deviation"),
-                text(INDICES),
-                table("indices"),
+                text(GROUPS),
+                Some(Block::Table(indices(&worths(study)))),
+                Some(Block::Table(searches(study))),
             ],
         ),
         section(
@@ -139,7 +141,7 @@ impl<O> Telling<O> for Study {
             "Other initial groups",
             vec![
                 picture("other-starts"),
-                has_starts.then(|| Block::Table(data_table(&starts_summary(study)))),
+                has_starts.then(|| Block::Table(starts(study))),
                 picture("classical-q1"),
                 said(&["classical-q1"]),
             ],
@@ -153,7 +155,7 @@ impl<O> Telling<O> for Study {
                      so this shows what the tracker allows, not what an experiment reaches, and each column is one \
                      draw: differences of the size of the intervals are luck.",
                 ),
-                Some(Block::Table(data_table(&stiffness_side_by_side(study)))),
+                Some(Block::Table(stiffness(study))),
                 of_paper(
                     "The paper's columns are its experiment (Table 6): there the true stiffness is unknown, and its \
                      three groups differ up to fourfold. Its raw readings are not published, so they cannot be \
@@ -171,7 +173,8 @@ impl<O> Telling<O> for Study {
                          experiment.",
                     )
                     .and_then(of_paper),
-                table("elastic"),
+                elastic_errors,
+                elastic_shares,
                 said(&["beyond-axes"]),
             ],
         ),
@@ -204,7 +207,7 @@ fn key(study: &Study) -> DataTable {
     let caption = "Expected deviation of the joint stiffness at the cell's noise, closed form";
     let mut table = DataTable::of(caption, "joint", names);
     for group in &study.groups {
-        table = table.numbers(&visible(&group.name), DEVIATION, |row| {
+        table = table.numbers(&visible(&group.name), Quantity::DEVIATION, |row| {
             if row < study.joints.len() {
                 return Some(Number::new(group.evaluation.expected_deviation[row]));
             }
@@ -215,11 +218,81 @@ fn key(study: &Study) -> DataTable {
     table
 }
 
+/// What the groups are worth.
+fn worths(study: &Study) -> Vec<Worth<'_>> {
+    study.groups.iter().map(|group| Worth { evaluation: &group.evaluation, posture_names: &[] }).collect()
+}
+
+/// How the groups were found.
+fn searches(study: &Study) -> DataTable {
+    let selection = |g: usize| study.groups[g].selection.as_ref();
+    let names = study.groups.iter().map(|g| visible(&g.name).into_owned());
+    DataTable::of("The searches for the groups", "group", names)
+        .words("search ended", |g| selection(g).map_or_else(Text::default, |s| s.termination.describe().into()))
+        .numbers("iterations", Quantity::COUNT, |g| {
+            Some(Number::new(selection(g)?.iterations as f64).of(Quantity::COUNT))
+        })
+        .numbers("first-order optimality [1/rad]", Quantity::RATIO, |g| Some(Number::new(selection(g)?.stationarity)))
+        .numbers("room", Quantity::PLACE, |g| Some(Number::new(selection(g)?.smallest_margin_m)))
+}
+
+/// How often each index improves on its start, and the median outcome.
+fn starts(study: &Study) -> DataTable {
+    let rows: Vec<_> =
+        study.starts.kinds.iter().flat_map(|kind| kind.rows.iter().map(move |row| (kind, row))).collect();
+    let caption = "How often each index improves on its start, and the median of the mean expected deviation";
+    DataTable::of(caption, "initial groups", rows.iter().map(|(kind, _)| kind.kind.as_str()))
+        .words("index", |row| index_name(rows[row].1.index).into())
+        .words("improved on the start", |row| {
+            let (kind, start) = rows[row];
+            start.index.map_or_else(Text::default, |_| format!("{} of {}", start.improved, kind.count).into())
+        })
+        .numbers("median", Quantity::DEVIATION, |row| rows[row].1.median.map(Number::new))
+}
+
+/// Identified stiffness of the groups side by side, beside the paper's Table 6.
+fn stiffness(study: &Study) -> DataTable {
+    let number = |k: f64| Number::new(k).of(Quantity::STIFFNESS.bare());
+    let caption = format!(
+        "Joint stiffness identified from one simulated measurement [{}] (Table 6), with the 95 % interval by the scatter of \
+         the readings",
+        Quantity::STIFFNESS.unit
+    );
+    let mut table = DataTable::of(caption, "joint", study.joints.iter().map(|j| Text::new(visible(j))))
+        .words("truth", |j| number(study.stiffness[j]).into());
+    for group in &study.groups {
+        table = table.words(visible(&group.name), |j| {
+            let estimate = group.identification.as_ref().map(|i| &i.estimates.joints[j]);
+            let Some((k, interval)) = estimate.and_then(|e| Some((e.stiffness?, e.interval))) else {
+                return "–".into();
+            };
+            let text = Text::from(number(k));
+            match interval {
+                [Some(low), Some(high)] => {
+                    text.words(" (").number(number(low)).words("–").number(number(high)).words(")")
+                }
+                [Some(low), None] => text.words(" (above ").number(number(low)).words(")"),
+                _ => text.words(" (no interval)"),
+            }
+        });
+    }
+    // The paper's rows are those of all six joints.
+    let Some(published) = published_for(&study.robot).filter(|_| study.joints.len() == 6) else {
+        return table;
+    };
+    (0..3).fold(table, |table, g| {
+        table.words(format!("paper, Group {}", g + 1), |j| {
+            let k = Number::computed(published.stiffness[j][g]).of(Quantity::STIFFNESS.bare());
+            k.into()
+        })
+    })
+}
+
 /// What was simulated.
 fn set_up(study: &Study) -> Text {
     let noise = Number::new(study.noise_std_m).times(1e6).unit("µm");
     let length = match study.characteristic_length_m {
-        Some(length) => Text::default().number(Number::new(length).mm()),
+        Some(length) => Text::default().number(Number::new(length).of(Quantity::PLACE)),
         None => Text::new("none"),
     };
     Text::new(format!(
@@ -257,7 +330,7 @@ fn best(study: &Study) -> Option<usize> {
 }
 
 fn percent(fraction: Option<f64>) -> String {
-    Number::computed(fraction).of(DEVIATION).text()
+    Number::computed(fraction).of(Quantity::DEVIATION).text()
 }
 
 /// The cell with all groups, the recommended one first.

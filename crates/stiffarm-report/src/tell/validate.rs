@@ -2,6 +2,7 @@
 
 use super::arrows::{Residuals, residual_section};
 use super::identify::readings;
+use crate::level::level;
 use crate::order::in_order;
 use crate::path::norm;
 use crate::tell::{Block, DataTable, Given, Number, Outcome, Quantity, Section, Telling, Text, Told};
@@ -96,7 +97,7 @@ fn fits(options: &Options, context: &Given<'_>) -> String {
 }
 
 fn conclusion(validation: &Validation) -> Text {
-    let mm = |length: f64| Number::new(length).mm().decimals(4);
+    let mm = |length: f64| Number::new(length).of(Quantity::LENGTH);
     let unpredicted = if validation.unpredicted.is_empty() {
         Text::default()
     } else {
@@ -110,14 +111,14 @@ fn conclusion(validation: &Validation) -> Text {
         .number(mm(validation.deviation_max_m));
     if validation.displacement_rms_m > 0.0 {
         let share = Number::computed(validation.deviation_rms_m / validation.displacement_rms_m);
-        text = text.words(": ").number(share.percent().significant(2)).words(" of the displacements");
+        text = text.words(": ").number(share.of(Quantity::PERCENT)).words(" of the displacements");
     }
     text = text.words(".");
     if validation.noise_expectation_m > 0.0 {
         text = text.words(" Noise alone gives ").number(mm(validation.noise_expectation_m)).words(" on average.");
     }
     if let Some(band) = &validation.band {
-        let level = (1000.0 * band.confidence).round() / 10.0;
+        let level = level(band.confidence);
         text = text.words(format!(
             " {} of {} components lie inside the {level} % band of calculation and noise.",
             band.inside, band.components
@@ -144,7 +145,7 @@ fn conclusion(validation: &Validation) -> Text {
     match validation.passed {
         Some(passed) => text
             .words(" The tolerance of ")
-            .number(Number::new(validation.tolerance_m).mm().decimals(4))
+            .number(Number::new(validation.tolerance_m).of(Quantity::LENGTH))
             .words(" is ")
             .strong(if passed { "kept" } else { "not kept" })
             .words("."),
@@ -176,7 +177,7 @@ fn next(validation: &Validation, findings: &[Finding]) -> Text {
     let outside = findings.iter().any(|f| f.code == codes::OUTSIDE_BANDS);
     if let (Some(tolerance), Some(false), false) = (validation.tolerance_m, validation.passed, outside) {
         // The scatter of readings may be all that is beyond the tolerance.
-        let noise = Number::new(validation.noise_expectation_m).mm().decimals(4);
+        let noise = Number::new(validation.noise_expectation_m).of(Quantity::LENGTH);
         return if tolerance < validation.noise_expectation_m {
             Text::new("No stiffness can keep this tolerance in such readings: by noise alone they deviate by ")
                 .number(noise)
@@ -202,7 +203,7 @@ fn next(validation: &Validation, findings: &[Finding]) -> Text {
     }
     if validation.noise_expectation_m > 0.0 && validation.deviation_rms_m > MODEL * validation.noise_expectation_m {
         return Text::new("At postures like these count on errors of ")
-            .number(Number::new(validation.deviation_max_m).mm().decimals(2))
+            .number(Number::new(validation.deviation_max_m).of(Quantity::LENGTH))
             .words(": what is left is the model's, not the tracker's.");
     }
     Text::new("The stiffness can be worked with: ")
@@ -280,18 +281,16 @@ fn cell(context: &Given<'_>, validation: &Validation) -> Result<Option<Section>>
     let all = validation.postures.iter().map(|posture| {
         let points = validation.points.iter();
         let points = points.filter(|p| p.posture == posture.posture && p.state == posture.state);
-        let at: Vec<(&str, [f64; 3])> = points
-            .map(|p| {
-                let left = std::array::from_fn(|i| p.measured_m[i] - p.calculated_m[i]);
-                (p.point.as_str(), left)
-            })
-            .collect();
+        let at = points.clone().map(|p| {
+            let left = std::array::from_fn(|i| p.measured_m[i] - p.calculated_m[i]);
+            (p.point.as_str(), left)
+        });
         Residuals {
             posture: &posture.posture,
             angles: &posture.angles,
             wrench: posture.wrench,
-            size: at.iter().map(|(_, v)| v.iter().map(|c| c * c).sum::<f64>()).fold(0.0, f64::max),
-            at,
+            size: points.map(|p| p.deviation_m).fold(0.0, f64::max),
+            at: at.collect(),
         }
     });
     residual_section(
@@ -299,6 +298,6 @@ fn cell(context: &Given<'_>, validation: &Validation) -> Result<Option<Section>>
         "validation",
         &all.collect::<Vec<_>>(),
         None,
-        ("Deviations", "measured minus calculated displacement"),
+        ("Deviations", "measured minus calculated displacement", "with the largest deviation"),
     )
 }

@@ -57,10 +57,9 @@ pub(super) fn least_sure(evaluation: &GroupEvaluation, joints: &[String]) -> Tex
         Some(_) => (format!(" Least sure will be {name}: "), " in what identify prints, systematic errors included."),
         None => (format!(" By noise alone {name} is least sure, with a standard error of "), "."),
     };
-    let number = Number::new(error).percent();
     let number = match forecast {
-        Some(_) => number.significant(2).plus_minus(),
-        None => number.significant(3),
+        Some(_) => Number::new(error).of(Quantity::PERCENT).plus_minus(),
+        None => Number::new(error).of(Quantity::PERCENT.digits(3)),
     };
     Text::new(begin).number(number).words(end)
 }
@@ -194,10 +193,9 @@ pub(super) fn joint_table(joints: &[String], groups: &[Worth<'_>], bounds: &[Joi
         });
     }
     let bound = |j: usize| bounds.get(j).filter(|joint| joint.bound > 0.0);
-    let share = Quantity::new("%", 100.0, Form::Decimals(1));
     table = table.numbers("no plan below", errors, |j| Some(Number::new(bound(j)?.bound))).numbers(
         "of what is possible",
-        share,
+        Quantity::SHARE,
         |j| Some(Number::new(bound(j)?.efficiency)),
     );
     for group in groups {
@@ -262,7 +260,7 @@ fn loose(bounds: &[JointEfficiency]) -> Option<Text> {
 /// The length that makes rotations and translations comparable, or why there is none.
 pub(super) fn length_in_words(context: &Given<'_>, length_m: Option<f64>) -> Option<Text> {
     if let Some(length) = length_m {
-        let number = Number::new(length).times(1e3).unit("mm");
+        let number = Number::new(length).of(Quantity::PLACE);
         let stands = |cell: &Cell| cell.characteristic_length.is_some();
         let computed = if context.cell.is_some_and(|cell| !stands(cell)) {
             ", computed: robot.characteristic_length_mm is not set."
@@ -270,7 +268,7 @@ pub(super) fn length_in_words(context: &Given<'_>, length_m: Option<f64>) -> Opt
             "."
         };
         let said = Text::new("The characteristic length of k(J_N) is ");
-        return Some(said.number(number.decimals(1)).words(computed));
+        return Some(said.number(number).words(computed));
     }
     let (_, missing) = with_length(context.cell?.clone());
     missing.map(|why| format!("No characteristic length: {}", visible(&why)).into())

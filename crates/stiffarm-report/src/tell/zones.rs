@@ -2,17 +2,17 @@
 
 use super::map::RANGE;
 use super::worth::length_in_words;
-use crate::tell::{Block, DataTable, Given, Number, Section, Telling, Text, Told, counted};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, counted};
 use crate::zones::zones_figure;
 use stiffarm::Result;
-use stiffarm::ask::zones::Asked;
+use stiffarm::ask::zones::ZonesResultOptions;
 use stiffarm::findings::{list, visible};
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::zones::Zones;
-use stiffarm::units::rad_to_shortest_deg;
+use stiffarm::units::{rad_to_shortest_deg, rounded, with_minus};
 
-impl Telling<Asked> for Zones {
-    fn told(&self, options: &Asked, context: &Given<'_>) -> Result<Told> {
+impl Telling<ZonesResultOptions> for Zones {
+    fn told(&self, options: &ZonesResultOptions, context: &Given<'_>) -> Result<Told> {
         let mut zones = self.clone();
         for joint in &mut zones.joints {
             *joint = visible(joint).into_owned();
@@ -44,7 +44,7 @@ impl Telling<Asked> for Zones {
                 .words(": dexterity 1/k(J_N) up to ")
                 .number(Number::new(best.inverse_condition).significant(3))
                 .words(", K_C changes the translation by ")
-                .number(Number::new(best.translation_deviation).percent().significant(2))
+                .number(Number::new(best.translation_deviation).of(Quantity::PERCENT))
                 .words(" there."),
             None => Text::new("No posture of the map is both dexterous and little affected by K_C."),
         };
@@ -113,8 +113,7 @@ impl Telling<Asked> for Zones {
 
 /// An angle \[rad\] in degrees, without digits nobody set.
 fn degrees(angle: f64) -> String {
-    let hundredths = (rad_to_shortest_deg(angle) * 100.0).round() / 100.0;
-    format!("{}°", hundredths + 0.0)
+    format!("{}°", with_minus(rounded(rad_to_shortest_deg(angle), 2).to_string()))
 }
 
 /// From where to where the angles of a map go.

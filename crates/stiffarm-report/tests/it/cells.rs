@@ -1,4 +1,4 @@
-//! Pictures of cells.
+//! Pictures of cells are sound, show red exactly where a limit is violated, and have a mark for each posture.
 
 use crate::common::{spread_by, with_shapes};
 use crate::render::{check, texts};
@@ -10,6 +10,7 @@ use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::posture::Posture;
 use stiffarm_files::builtin;
 use stiffarm_report::figure::drawing::{Drawing, Mark, Shape, Tone};
+use stiffarm_report::scene::{SceneGroup, SceneOptions, scene};
 use stiffarm_report::{Full, cell_drawing, render_drawing, usual_posture};
 
 /// `count` postures spread over the bounds, among them some that violate each kind of limit.
@@ -50,8 +51,8 @@ fn red_is_there_exactly_where_a_limit_is_violated() {
                 assert!(is_red, "{:?}: {}", violated[0].kind, view.title);
             }
         }
-        let told = drawing.notes.iter().filter(|n| n.caution).count();
-        assert_eq!(told, violated.len().min(4));
+        let cautions = drawing.notes.iter().filter(|n| n.caution).count();
+        assert_eq!(cautions, violated.len().min(4));
         let key = drawing.key.iter().any(|entry| entry.label == "violates a limit");
         assert_eq!(key, !violated.is_empty());
     }
@@ -150,7 +151,7 @@ fn each_posture_has_its_own_mark_and_entry() {
         let entry = format!("posture {}", posture.name);
         assert_eq!(names.contains(&entry), number != 4, "{entry}");
     }
-    assert!(drawing.caption.contains("In full: posture 5 of 20."), "{}", drawing.caption);
+    insta::assert_snapshot!(drawing.caption, @"The cell from the side, from above and in perspective. In full: posture 5 of 20. The others as lines. It meets its limits. Least room: 101 mm at the box for tool points and flange (measuring point 3). Ringed in red, a limit violated too: 1, 2, 4, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 17, 18, 19, 20.");
 }
 
 #[test]
@@ -177,15 +178,27 @@ fn the_usual_posture_meets_the_limits_where_one_does() {
     assert_eq!(near.name, "a posture near the middle of the bounds");
     assert!(meets(&cell, &near));
     assert_eq!(drawn(&cell, &near).caution_count(), 0);
-    let mut own = near.clone();
-    own.name = "V2".into();
-    let mut low = own.clone();
+    let mut second = near.clone();
+    second.name = "V2".into();
+    let mut low = second.clone();
     low.q[1] += 1.0;
     assert!(!meets(&cell, &low));
-    cell.validation = vec![low, own.clone()];
-    assert_eq!(usual_posture(&cell).unwrap(), own);
+    cell.validation = vec![low, second.clone()];
+    assert_eq!(usual_posture(&cell).unwrap(), second);
     cell.limits.floor = Some(9.0);
     let usual = usual_posture(&cell).unwrap();
     assert_eq!(usual.name, middle);
     assert!(drawn(&cell, &usual).caution_count() > 0);
+}
+
+#[test]
+fn a_drawing_is_a_projection_of_its_scene() {
+    let cell = with_shapes();
+    let postures = spread(&cell, 6);
+    let groups = [SceneGroup::new("a", &postures[..4]), SceneGroup::new("b", &postures[4..])];
+    let scene = scene(&cell, &groups, &SceneOptions::default()).unwrap();
+    for full in [Full::Tightest, Full::Number(2), Full::None] {
+        assert_eq!(scene.drawing(Some(0), full), cell_drawing(&cell, &postures[..4], full).unwrap());
+        assert_eq!(scene.drawing(None, full), cell_drawing(&cell, &postures, full).unwrap());
+    }
 }

@@ -1,4 +1,4 @@
-//! Pictures for papers as files.
+//! Pictures for papers have the stated size, keep all text inside, and write their data so that it reads back.
 
 use crate::common::{spread, with_shapes};
 use crate::gallery;
@@ -97,18 +97,18 @@ fn data_read_back_as_they_are() {
 fn names_are_those_of_the_files() {
     let figures = gallery::all();
     let drawings = &drawings()[..1];
-    let asked = options(60.0, &[Format::Csv, Format::Svg, Format::Csv]);
-    let files = paper_files(&figures, drawings, &asked).unwrap();
+    let request = options(60.0, &[Format::Csv, Format::Svg, Format::Csv]);
+    let files = paper_files(&figures, drawings, &request).unwrap();
     let names: Vec<&String> = files.iter().map(|(name, _)| name).collect();
-    let expected = paper_names(&figures, drawings, &asked);
+    let expected = paper_names(&figures, drawings, &request);
     assert!(names.into_iter().eq(&expected));
     // Drawings have no table.
     assert_eq!(expected.len(), 2 * figures.len() + 1);
 }
 
 /// Why pictures are refused, if they are.
-fn refusal(asked: &PaperOptions) -> Option<Code> {
-    let made = paper_files(&[figure("a")], &[], asked);
+fn refusal(options: &PaperOptions) -> Option<Code> {
+    let made = paper_files(&[figure("a")], &[], options);
     made.err().map(|error| error.code())
 }
 
@@ -122,8 +122,8 @@ fn what_cannot_be_meant_is_refused() {
         PaperOptions { font_family: "A'; x".into(), ..usual() },
         PaperOptions { formats: Vec::new(), ..usual() },
     ];
-    for asked in wrong {
-        assert_eq!(refusal(&asked), Some(Code::InvalidValue), "{asked:?}");
+    for options in wrong {
+        assert_eq!(refusal(&options), Some(Code::InvalidValue), "{options:?}");
     }
     // The font is only named: whether it is there shows where the picture is looked at.
     let absent = PaperOptions { font_family: "No Such Face".into(), ..usual() };
@@ -176,8 +176,8 @@ fn all_inside(svg: &str, what: &str) {
         let is_bold = node.attribute("font-weight").is_some();
         let size = of(&node, "font-size")[0];
         let pieces = node.descendants().filter(Node::is_text).map(|piece| {
-            let own = piece.parent().map_or(Vec::new(), |parent| of(&parent, "font-size"));
-            let size = own.first().copied().unwrap_or(size);
+            let sizes = piece.parent().map_or(Vec::new(), |parent| of(&parent, "font-size"));
+            let size = sizes.first().copied().unwrap_or(size);
             width(piece.text().unwrap_or_default(), size, is_bold)
         });
         let long: f64 = pieces.sum();

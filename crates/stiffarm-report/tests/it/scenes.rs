@@ -1,4 +1,4 @@
-//! Cells in three dimensions: what the page is given, against the library.
+//! Cells in three dimensions are where the library has them: links, shapes, bent arms and nearest pairs.
 
 use crate::common::spread;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3};
@@ -43,8 +43,8 @@ fn links_are_where_the_library_has_them() {
     let cell = stiffarm_files::builtin::cell("comau-shapes").unwrap();
     let postures = spread(&cell, 5);
     let scene = shown(&cell, &postures, Model::Linear);
-    for (posture, given) in scene.groups[0].postures.iter().zip(&postures) {
-        let frames = Frames::new(&cell.setup.robot, &given.q);
+    for (posture, planned) in scene.groups[0].postures.iter().zip(&postures) {
+        let frames = Frames::new(&cell.setup.robot, &planned.q);
         for (pose, link) in posture.links.iter().zip(frames.links()) {
             let pose = isometry(pose);
             let apart = (pose.translation.vector - link.translation.vector).norm();
@@ -66,9 +66,9 @@ fn the_arm_bent_once_as_far_moves_its_points_as_the_linear_model_says() {
     let postures = spread(&cell, 6);
     let scene = shown(&cell, &postures, Model::Linear);
     let exact = shown(&cell, &postures, Model::Equilibrium);
-    for (number, given) in postures.iter().enumerate() {
+    for (number, planned) in postures.iter().enumerate() {
         let posture = &scene.groups[0].postures[number];
-        let terms = PostureTerms::new(&cell.setup, &given.q, None).unwrap();
+        let terms = PostureTerms::new(&cell.setup, &planned.q, None).unwrap();
         let rest = drawn_flange(&scene, posture, 0.0);
         let bent = drawn_flange(&scene, posture, 1.0);
         for (i, point) in cell.setup.tool.measuring_points.iter().enumerate() {
@@ -79,11 +79,11 @@ fn the_arm_bent_once_as_far_moves_its_points_as_the_linear_model_says() {
             let said = Vector3::new(said[0], said[1], said[2]);
             // Second order in turns below 1e-3 rad; the links are told to 1e-6 m.
             assert!((drawn - said).norm() < 2e-3 * said.norm() + 2e-8, "{drawn} {said}");
-            let told = Vector3::from(posture.loads[0].deflection[i + 1]);
-            assert!((told - said).norm() < 1e-5 * said.norm());
+            let in_scene = Vector3::from(posture.loads[0].deflection[i + 1]);
+            assert!((in_scene - said).norm() < 1e-5 * said.norm());
             // The equilibrium is the same to second order, but not the same.
             let other = Vector3::from(exact.groups[0].postures[number].loads[0].deflection[i + 1]);
-            assert!((other - said).norm() < 0.05 * said.norm() && other != told);
+            assert!((other - said).norm() < 0.05 * said.norm() && other != in_scene);
         }
     }
 }
@@ -95,9 +95,9 @@ fn the_exact_arm_is_drawn_where_its_equilibrium_is() {
     for posture in &scene.groups[0].postures {
         let (rest, bent) = (0.0, 1.0);
         let [rest, bent] = [rest, bent].map(|times| drawn_flange(&scene, posture, times));
-        for (point, told) in scene.measuring_points.iter().zip(&posture.loads[0].deflection[1..]) {
+        for (point, drawn) in scene.measuring_points.iter().zip(&posture.loads[0].deflection[1..]) {
             let p = Point3::from(point.at);
-            let off = bent * p - rest * p - Vector3::from(*told);
+            let off = bent * p - rest * p - Vector3::from(*drawn);
             assert!(off.norm() < 2e-8, "{off}");
         }
     }
@@ -118,7 +118,7 @@ fn the_closest_pair_is_the_least_margin_between_shapes() {
         if closest.distance > 0.0 {
             assert!((apart - closest.distance).abs() < 1e-9, "{apart}");
             let placed = cell.scene.placed(terms.frames());
-            let of = |name: &str| placed.iter().find(|(own, _)| *own == name).unwrap();
+            let of = |name: &str| placed.iter().find(|(label, _)| *label == name).unwrap();
             let (_, solids) = of(&closest.names[1]);
             let on = solids.iter().map(|s| s.signed_distance(&closest.points[1]).0);
             assert!(on.fold(f64::INFINITY, f64::min).abs() < 1e-9);
@@ -161,8 +161,8 @@ fn a_measured_load_is_shown_where_it_is_known() {
     assert!(unknown.bodies.len() >= 6);
     let group = SceneGroup { wrenches: &[Wrench::force([0.0, 0.0, -500.0])], ..SceneGroup::new("Group 1", &postures) };
     let options = SceneOptions { stiffness: Some(&[1e6; 6]), ..SceneOptions::default() };
-    let known = scene(&cell, &[group], &options).unwrap();
-    let [first, second] = &known.groups[0].postures[..] else { panic!("two postures") };
+    let loaded = scene(&cell, &[group], &options).unwrap();
+    let [first, second] = &loaded.groups[0].postures[..] else { panic!("two postures") };
     assert_eq!(first.loads[0].force, [0.0, 0.0, -500.0]);
     assert!(first.loads[0].deflection[0][2] < 0.0);
     assert!(second.loads.is_empty());
@@ -199,9 +199,9 @@ fn script_and_style_can_stand_in_a_page() {
     let script = VIEWER_SCRIPT.to_lowercase();
     assert!(!script.contains("</script") && !script.contains("<!--"));
     // Text of the data is never read as HTML by our own part.
-    let own = VIEWER_SCRIPT.split_once("// Solids as meshes").unwrap().1;
+    let our_script = VIEWER_SCRIPT.split_once("// Solids as meshes").unwrap().1;
     for never in ["innerHTML", "outerHTML", "insertAdjacentHTML", "document.write", "eval("] {
-        assert!(!own.contains(never), "{never}");
+        assert!(!our_script.contains(never), "{never}");
     }
     assert!(VIEWER_SCRIPT.contains("Permission is hereby granted"));
     for rule in VIEWER_STYLE.split('{').filter(|rule| !rule.contains('@')) {

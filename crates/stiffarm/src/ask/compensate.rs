@@ -1,6 +1,6 @@
 //! All that `compensate` says: the commands of a path, and how its postures were found.
 
-use crate::ask::path::{Followed, PathOptions};
+use crate::ask::path::{FollowedPath, PathOptions};
 use crate::error::Result;
 use crate::estimate::saved::Saved;
 use crate::findings::{Finding, each_once};
@@ -56,7 +56,7 @@ impl PathOptions {
         &self,
         cell: &Cell,
         saved: &Saved,
-        followed: &Followed,
+        followed: &FollowedPath,
         control: Control<'_>,
     ) -> Result<Compensated> {
         let options = self.compensate_options(saved)?;

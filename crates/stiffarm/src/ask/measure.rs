@@ -7,7 +7,7 @@ use crate::estimate::diagnosed::doubts;
 use crate::estimate::identify::{Fit, IdentifyOptions};
 use crate::estimate::next_posture::{NextPosture, next_posture, planned_errors};
 use crate::estimate::setup;
-use crate::estimate::standing::{SoFar, Standing, is_better, standing};
+use crate::estimate::standing::{InterimEstimate, Standing, is_better, standing};
 use crate::findings::{Finding, Severity, codes, each_once};
 use crate::measure::prepare;
 use crate::measure::reduction::ReduceOptions;
@@ -222,7 +222,7 @@ pub fn judge(
         ..Judgement::not_yet(plan, &left)
     };
     let fit = Fit::new(cell, measured, &IdentifyOptions::default())?;
-    let judged = SoFar::new(&fit).and_then(|so_far| {
+    let judged = InterimEstimate::new(&fit).and_then(|so_far| {
         let standing = standing(&so_far, &left, options.until.and_then(Goal::stiffness))?;
         Ok((standing, so_far))
     });
@@ -260,7 +260,7 @@ pub fn judge(
 
 /// What `identify` would say against the readings so far. What the postures that are `left` may still bring is no
 /// finding yet.
-fn of_fit(fit: &Fit, so_far: &SoFar<'_>, left: usize) -> Result<Vec<Finding>> {
+fn of_fit(fit: &Fit, so_far: &InterimEstimate<'_>, left: usize) -> Result<Vec<Finding>> {
     let mut estimates = fit.identification()?.estimates.clone();
     estimates.joints = so_far.joints()?;
     let joints = estimates.findings().into_iter();
@@ -277,7 +277,7 @@ fn of_fit(fit: &Fit, so_far: &SoFar<'_>, left: usize) -> Result<Vec<Finding>> {
 ///
 /// # Errors
 /// The cell has no tasks, or tasks with different tips.
-fn deflection(fit: &Fit, so_far: &SoFar<'_>, goal: f64) -> Result<DeflectionStanding> {
+fn deflection(fit: &Fit, so_far: &InterimEstimate<'_>, goal: f64) -> Result<DeflectionStanding> {
     let mut cell = fit.cell().clone();
     let (tip, tasks) = tasks(&cell)?;
     cell.work.tip = Some(tip);

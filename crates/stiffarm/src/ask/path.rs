@@ -74,7 +74,7 @@ impl Default for PathOptions {
 
 /// The postures of a path with their loads.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Followed {
+pub struct FollowedPath {
     /// Postures with their loads, point by point.
     pub postures: Vec<LoadedPosture>,
     /// How they were found.
@@ -150,12 +150,12 @@ impl PathOptions {
         predictor: &IdentifiedCompliance,
         points: &[PathPoint],
         control: Control<'_>,
-    ) -> Result<Followed> {
+    ) -> Result<FollowedPath> {
         let options = self.posture_options(cell)?;
         let arm = LoadedArm::new(cell, predictor)?;
         let inverse = InverseKinematics::new(&cell.setup.robot);
         let (postures, summary) = posture_path(&arm, &inverse, points, &options, control)?;
-        Ok(Followed { postures, summary })
+        Ok(FollowedPath { postures, summary })
     }
 }
 

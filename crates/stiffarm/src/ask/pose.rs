@@ -69,7 +69,7 @@ pub struct Pose {
 /// A posture beside its configuration.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Described {
+pub struct NamedPosture {
     /// Its name.
     pub name: String,
     /// Controller angles.
@@ -88,7 +88,7 @@ pub struct Described {
 pub struct PosturePose {
     /// The posture.
     #[serde(flatten)]
-    pub posture: Described,
+    pub posture: NamedPosture,
     /// Pose of the flange.
     pub flange: Pose,
     /// Pose of the tool's tip.
@@ -108,10 +108,10 @@ pub struct Poses {
 /// A posture of a pose.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct FoundPosture {
+pub struct BranchPosture {
     /// The posture.
     #[serde(flatten)]
-    pub posture: Described,
+    pub posture: NamedPosture,
     /// Postures with the same number differ by full turns alone.
     pub branch: usize,
     /// Whether the posture is singular: where angles are free, it stands for all of them.
@@ -121,21 +121,21 @@ pub struct FoundPosture {
 /// Postures of one pose.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct FoundPose {
+pub struct PoseSolution {
     /// Its name.
     pub name: String,
     /// All its postures within the machine's limits, full turns included.
-    pub postures: Vec<FoundPosture>,
+    pub postures: Vec<BranchPosture>,
 }
 
 /// Postures of poses.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Found {
+pub struct PoseSolutions {
     /// `closed form` gives every posture, `numeric` those that a search finds.
     pub method: &'static str,
     /// The poses, in the order given.
-    pub poses: Vec<FoundPose>,
+    pub poses: Vec<PoseSolution>,
     /// Poses without a posture, and what to distrust about the robot of the catalogue.
     pub findings: Vec<Finding>,
 }
@@ -276,12 +276,12 @@ impl PoseKind {
     ///
     /// # Errors
     /// As [`held_postures`], for other reasons than that the pose is out of reach or limits.
-    pub fn postures_of(&self, cell: &Cell, poses: &[NamedPose]) -> Result<(Found, Vec<Posture>)> {
+    pub fn postures_of(&self, cell: &Cell, poses: &[NamedPose]) -> Result<(PoseSolutions, Vec<Posture>)> {
         let robot = &cell.setup.robot;
         let frame = self.frame_in(cell);
         let from_tip = cell.work.tip(&cell.setup.tool).inverse();
         let inverse = InverseKinematics::new(robot);
-        let mut result = Found {
+        let mut result = PoseSolutions {
             method: inverse.method().as_str(),
             poses: Vec::with_capacity(poses.len()),
             findings: self.doubts(cell),
@@ -311,7 +311,7 @@ impl PoseKind {
                         0 => format!("{}-{}", named.name, i + 1),
                         _ => format!("{}-{}.{}", named.name, i + 1, k + 1),
                     };
-                    postures.push(FoundPosture {
+                    postures.push(BranchPosture {
                         posture: describe(cell, name.clone(), q),
                         branch: i + 1,
                         is_singular: held.is_singular,
@@ -319,17 +319,17 @@ impl PoseKind {
                     all.push(Posture { name, q: q.clone() });
                 }
             }
-            result.poses.push(FoundPose { name: named.name.clone(), postures });
+            result.poses.push(PoseSolution { name: named.name.clone(), postures });
         }
         Ok((result, all))
     }
 }
 
 /// A posture beside its configuration.
-fn describe(cell: &Cell, name: String, q: &[f64]) -> Described {
+fn describe(cell: &Cell, name: String, q: &[f64]) -> NamedPosture {
     let robot = &cell.setup.robot;
     let is_kuka = robot.controller() == Some(Controller::Kuka);
-    Described {
+    NamedPosture {
         name,
         q_deg: q.iter().map(|q| rad_to_shortest_deg(*q)).collect(),
         configuration: Configuration::of(robot, q),

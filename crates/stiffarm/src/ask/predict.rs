@@ -1,7 +1,7 @@
 //! All that `predict` says: deflections at the cell's tasks, along a path, or under the
 //! load of the identification.
 
-use crate::ask::path::{Followed, PathOptions};
+use crate::ask::path::{FollowedPath, PathOptions};
 use crate::ask::rules::NotWith;
 #[cfg(feature = "clap")]
 use crate::ask::values::{MODEL, choice};
@@ -74,7 +74,7 @@ pub const NOT_WITH: NotWith = &[("cell_load", &["force_n", "axes", "free_turn", 
 
 /// Postures and loads of a prediction.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Loaded {
+pub struct PredictionInputs {
     /// The cell; at its tasks with their tip.
     pub cell: Cell,
     /// Postures with their loads.
@@ -132,7 +132,7 @@ impl PredictOptions {
         predictor: &IdentifiedCompliance,
         points: Option<&[PathPoint]>,
         control: Control<'_>,
-    ) -> Result<Loaded> {
+    ) -> Result<PredictionInputs> {
         let (postures, summary) = match points {
             None => {
                 let (tip, postures) = tasks(&cell)?;
@@ -144,18 +144,18 @@ impl PredictOptions {
             }
             Some(points) if self.cell_load => (under_cell_load(points, &cell)?, None),
             Some(points) => {
-                let Followed { postures, summary } = self.path.follow(&cell, predictor, points, control)?;
+                let FollowedPath { postures, summary } = self.path.follow(&cell, predictor, points, control)?;
                 (postures, Some(summary))
             }
         };
-        Ok(Loaded { cell, postures, summary })
+        Ok(PredictionInputs { cell, postures, summary })
     }
 
     /// Predicts at postures and loads of [`PredictOptions::loaded`].
     ///
     /// # Errors
     /// As [`PredictOptions::at_work`] and [`predict`](crate::work::predict::predict).
-    pub fn predict(&self, loaded: &Loaded, saved: &Saved, control: Control<'_>) -> Result<Predicted> {
+    pub fn predict(&self, loaded: &PredictionInputs, saved: &Saved, control: Control<'_>) -> Result<Predicted> {
         let options = self.at_work(saved)?;
         let mut arm = LoadedArm::new(&loaded.cell, &saved.predictor)?;
         if self.cell_load {

@@ -17,11 +17,9 @@ use crate::findings::{Finding, codes, each_once, list};
 use crate::measure::Measured;
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
+use crate::model::posture::is_same_posture;
 use crate::units::mm_to_m;
 use serde::{Deserialize, Serialize};
-
-/// Angles nearer to each other are those of one posture \[rad\].
-const SAME: f64 = 1e-3;
 
 /// Options of the result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -271,7 +269,7 @@ fn untold(cell: &Cell, saved: &Saved, measured: &Measured) -> Result<Option<Find
 fn seen(saved: &Saved, result: &Validation) -> Option<Finding> {
     let is_seen = |posture: &ValidatedPosture| match saved.angles.is_empty() {
         true => saved.postures.contains(&posture.posture),
-        false => saved.angles.iter().any(|q| is_same(q, &posture.angles)),
+        false => saved.angles.iter().any(|q| is_same_posture(q, &posture.angles)),
     };
     let seen = result.postures.iter().filter(|posture| is_seen(posture));
     let seen: Vec<&str> = seen.map(|posture| posture.posture.as_str()).collect();
@@ -283,11 +281,6 @@ fn seen(saved: &Saved, result: &Validation) -> Option<Finding> {
     };
     let sentence = format!("{verb} {} took part in the identification: {them} say little.", list(&seen));
     Some(Finding::caution(codes::SEEN_POSTURES, "stiffness", sentence))
-}
-
-/// Whether the same posture was driven to, as far as a controller repeats it.
-fn is_same(a: &[f64], b: &[f64]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME)
 }
 
 #[cfg(feature = "clap")]

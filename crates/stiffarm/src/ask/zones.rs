@@ -35,10 +35,10 @@ impl Default for ZonesOptions {
 /// Options of a result: what was asked, and what else it depends on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "Options"))]
-pub struct Asked {
+pub struct ZonesResultOptions {
     /// What was asked.
     #[serde(flatten)]
-    pub asked: ZonesOptions,
+    pub zones: ZonesOptions,
     /// L of Eq. (20) \[m\].
     pub characteristic_length_m: Option<f64>,
 }
@@ -51,7 +51,7 @@ impl ZonesOptions {
     }
 
     /// What a result in this cell says of them.
-    pub fn in_cell(&self, cell: &Cell) -> Asked {
-        Asked { asked: self.clone(), characteristic_length_m: cell.characteristic_length }
+    pub fn in_cell(&self, cell: &Cell) -> ZonesResultOptions {
+        ZonesResultOptions { zones: self.clone(), characteristic_length_m: cell.characteristic_length }
     }
 }

@@ -17,7 +17,7 @@ pub(crate) const FEWEST_POSTURES: usize = 4;
 const MOST_FOLDS: usize = 60;
 
 /// The mixed model is clearly better below this share of what the axes alone miss.
-const CLEARLY: f64 = 0.95;
+const CLEARLY_BETTER_SHARE: f64 = 0.95;
 /// Differences of leave-one-outs below this share are not worth a number.
 const WORTH_SAYING: f64 = 1e-3;
 
@@ -85,7 +85,7 @@ impl Elastic {
     /// True where postures that took no part speak clearly for the mixed model.
     pub fn is_better(&self) -> bool {
         let both = self.axes_rms_m.zip(self.mixed_rms_m);
-        both.is_some_and(|(axes, mixed)| mixed < CLEARLY * axes)
+        both.is_some_and(|(axes, mixed)| mixed < CLEARLY_BETTER_SHARE * axes)
     }
 }
 

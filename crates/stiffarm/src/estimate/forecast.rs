@@ -6,7 +6,7 @@
 //! freedom that there will be. The noise is the cell's; readings that are there correct it, the more of them the
 //! more, and what they leave counts; planned ones are taken to agree with them.
 
-use super::identify::{Fit, IdentifyOptions, NO_LONGER, NoiseSource};
+use super::identify::{Fit, IdentifyOptions, LARGEST_HALF_WIDTH, NoiseSource};
 use super::next_posture::measured_alike;
 use super::systematic::{JointUncertainty, SystematicErrors, expected_errors};
 use super::validate::{Model, simulate_measurements};
@@ -106,7 +106,7 @@ fn stiffness(fit: &Fit, systematic: &SystematicErrors) -> Result<Vec<f64>> {
     let of = |j: usize| {
         let identified = joints[j].stiffness.filter(|k| *k > 0.0);
         let half = systematic.uncertainty.get(j).and_then(|joint| joint.total);
-        let bounded = identified.filter(|_| half.is_some_and(|half| half < NO_LONGER));
+        let bounded = identified.filter(|_| half.is_some_and(|half| half < LARGEST_HALF_WIDTH));
         let stiffness = bounded.or(prior.map(|prior| prior[j])).or(identified);
         stiffness.ok_or_else(|| {
             let message = format!("Nothing tells the stiffness of {} yet.", joints[j].name);

@@ -67,7 +67,7 @@ pub struct Standing {
 }
 
 /// What the readings behind a fit tell, as `identify` prints it by default.
-pub struct SoFar<'f> {
+pub struct InterimEstimate<'f> {
     fit: &'f Fit,
     /// Systematic errors if the axes alone gave way.
     axes: SystematicErrors,
@@ -79,7 +79,7 @@ pub struct SoFar<'f> {
     now: Option<Vec<Option<f64>>>,
 }
 
-impl<'f> SoFar<'f> {
+impl<'f> InterimEstimate<'f> {
     /// Of a fit.
     ///
     /// # Errors
@@ -100,7 +100,7 @@ impl<'f> SoFar<'f> {
             let errors = systematic_errors_with(fit, Some(&mixed), off)?;
             Ok((mixed, errors))
         };
-        let mut out = SoFar { fit, axes, mixed: mixed.map(with_errors).transpose()?, diagnosis, now: None };
+        let mut out = InterimEstimate { fit, axes, mixed: mixed.map(with_errors).transpose()?, diagnosis, now: None };
         if out.is_mixed() {
             out.now = out.of_axes::<Vec<f64>>(&[])?;
         }
@@ -191,7 +191,7 @@ impl<'f> SoFar<'f> {
 ///
 /// # Errors
 /// A decomposition that fails; stopped.
-pub fn standing<Q: AsRef<[f64]>>(so_far: &SoFar<'_>, planned: &[Q], goal: Option<f64>) -> Result<Standing> {
+pub fn standing<Q: AsRef<[f64]>>(so_far: &InterimEstimate<'_>, planned: &[Q], goal: Option<f64>) -> Result<Standing> {
     let (fit, systematic) = (so_far.fit, so_far.systematic());
     let identification = fit.identification()?;
     let expected = |count: usize| so_far.expected(&planned[..count]);

@@ -3,7 +3,7 @@
 pub mod codes;
 
 pub use crate::error::{is_hidden, visible};
-use crate::units::m_to_mm;
+use crate::units::{m_to_mm, rounded};
 use serde::{Deserialize, Serialize};
 
 /// How much a finding matters.
@@ -99,7 +99,7 @@ pub fn length(metres: f64) -> String {
 
 /// A time \[s\] in minutes, to a tenth of one.
 pub fn minutes(seconds: f64) -> String {
-    let minutes = (seconds / 6.0).round() / 10.0;
+    let minutes = rounded(seconds / 60.0, 1);
     let unit = if minutes == 1.0 { "minute" } else { "minutes" };
     format!("{minutes} {unit}")
 }

@@ -15,16 +15,16 @@ const STEPS_MM: [f64; 5] = [100.0, 10.0, 1.0, 0.1, 0.01];
 const STEPS_IN: [f64; 4] = [1.0, 0.1, 0.01, 0.001];
 
 /// Coordinates that must all be multiples before it is no chance.
-const ENOUGH: usize = 24;
+const FEWEST_COORDINATES: usize = 24;
 
 /// A multiple is one to this part of a step: decimals are not exact.
-const EXACT: f64 = 1e-5;
+const MULTIPLE_TOLERANCE: f64 = 1e-5;
 
 /// Below this part of the noise a step is the precision of writing, which is meant …
-const MEANT: f64 = 0.03;
+const MEANT_SHARE: f64 = 0.03;
 
 /// … and below this part it adds a twentieth to the noise at most.
-const SMALL: f64 = 0.32;
+const COARSE_SHARE: f64 = 0.32;
 
 /// What the step of a table's readings adds to the noise.
 pub(super) struct Resolution {
@@ -58,7 +58,7 @@ impl Resolution {
             None => cell.noise.reading_variance.sqrt(),
         };
         with.noise.reading_variance += std.powi(2);
-        if std < MEANT * tracker_std {
+        if std < MEANT_SHARE * tracker_std {
             return None;
         }
         let sentence = format!(
@@ -69,7 +69,7 @@ impl Resolution {
             length(tracker_std),
         );
         let advice = " Export the readings with all their digits.";
-        let is_coarse = std >= SMALL * tracker_std;
+        let is_coarse = std >= COARSE_SHARE * tracker_std;
         let finding = if !is_coarse {
             Finding::note(codes::READING_RESOLUTION, "readings", sentence)
         } else {
@@ -82,7 +82,7 @@ impl Resolution {
 /// The coarsest step of which all coordinates are multiples \[m\], and its words.
 fn step(readings: &[&Reading]) -> Option<(f64, String)> {
     let coordinates = || readings.iter().flat_map(|reading| reading.position.iter());
-    if coordinates().filter(|value| **value != 0.0).count() < ENOUGH {
+    if coordinates().filter(|value| **value != 0.0).count() < FEWEST_COORDINATES {
         return None;
     }
     let mm = STEPS_MM.map(|step| (mm_to_m(step), format!("{step} mm")));
@@ -91,7 +91,7 @@ fn step(readings: &[&Reading]) -> Option<(f64, String)> {
     steps.sort_by(|a, b| b.0.total_cmp(&a.0));
     let is_multiple = |value: &f64, step: f64| {
         let count = value / step;
-        (count - count.round()).abs() < EXACT
+        (count - count.round()).abs() < MULTIPLE_TOLERANCE
     };
     let mut steps = steps.into_iter();
     steps.find(|(step, _)| coordinates().all(|value| is_multiple(value, *step)))

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector3};
 const SINGULAR: f64 = 1e-12;
 
 /// k of six joints up to which J is inverted by elimination; beyond it by singular values.
-pub(crate) const SOUND: f64 = 1e4;
+pub(crate) const ELIMINATION_CONDITION: f64 = 1e4;
 
 /// Refuses robots whose J_N has no full rank in any posture for want of joints.
 ///
@@ -55,7 +55,7 @@ pub fn condition_number(frames: &Frames, p: &Vector3<f64>, length: f64) -> Optio
         return None;
     }
     if jacobian.ncols() == 6
-        && let (k @ ..SOUND, _) = inverted(jacobian.fixed_columns::<6>(0).into_owned())
+        && let (k @ ..ELIMINATION_CONDITION, _) = inverted(jacobian.fixed_columns::<6>(0).into_owned())
     {
         return Some(k);
     }

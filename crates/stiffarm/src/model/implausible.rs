@@ -8,15 +8,15 @@ use crate::model::path::PathPoint;
 use crate::model::process::{Milling, Process};
 use crate::model::robot::{Robot, catalogue};
 use crate::model::work::Work;
-use crate::units::m_to_mm;
+use crate::units::{STANDARD_GRAVITY, m_to_mm};
 use nalgebra::Vector3;
 
-/// Standard gravity \[m/s²\].
-pub(crate) const GRAVITY: f64 = 9.806_65;
 /// No process pushes with so many times the weight of a robot's payload.
-const PAYLOADS: f64 = 5.0;
+const MOST_PAYLOADS: f64 = 5.0;
 /// Largest force that counts as meant where the payload is unknown \[N\].
-const FORCE: f64 = 1e5;
+const LARGEST_PROCESS_FORCE: f64 = 1e5;
+/// Largest load that a robot is tested with where its payload is unknown \[N\].
+pub(crate) const LARGEST_FORCE: f64 = 2e4;
 /// Length by which a force that counts as meant makes a moment \[m\].
 const LEVER: f64 = 2.0;
 /// Tangential cutting coefficients that materials have, foam to nickel alloys \[Pa\].
@@ -40,14 +40,14 @@ pub fn tool_in_metres(point: &Vector3<f64>) -> Option<String> {
 /// Weight of the robot's payload \[N\], where the catalogue knows it.
 pub fn payload_weight(robot: &Robot) -> Option<f64> {
     let entry = catalogue().iter().find(|entry| entry.name == robot.name())?;
-    Some(entry.payload_kg()? * GRAVITY)
+    Some(entry.payload_kg()? * STANDARD_GRAVITY)
 }
 
 /// Says that the largest of the loads at the tip, each with its place, cannot be
 /// meant for `robot`, where that is so.
 pub fn load<'a>(robot: &Robot, loads: impl IntoIterator<Item = (&'a str, &'a Wrench)>) -> Option<Finding> {
     let weight = payload_weight(robot);
-    let most = weight.map_or(FORCE, |weight| PAYLOADS * weight);
+    let most = weight.map_or(LARGEST_PROCESS_FORCE, |weight| MOST_PAYLOADS * weight);
     let times = |wrench: &Wrench| {
         let (force, moment) = (wrench.force.norm(), wrench.moment.norm());
         (force / most).max(moment / (most * LEVER))
@@ -61,10 +61,10 @@ pub fn load<'a>(robot: &Robot, loads: impl IntoIterator<Item = (&'a str, &'a Wre
     let load = if force >= most { format!("{force:.4e} N") } else { format!("{moment:.4e} N·m") };
     let beside = match weight {
         Some(weight) => format!(
-            "the payload of {} weighs {weight:.0} N, and no process pushes with {PAYLOADS} times that",
+            "the payload of {} weighs {weight:.0} N, and no process pushes with {MOST_PAYLOADS} times that",
             robot.name()
         ),
-        None => format!("no process pushes an industrial robot with more than {FORCE} N"),
+        None => format!("no process pushes an industrial robot with more than {LARGEST_PROCESS_FORCE} N"),
     };
     Some(Finding::serious(
         "implausible-load",

@@ -15,6 +15,14 @@ impl AsRef<[f64]> for Posture {
     }
 }
 
+/// Angles nearer to each other are those of one posture \[rad\].
+const SAME_ANGLE: f64 = 1e-3;
+
+/// Whether the same posture was driven to, as far as a controller repeats it.
+pub(crate) fn is_same_posture(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME_ANGLE)
+}
+
 /// A named list of postures that are measured together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PostureGroup {

@@ -139,7 +139,7 @@ impl<'a> ActiveLimits<'a> {
 }
 
 /// A problem whose last margins are those of active limits.
-pub(super) trait Limited<'a>: Problem {
+pub(super) trait LimitedProblem<'a>: Problem {
     /// Its limits, and how many of its variables are angles: the first ones.
     fn limits(&mut self) -> (&mut ActiveLimits<'a>, usize);
 }
@@ -148,7 +148,7 @@ pub(super) trait Limited<'a>: Problem {
 /// at most `rounds` rounds of searching and adding the limits that were crossed.
 /// `budget` is what a round may use after the iterations done before it.
 pub(super) fn minimise_within_limits<'a>(
-    problem: &mut impl Limited<'a>,
+    problem: &mut impl LimitedProblem<'a>,
     start: &[f64],
     earlier: Option<Minimum>,
     rounds: usize,

@@ -17,7 +17,7 @@ use crate::model::dexterity::{condition_number, require_six_joints};
 use crate::model::observation::{PostureTerms, check_angles};
 use crate::model::stiffness::{linear_displacement, rope_correction, stiffness_correction};
 use crate::numerics::control::Control;
-use crate::units::{deg_to_rad, rad_to_shortest_deg};
+use crate::units::{deg_to_rad, rad_to_shortest_deg, rounded};
 use serde::{Deserialize, Serialize};
 
 /// Joints of the map, counted from 0.
@@ -246,8 +246,7 @@ pub fn zones(cell: &Cell, options: &ZoneOptions, control: Control<'_>) -> Result
 fn axis(range: [f64; 2], steps: usize) -> Vec<f64> {
     let [low, high] = range.map(rad_to_shortest_deg);
     let at = |i: usize| low + (high - low) * i as f64 / (steps - 1) as f64;
-    // Adding zero turns −0 into 0.
-    (0..steps).map(|i| deg_to_rad((at(i) * 1e9).round() / 1e9 + 0.0)).collect()
+    (0..steps).map(|i| deg_to_rad(rounded(at(i), 9))).collect()
 }
 
 /// Angles of all joints \[rad\], those of the map at their lower bounds.

@@ -1,7 +1,9 @@
 //! Units of files and of the screen. Inside the library everything is SI: m, rad, N, N·m.
 
+mod digits;
 mod sense;
 
+pub use digits::{rounded, sentence_with_minus, significant, significant_text, with_minus};
 pub use sense::LARGEST_NUMBER;
 pub use sense::Sense;
 
@@ -140,29 +142,15 @@ pub fn roll_pitch_yaw(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
 pub fn shortest(value: f64, there: fn(f64) -> f64, back: fn(f64) -> f64) -> f64 {
     let find = |target: f64| {
         let near = there(target);
-        let rounded = |digits: usize| rounded(near, digits);
         // 17 digits are the number itself.
         let others = [near, near.next_up(), near.next_down()];
         // `near` is within rounding of each number that will do. One of fewer than
         // 14 digits is therefore what 14 digits round to: no need to try them.
-        (13..16).filter_map(rounded).chain(others).find(|number| back(*number) == target)
+        (14..17).map(|digits| significant(near, digits)).chain(others).find(|number| back(*number) == target)
     };
     let number = find(value).or_else(|| find(back(there(value))));
     // Adding zero turns −0 into 0.
     number.unwrap_or_else(|| there(value)) + 0.0
-}
-
-/// `value` to one digit before the point and `digits` behind it.
-fn rounded(value: f64, digits: usize) -> Option<f64> {
-    let exponent = value.abs().log10().floor();
-    let decimals = digits as f64 - exponent;
-    // Whole numbers and powers of ten up to here are exact, so that the quotient
-    // is the number that the decimals stand for. Text takes a hundred times as long.
-    if (0.0..=22.0).contains(&decimals) && digits < 15 {
-        let scale = 10_f64.powi(decimals as i32);
-        return Some((value * scale).round() / scale);
-    }
-    format!("{value:.digits$e}").parse().ok()
 }
 
 /// Angles that are radians in memory and degrees in JSON.

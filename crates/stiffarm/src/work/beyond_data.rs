@@ -10,7 +10,7 @@ const ROUNDING: f64 = 1e-6;
 
 /// The largest that an identification has seen, where it is known.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Seen {
+pub(crate) struct IdentifiedRange {
     /// Size of a displacement of a point \[m\].
     pub(crate) displacement: Option<f64>,
     /// Size of a force \[N\].
@@ -18,7 +18,7 @@ pub(crate) struct Seen {
 }
 
 /// Which part of the points, each with the sizes of its deflection \[m\] and its force \[N\], lies beyond `seen`.
-pub(crate) fn beyond_data(subject: &str, points: &[(f64, f64)], seen: Seen) -> Vec<Finding> {
+pub(crate) fn beyond_data(subject: &str, points: &[(f64, f64)], seen: IdentifiedRange) -> Vec<Finding> {
     let mut out = Vec::new();
     let mut tell = |code: &str, beyond: usize, what: String| {
         if beyond == 0 {

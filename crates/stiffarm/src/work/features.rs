@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Features named in the sentence about those that are not within their tolerance.
-const NAMED: usize = 3;
+const MOST_NAMED: usize = 3;
 
 /// What is known of a point.
 #[derive(Debug, Clone, Copy)]
@@ -171,8 +171,8 @@ fn judged(features: &[Feature]) -> Option<Finding> {
         None => feature.verdict.is_some_and(|verdict| verdict != Verdict::Passes),
     };
     let out: Vec<&Feature> = features.iter().filter(is_out).collect();
-    let named: Vec<String> = out.iter().take(NAMED).map(|feature| feature.sentence()).collect();
-    let more = match out.len().saturating_sub(NAMED) {
+    let named: Vec<String> = out.iter().take(MOST_NAMED).map(|feature| feature.sentence()).collect();
+    let more = match out.len().saturating_sub(MOST_NAMED) {
         0 => String::new(),
         more => format!("; and {more} more"),
     };

@@ -43,6 +43,7 @@ mod properties;
 mod readings;
 mod reduction;
 mod reduction_noise;
+mod refusals;
 mod registration;
 mod registration_faults;
 mod requests;

@@ -1,4 +1,4 @@
-//! The posture to measure next, beside what the fit knows already.
+//! The posture that is proposed next brings what it promises, and no other brings more.
 
 use crate::common::prelude::*;
 use crate::common::readings::{reduced, states};
@@ -33,7 +33,7 @@ fn radians(advice: &NextPosture) -> Vec<f64> {
 }
 
 /// Relative standard errors as the table of estimates has them.
-fn own(fit: &Fit) -> Vec<f64> {
+fn standard_errors(fit: &Fit) -> Vec<f64> {
     let joints = fit.identification().unwrap().estimates.joints.iter();
     joints.map(|j| j.standard_error.unwrap() / j.stiffness.unwrap()).collect()
 }
@@ -46,9 +46,9 @@ fn now_is_what_the_table_of_estimates_says() {
         let measured = measured(&cell, group1(), &with_states(ForceRecord::Load), 4);
         let fit = Fit::new(&cell, measured, &options).unwrap();
         let advice = advice(&fit, 1);
-        for (now, own) in advice.before.iter().zip(own(&fit)) {
+        for (now, standard_error) in advice.before.iter().zip(standard_errors(&fit)) {
             let now = now.unwrap();
-            assert!((now / own - 1.0).abs() < 1e-9, "{estimator:?}: {now} {own}");
+            assert!((now / standard_error - 1.0).abs() < 1e-9, "{estimator:?}: {now} {standard_error}");
         }
         assert_eq!(advice.displacements, 3 * cell.setup.tool.point_count());
     }
@@ -97,7 +97,7 @@ fn no_random_posture_measured_alike_is_better() {
     });
     let done = with_states(ForceRecord::Load);
     let fit = Fit::new(&cell, measured(&cell, group1(), &done, 4), &options).unwrap();
-    let found = advice(&fit, 3);
+    let best = advice(&fit, 3);
     let k: Vec<f64> = fit.identification().unwrap().estimates.stiffness().unwrap();
     for i in 0..20 {
         let mut q = group1();
@@ -106,7 +106,7 @@ fn no_random_posture_measured_alike_is_better() {
         let joints = more.identification().unwrap().estimates.joints.iter();
         let squares = joints.zip(&k).map(|(j, k)| (j.compliance_standard_error.unwrap() * k).powi(2));
         let error = (squares.sum::<f64>() / 6.0).sqrt();
-        assert!(found.expected_error <= error, "random posture {i}");
+        assert!(best.expected_error <= error, "random posture {i}");
     }
 }
 

@@ -76,17 +76,17 @@ fn the_count_of_readings_travels_with_the_measurements() {
     assert_eq!(cell.noise.readings_per_displacement, 1);
     let measured = measured(&cell);
     assert_eq!(measured.readings_per_displacement, Some(2));
-    let known = with(|o: &mut IdentifyOptions| {
+    let known_noise = with(|o: &mut IdentifyOptions| {
         o.estimator = Estimator::Weighted;
         o.noise = NoiseSource::Known;
     });
-    let found = identify(&cell, &measured, &known).unwrap();
+    let identification = identify(&cell, &measured, &known_noise).unwrap();
     let mut two = cell.clone();
     two.noise.readings_per_displacement = 2;
-    let by_cell = identify(&two, &measured.postures, &known).unwrap();
-    assert_eq!(found, by_cell);
-    assert_eq!(found.expected_std_m, two.noise.displacement_std());
-    let repeats = changed(known, |o| o.noise = NoiseSource::Repeats);
+    let by_cell = identify(&two, &measured.postures, &known_noise).unwrap();
+    assert_eq!(identification, by_cell);
+    assert_eq!(identification.expected_std_m, two.noise.displacement_std());
+    let repeats = changed(known_noise, |o| o.noise = NoiseSource::Repeats);
     let fit = Fit::new(&cell, &measured, &repeats).unwrap();
     // Folds see the repeats too.
     cross_validate(&fit, 6, None).unwrap();

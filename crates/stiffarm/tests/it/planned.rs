@@ -1,5 +1,6 @@
-//! All that `select` says, in one call for each way to work.
+//! `select` says in one call, for each way to work, what it planned, how good that is, and what goes with what.
 
+use crate::common::cases::slip;
 use crate::common::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -46,7 +47,7 @@ fn plan_from(cell: &Cell, inputs: &SelectInputs, options: &SelectOptions) -> sti
     planned_from(cell, inputs, options, &mut |_| {}, Control::default())
 }
 
-fn given() -> Vec<Posture> {
+fn example_postures() -> Vec<Posture> {
     numbered(group1())
 }
 
@@ -86,7 +87,7 @@ fn a_plan_is_the_selection_with_its_bounds_in_the_order_of_its_route() {
 
     assert_eq!(planned.seed, Some(1));
     assert_eq!(planned.options.mode, Mode::Global);
-    assert_eq!(planned.options.asked.angle_step_deg, 0.01);
+    assert_eq!(planned.options.select.angle_step_deg, 0.01);
     assert!(planned.options.characteristic_length_m.is_some());
     saved(result);
     saved(&planned.options);
@@ -110,14 +111,14 @@ fn equal_requests_give_equal_bytes() {
 
 #[test]
 fn a_plan_from_an_initial_group_keeps_names_and_draws_nothing() {
-    let mut initial = given();
+    let mut initial = example_postures();
     initial[0].name = "first".to_string();
     let inputs = with(|i: &mut SelectInputs| i.initial = Some(initial.clone()));
     let mut options = with(|o: &mut SelectOptions| o.max_iterations = Some(2));
     let planned = plan_from(&default_cell(), &inputs, &options).unwrap();
     assert_eq!(names(&planned.postures), names(&initial));
     assert_eq!((planned.seed, planned.options.mode), (None, Mode::From));
-    assert_eq!(planned.options.asked, options);
+    assert_eq!(planned.options.select, options);
     // There is no bound from an initial group.
     assert!(planned.result.certificate.is_none());
     assert_eq!(planned.result.before.as_ref().unwrap().evaluation.name, "initial");
@@ -131,7 +132,7 @@ fn new_postures_meet_no_name_of_the_given_ones() {
     let mut options = quick(2);
     (options.count, options.add) = (None, Some(2));
     let inputs = with(|i: &mut SelectInputs| {
-        i.given = given();
+        i.given = example_postures();
         i.given.truncate(3);
         i.given[1].name = "5".to_string();
     });
@@ -147,47 +148,29 @@ fn new_postures_meet_no_name_of_the_given_ones() {
 
 #[test]
 fn options_that_exclude_each_other_are_refused_with_their_name() {
-    let refused = |[key, other]: [&str; 2], change: fn(&mut SelectInputs, &mut SelectOptions)| {
+    type Change = fn(&mut SelectInputs, &mut SelectOptions);
+    let rows: [(&str, &str, Change); 10] = [
+        ("initial", "rounds", |i, o| (i.initial, o.rounds) = (Some(example_postures()), Some(1))),
+        ("initial", "given", |i, _| (i.initial, i.given) = (Some(example_postures()), example_postures())),
+        ("initial", "time_limit", |i, o| (i.initial, o.time_limit_s) = (Some(example_postures()), Some(1.0))),
+        ("initial", "largest_load_n", |i, o| (i.initial, o.largest_load_n) = (Some(example_postures()), Some(500.0))),
+        ("prices", "initial", |i, o| (i.initial, o.prices) = (Some(example_postures()), true)),
+        ("given", "sensitivity", |i, o| (i.given, o.sensitivity) = (example_postures(), true)),
+        ("repeats", "initial", |i, o| (i.initial, o.repeats) = (Some(example_postures()), true)),
+        ("minutes", "given", |i, o| (i.given, o.minutes) = (example_postures(), Some(60.0))),
+        ("minutes", "count", |_, o| (o.count, o.minutes) = (Some(6), Some(60.0))),
+        ("repeats", "an index that says nothing of repeats", |_, o| *o = changed(quick(2), |o| o.repeats = true)),
+    ];
+    let mut report = String::new();
+    for (key, other, change) in rows {
         let (mut inputs, mut options) = (SelectInputs::default(), SelectOptions::default());
         change(&mut inputs, &mut options);
-        let error = plan_from(&default_cell(), &inputs, &options);
-        let error = error.map(|planned| planned.options).unwrap_err();
-        assert_eq!(error.code(), Code::Conflict, "{key}");
-        assert_eq!(error.place().key.as_deref(), Some(key));
-        assert!(error.message().contains(&format!("`{other}`")), "{error}");
-    };
-    refused(["initial", "rounds"], |i, o| {
-        (i.initial, o.rounds) = (Some(given()), Some(1));
-    });
-    refused(["initial", "given"], |i, _| {
-        (i.initial, i.given) = (Some(given()), given());
-    });
-    refused(["initial", "time_limit"], |i, o| {
-        (i.initial, o.time_limit_s) = (Some(given()), Some(1.0));
-    });
-    refused(["initial", "largest_load_n"], |i, o| {
-        (i.initial, o.largest_load_n) = (Some(given()), Some(500.0));
-    });
-    refused(["prices", "initial"], |i, o| {
-        (i.initial, o.prices) = (Some(given()), true);
-    });
-    refused(["given", "sensitivity"], |i, o| {
-        (i.given, o.sensitivity) = (given(), true);
-    });
-    refused(["repeats", "initial"], |i, o| {
-        (i.initial, o.repeats) = (Some(given()), true);
-    });
-    refused(["minutes", "given"], |i, o| {
-        (i.given, o.minutes) = (given(), Some(60.0));
-    });
-    refused(["minutes", "count"], |_, o| {
-        (o.count, o.minutes) = (Some(6), Some(60.0));
-    });
-    let mut options = quick(2);
-    options.repeats = true;
-    let error = plan_from(&default_cell(), &SelectInputs::default(), &options);
-    let error = error.map(|planned| planned.options).unwrap_err();
-    assert_eq!(error.place().key.as_deref(), Some("repeats"));
+        let error = plan_from(&default_cell(), &inputs, &options).map(|planned| planned.options).expect_err(other);
+        assert_eq!(error.code(), Code::Conflict, "{key}, {other}: {error}");
+        assert_eq!(error.place().key.as_deref(), Some(key), "{other}: {error}");
+        report += &slip::<()>(&format!("{key}, {other}"), Err(error));
+    }
+    insta::assert_snapshot!("options_that_exclude_each_other", report);
 }
 
 /// Joint 6 is free, the others hardly move.
@@ -204,13 +187,15 @@ fn postures_that_are_alike_are_planned_where_they_may_be() {
     let mut request = quick(8);
     request.index = None;
     let planned = |cell: &Cell, request: &SelectOptions| plan(cell, request, &mut |_| {}, Control::default());
-    let error = planned(&cell, &request).map(|own| own.options).unwrap_err();
-    assert!(error.message().contains("within 15°"), "{}", error.message());
-    assert!(error.hint_text().unwrap().contains("--repeats"));
+    let error = planned(&cell, &request).map(|selected| selected.options).unwrap_err();
+    insta::assert_snapshot!(error, @"
+    No group of 8 postures inside bounds and limits was found of which no two are within 15° of each other in every joint.
+      hint: ask for fewer, widen [bounds] or [limits], or let the plan measure postures again (--repeats)
+    ");
     request.repeats = true;
     let again = planned(&cell, &request).unwrap();
     assert_eq!(again.postures.len(), 8);
-    assert!(again.options.asked.repeats);
+    assert!(again.options.select.repeats);
 
     // A whole turn makes no other posture: -180° and 180°.
     let cell = hardly_moving([170.0, 180.0]);
@@ -228,7 +213,7 @@ fn with_loads(further: &[(&str, Load)]) -> Cell {
     let rope = ("rope", cell.setup.load.clone());
     let case = |(name, load): &(&str, Load)| LoadCase { name: (*name).into(), load: load.clone(), loading_point: None };
     let all = [rope].into_iter().chain(further.to_vec());
-    cell.setup.load = Load::Cases(all.map(|own| case(&own)).collect());
+    cell.setup.load = Load::Cases(all.map(|load_case| case(&load_case)).collect());
     cell
 }
 
@@ -255,8 +240,8 @@ fn minutes_are_spent_on_the_loads_that_predict_best() {
     let mut alone = request.clone();
     (alone.minutes, alone.count) = (None, Some(12));
     let alone = in_time(&default_cell(), &alone).unwrap().result.selection.value;
-    let told = result.in_time[1].prediction;
-    assert!((told / alone - 1.0).abs() < 1e-3, "{told} {alone}");
+    let stated = result.in_time[1].prediction;
+    assert!((stated / alone - 1.0).abs() < 1e-3, "{stated} {alone}");
 
     // Where hanging it takes as long as driving there, it is not hung.
     let mut slow = cell.clone();
@@ -278,12 +263,17 @@ fn minutes_are_spent_on_the_loads_that_predict_best() {
     other.index = Some(Index::ExpectedError);
     let planned = in_time(&cell, &other).unwrap();
     assert_eq!((planned.postures.len(), planned.result.in_time.len()), (9, 0));
-    for (minutes, words) in [(1.5, "no posture can"), (2e5, "at most"), (1e300, "at most")] {
-        request.minutes = Some(minutes);
-        let error = in_time(&cell, &request).map(|own| own.options).unwrap_err();
-        let said = format!("{} {}", error.message(), error.hint_text().unwrap_or_default());
-        assert!(said.contains(words), "{said}");
-    }
+    let refused = |minutes: f64| in_time(&cell, &changed(request.clone(), |o| o.minutes = Some(minutes)));
+    assert_eq!(refused(1e300).map(|planned| planned.options).unwrap_err().code(), Code::InvalidValue);
+    insta::assert_snapshot!(slip("1.5 minutes", refused(1.5)) + &slip("200000 minutes", refused(2e5)), @"
+    » 1.5 minutes
+    [invalid-value] In 1.5 minutes no posture can be measured: one takes 4 minutes under the loads of this cell.
+      hint: give more time, or what measuring takes in your cell: [time]
+
+    » 200000 minutes
+    [invalid-value] 200000 minutes would do for 66666 postures.
+      hint: a plan has 1000 at most: give less time
+    ");
 }
 
 #[test]
@@ -310,26 +300,26 @@ fn a_second_anchor_is_worth_what_is_said() {
     let mut request = quick(4);
     request.index = None;
     let planned = plan(&cell, &request, &mut |_| {}, Control::default()).unwrap();
-    let found = planned.result.further_load.unwrap();
-    let anchor = found.anchor.unwrap();
+    let further = planned.result.further_load.unwrap();
+    let anchor = further.anchor.unwrap();
     let [x, y, z] = anchor.position_m;
     let Load::Rope { anchor: first, magnitude } = cell.setup.load else { unreachable!() };
     // A sixth of a turn about axis 1, as far from it and as high.
     assert!((x.hypot(y) - first.x.hypot(first.y)).abs() < 1e-12 && (z - first.z).abs() < 1e-12);
     let second = Load::Rope { anchor: Vector3::new(x, y, z), magnitude };
-    for (load, with, minutes) in [(second, anchor.with, 4.0 + 10.0), (hanging(magnitude), found.with, 4.0)] {
+    for (load, with, minutes) in [(second, anchor.with, 4.0 + 10.0), (hanging(magnitude), further.with, 4.0)] {
         let mut cell = with_loads(&[("further", load)]);
         cell.limits = Default::default();
-        let own = evaluate(&cell, "", &planned.postures).unwrap().indices.prediction;
-        assert!((own.unwrap() / with - 1.0).abs() < 1e-9, "{own:?} {with}");
-        let takes = if minutes > 10.0 { anchor.time_s } else { found.time_s };
+        let prediction = evaluate(&cell, "", &planned.postures).unwrap().indices.prediction;
+        assert!((prediction.unwrap() / with - 1.0).abs() < 1e-9, "{prediction:?} {with}");
+        let takes = if minutes > 10.0 { anchor.time_s } else { further.time_s };
         assert_eq!(takes, 60.0 * minutes);
     }
     // An anchor on axis 1 has no other.
     let mut above = cell.clone();
     above.setup.load = Load::Rope { anchor: Vector3::new(0.0, 0.0, 3.5), magnitude };
-    let found = plan(&above, &request, &mut |_| {}, Control::default());
-    assert!(found.is_ok_and(|own| { own.result.further_load.is_none_or(|own| own.anchor.is_none()) }));
+    let above_plan = plan(&above, &request, &mut |_| {}, Control::default());
+    assert!(above_plan.is_ok_and(|planned| planned.result.further_load.is_none_or(|further| further.anchor.is_none())));
 }
 
 #[test]
@@ -339,7 +329,7 @@ fn a_chosen_load_is_that_of_the_cell_handed_on() {
     request.largest_load_n = Some(650.0);
     let planned = plan(&default_cell(), &request, &mut |_| {}, Control::default()).unwrap();
     assert_eq!(planned.cell.setup.load.size(), Some(650.0));
-    assert_eq!(planned.options.asked, request);
+    assert_eq!(planned.options.select, request);
 }
 
 #[test]
@@ -379,12 +369,12 @@ fn the_best_of_a_list() {
         assert_eq!((&posture.name, &posture.q), (&list[*at].name, &list[*at].q));
     }
     assert_eq!(planned.options.mode, Mode::Candidates);
-    assert_eq!((&planned.options.asked, planned.seed), (&request, Some(1)));
+    assert_eq!((&planned.options.select, planned.seed), (&request, Some(1)));
     assert!(!result.measured_wrenches && result.candidate_names.len() == 8);
     assert!(saved(result).contains(r#""postures_deg":[["#));
     request.no_certificate = true;
-    let found = plan_candidates(&cell, &list, true, &request, Control::default()).unwrap();
-    assert!(found.result.selection.bound.is_none());
+    let listed = plan_candidates(&cell, &list, true, &request, Control::default()).unwrap();
+    assert!(listed.result.selection.bound.is_none());
 }
 
 #[test]
@@ -414,17 +404,17 @@ fn evenly_spread_postures() {
 
 #[test]
 fn given_postures_with_two_left_out() {
-    let given = given();
+    let postures = example_postures();
     let mut request = with(|o: &mut SelectOptions| o.drop = Some(2));
-    let planned = plan_drop(&default_cell(), &given, &request, Control::default()).unwrap();
+    let planned = plan_drop(&default_cell(), &postures, &request, Control::default()).unwrap();
     let result = &planned.result;
-    let kept: Vec<Posture> = result.dropped.kept.iter().map(|p| given[*p].clone()).collect();
-    assert_eq!(planned.postures, kept);
-    assert_eq!(result.postures.len(), given.len());
+    let remaining: Vec<Posture> = result.dropped.kept.iter().map(|p| postures[*p].clone()).collect();
+    assert_eq!(planned.postures, remaining);
+    assert_eq!(result.postures.len(), postures.len());
     assert_eq!((planned.options.mode, planned.seed), (Mode::Drop, None));
     saved(result);
-    request.drop = Some(given.len());
-    let refused = plan_drop(&default_cell(), &given, &request, Control::default());
+    request.drop = Some(postures.len());
+    let refused = plan_drop(&default_cell(), &postures, &request, Control::default());
     let refused = refused.map(|p| p.options).unwrap_err();
     assert_eq!(refused.hint_text(), Some("leave out 5 at most"));
 }
@@ -497,9 +487,9 @@ fn a_missing_length_is_computed_or_its_lack_explained() {
     let cell = stiffarm_files::builtin::cell("comau").unwrap();
     let (with, missing) = with_length(cell);
     assert!(with.characteristic_length.is_some() && missing.is_none());
-    let mut own = with.clone();
-    own.characteristic_length = Some(0.123);
-    assert_eq!(with_length(own).0.characteristic_length, Some(0.123));
+    let mut stated = with.clone();
+    stated.characteristic_length = Some(0.123);
+    assert_eq!(with_length(stated).0.characteristic_length, Some(0.123));
     // No posture lies within reversed bounds: the reason is kept, the cell goes on without.
     let mut without = with;
     without.characteristic_length = None;
@@ -513,7 +503,7 @@ fn a_missing_length_is_computed_or_its_lack_explained() {
 #[test]
 fn postures_on_limits_and_without_room_to_spare_are_named() {
     let cell = builtin::cell("comau-shapes").unwrap();
-    let mut postures = given();
+    let mut postures = example_postures();
     let of = |postures: &[Posture]| -> Vec<PostureLimits> {
         let all = postures.iter().map(|p| PostureLimits::new(&cell, &p.q));
         all.collect::<Result<_, _>>().unwrap()
@@ -528,18 +518,17 @@ fn postures_on_limits_and_without_room_to_spare_are_named() {
     // `evaluate` says the same of postures that nobody chose here.
     let group = PostureGroup { name: "mine".to_string(), postures: postures.clone() };
     let evaluated = Evaluated::new(&cell, &[group]).unwrap();
-    let own = evaluated.findings.iter().find(|f| f.code == codes::ON_MACHINE_LIMIT);
-    assert_eq!(own.unwrap().subject, "mine");
+    let finding = evaluated.findings.iter().find(|f| f.code == codes::ON_MACHINE_LIMIT);
+    assert_eq!(finding.unwrap().subject, "mine");
 
-    let found = on_limits(&cell, &postures, &limits);
-    let codes: Vec<&str> = found.iter().map(|f| f.code.as_str()).collect();
+    let findings = on_limits(&cell, &postures, &limits);
+    let codes: Vec<&str> = findings.iter().map(|f| f.code.as_str()).collect();
     assert_eq!(codes, [codes::ON_MACHINE_LIMIT, codes::NO_ROOM_TO_SPARE]);
-    assert_eq!(found[0].severity, Severity::Caution);
-    assert_eq!(found[0].subject, "bounds.q_deg[2]");
-    let named = format!("Posture {} has", postures[1].name);
-    let said = &found[0].sentence;
-    assert!(said.starts_with(&named), "{said}");
-    let named = format!("Posture {} has", postures[2].name);
-    let said = &found[1].sentence;
-    assert!(said.starts_with(&named), "{said}");
+    assert_eq!(findings[0].severity, Severity::Caution);
+    assert_eq!(findings[0].subject, "bounds.q_deg[2]");
+    assert_eq!([&postures[1].name, &postures[2].name], ["2", "3"]);
+    insta::assert_snapshot!(format!("{}\n{}", findings[0].sentence, findings[1].sentence), @"
+    Posture 2 has joint 2 on the machine's limit, -75°, which the robot may refuse to reach: keep postures, and bounds.q_deg, a degree before it.
+    Posture 3 has at most 0.1 mm to spare beyond the distances that [clearance] asks for: how exactly tool, table and rope are where the cell has them is what these distances have to cover.
+    ");
 }

@@ -1,6 +1,7 @@
 //! Postures along paths: continuity, limits, branches, and the free turn about
 //! the tool axis.
 
+use crate::common::cases::slip;
 use crate::common::prelude::*;
 use nalgebra::UnitVector3;
 use stiffarm::model::path::{PathPoint, PathTarget};
@@ -55,9 +56,9 @@ fn run(
 }
 
 /// Distance of the tips from their poses, up to a turn about z where it is free.
-fn worst_gap(cell: &Cell, found: &[LoadedPosture], poses: &[Isometry3<f64>], free: bool) -> f64 {
+fn worst_gap(cell: &Cell, postures: &[LoadedPosture], poses: &[Isometry3<f64>], free: bool) -> f64 {
     let arm = arm(cell);
-    let gaps = found.iter().zip(poses).map(|(posture, pose)| {
+    let gaps = postures.iter().zip(poses).map(|(posture, pose)| {
         let tip = arm.tip_pose(&posture.q);
         let shift = (tip.translation.vector - pose.translation.vector).norm();
         let turn = if free {
@@ -70,13 +71,13 @@ fn worst_gap(cell: &Cell, found: &[LoadedPosture], poses: &[Isometry3<f64>], fre
     gaps.fold(0.0, f64::max)
 }
 
-fn assert_continuous(cell: &Cell, found: &[LoadedPosture], step: f64) {
-    for pair in found.windows(2) {
+fn assert_continuous(cell: &Cell, postures: &[LoadedPosture], step: f64) {
+    for pair in postures.windows(2) {
         for (a, b) in pair[0].q.iter().zip(&pair[1].q) {
             assert!((b - a).abs() <= step);
         }
     }
-    for posture in found {
+    for posture in postures {
         assert!(cell.setup.robot.outside_limits(&posture.q).is_none());
     }
 }
@@ -86,13 +87,13 @@ fn poses_are_held_on_one_branch() {
     let cell = unbounded();
     let circle = circle(90);
     let options = with(|o: &mut PosturePathOptions| o.process = milling());
-    let (found, summary) = run(&cell, &poses(&circle), &options).unwrap();
+    let (postures, summary) = run(&cell, &poses(&circle), &options).unwrap();
     assert_eq!(summary.origin, Origin::ClosedForm);
-    assert!(worst_gap(&cell, &found, &circle, false) < 1e-11);
-    assert_continuous(&cell, &found, 0.2);
+    assert!(worst_gap(&cell, &postures, &circle, false) < 1e-11);
+    assert_continuous(&cell, &postures, 0.2);
     // The load turns with the feed: 300 N and more everywhere, never the same.
-    assert!(found.iter().all(|p| (p.wrench.force.norm() - 305.9).abs() < 0.1));
-    assert!((found[0].wrench.force - found[45].wrench.force).norm() > 400.0);
+    assert!(postures.iter().all(|p| (p.wrench.force.norm() - 305.9).abs() < 0.1));
+    assert!((postures[0].wrench.force - postures[45].wrench.force).norm() > 400.0);
     // Among all branches the one that bends least: any start gives no less.
     let inverse = InverseKinematics::new(&cell.setup.robot);
     let arm = arm(&cell);
@@ -113,19 +114,19 @@ fn a_free_turn_bends_less_and_keeps_continuity_and_limits() {
     let circle = circle(60);
     let fixed = with(|o: &mut PosturePathOptions| o.process = milling());
     let free = changed(fixed.clone(), |o| o.free_turn = true);
-    let (_, given) = run(&cell, &poses(&circle), &fixed).unwrap();
-    let (found, summary) = run(&cell, &poses(&circle), &free).unwrap();
+    let (_, posed) = run(&cell, &poses(&circle), &fixed).unwrap();
+    let (postures, summary) = run(&cell, &poses(&circle), &free).unwrap();
     println!(
         "RMS deflection {:.4} mm as given, {:.4} mm with the turn free; largest step {:.2}°",
-        1e3 * given.deflection_rms_m,
+        1e3 * posed.deflection_rms_m,
         1e3 * summary.deflection_rms_m,
         summary.largest_step.to_degrees()
     );
     let as_given = summary.given_rms_m.unwrap();
-    assert!((as_given / given.deflection_rms_m - 1.0).abs() < 1e-9);
-    assert!(summary.deflection_rms_m < 0.98 * given.deflection_rms_m);
-    assert!(worst_gap(&cell, &found, &circle, true) < 1e-11);
-    assert_continuous(&cell, &found, free.largest_step);
+    assert!((as_given / posed.deflection_rms_m - 1.0).abs() < 1e-9);
+    assert!(summary.deflection_rms_m < 0.98 * posed.deflection_rms_m);
+    assert!(worst_gap(&cell, &postures, &circle, true) < 1e-11);
+    assert_continuous(&cell, &postures, free.largest_step);
     // No single turn does better: a thousandth of the RMS for the finite grid.
     let arm = arm(&cell);
     for turn in 0..36 {
@@ -147,19 +148,19 @@ fn a_free_turn_bends_less_and_keeps_continuity_and_limits() {
             point(i, target)
         })
         .collect();
-    let (found, by_axis) = run(&cell, &axes, &fixed).unwrap();
+    let (postures, by_axis) = run(&cell, &axes, &fixed).unwrap();
     assert!((by_axis.deflection_rms_m / summary.deflection_rms_m - 1.0).abs() < 1e-3);
-    assert!(worst_gap(&cell, &found, &circle, true) < 1e-11);
+    assert!(worst_gap(&cell, &postures, &circle, true) < 1e-11);
     // And joint angles, whose own turn is then the given one.
     let angles: Vec<PathPoint> =
-        found.iter().enumerate().map(|(i, posture)| point(i, PathTarget::Angles(posture.q.clone()))).collect();
-    let (kept, from_angles) = run(&cell, &angles, &free).unwrap();
+        postures.iter().enumerate().map(|(i, posture)| point(i, PathTarget::Angles(posture.q.clone()))).collect();
+    let (with_turns, from_angles) = run(&cell, &angles, &free).unwrap();
     assert!(from_angles.deflection_rms_m <= from_angles.given_rms_m.unwrap() * (1.0 + 1e-12));
-    assert_continuous(&cell, &kept, free.largest_step);
-    let (same, given) = run(&cell, &angles, &fixed).unwrap();
-    assert_eq!(given.origin, Origin::Given);
-    assert_eq!(same[7].q, found[7].q);
-    assert_eq!(arm.tip_pose(&same[7].q), arm.tip_pose(&found[7].q));
+    assert_continuous(&cell, &with_turns, free.largest_step);
+    let (same, unturned) = run(&cell, &angles, &fixed).unwrap();
+    assert_eq!(unturned.origin, Origin::Given);
+    assert_eq!(same[7].q, postures[7].q);
+    assert_eq!(arm.tip_pose(&same[7].q), arm.tip_pose(&postures[7].q));
 }
 
 #[test]
@@ -171,9 +172,9 @@ fn long_paths_choose_turns_at_knots() {
         o.free_turn = true;
         o.turns = 24;
     });
-    let (found, summary) = run(&cell, &poses(&circle), &options).unwrap();
-    assert!(worst_gap(&cell, &found, &circle, true) < 1e-11);
-    assert_continuous(&cell, &found, 0.1);
+    let (postures, summary) = run(&cell, &poses(&circle), &options).unwrap();
+    assert!(worst_gap(&cell, &postures, &circle, true) < 1e-11);
+    assert_continuous(&cell, &postures, 0.1);
     assert!(summary.deflection_rms_m < summary.given_rms_m.unwrap());
 }
 
@@ -183,29 +184,26 @@ fn unreachable_points_jumps_and_limits_are_named_with_their_line() {
     let options = PosturePathOptions::default();
     let mut far = circle(10);
     far[4].translation.vector.x = 4.5;
-    let error = run(&cell, &poses(&far), &options).unwrap_err();
-    assert_eq!((error.code(), error.place().line), (Code::Unreachable, Some(6)));
-    assert!(error.message().starts_with("Point 5: ") && error.message().contains("mm"), "{error}");
-    // Three points of a circle are a jump of some joint.
     let narrow = changed(options.clone(), |o| o.largest_step = 0.01);
-    let error = run(&cell, &poses(&circle(8)), &narrow).unwrap_err();
-    assert_eq!(error.place().line, Some(3));
-    assert!(error.message().contains("From point 1 to 2"), "{error}");
-    let free = changed(narrow, |o| o.free_turn = true);
-    let error = run(&cell, &poses(&circle(8)), &free).unwrap_err();
-    assert!(error.message().contains("every posture jumps"), "{error}");
-    // A feed load where nothing moves.
-    let still = vec![circle(3)[0]; 3];
+    let free = changed(narrow.clone(), |o| o.free_turn = true);
     let fed = changed(options.clone(), |o| o.process = milling());
-    let error = run(&cell, &poses(&still), &fed).unwrap_err();
-    assert!(error.message().contains("does not move"), "{error}");
-    assert!(run(&cell, &[], &options).is_err());
-    // Joints that cannot get there.
     let mut held = cell.clone();
     limit_joint(&mut held, 0, [1.2, 1.6]);
-    let error = run(&held, &poses(&circle(8)), &options).unwrap_err();
-    assert_eq!(error.code(), Code::OutsideLimits);
-    assert!(error.message().contains("joint 1"), "{error}");
+    let round = circle(8);
+    let mut report = String::new();
+    for (what, cell, path, options, code, line) in [
+        ("a point beyond the reach", &cell, &far[..], &options, Code::Unreachable, Some(6)),
+        ("three points of a circle are a jump", &cell, &round, &narrow, Code::InvalidValue, Some(3)),
+        ("the same with a free turn", &cell, &round, &free, Code::InvalidValue, Some(3)),
+        ("a feed load where nothing moves", &cell, &[round[0]; 3], &fed, Code::InvalidValue, Some(2)),
+        ("no points", &cell, &[], &options, Code::TooFewData, None),
+        ("a joint that cannot get there", &held, &round, &options, Code::OutsideLimits, Some(2)),
+    ] {
+        let error = run(cell, &poses(path), options).expect_err(what);
+        assert_eq!((error.code(), error.place().line), (code, line), "{what}: {error}");
+        report += &slip::<()>(what, Err(error));
+    }
+    insta::assert_snapshot!("posture_paths_refused", report);
 }
 
 #[test]
@@ -215,8 +213,7 @@ fn singular_postures_are_found() {
     let (_, summary) = run(&cell, &[point(0, PathTarget::Angles(q))], &PosturePathOptions::default()).unwrap();
     let finding = &summary.findings[0];
     assert_eq!(finding.code, "singular-posture");
-    let said = &finding.sentence;
-    assert!(said.contains("1 (line 2)"), "{said}");
+    insta::assert_snapshot!(finding.sentence, @"The posture at point 1 (line 2) is singular or nearly so: in one direction the tool hardly moves, whatever the joints do, and a controller may stop there.");
 }
 
 #[test]
@@ -240,13 +237,13 @@ fn arms_without_closed_form_follow_and_turn_as_well() {
         o.process = milling();
         o.turns = 24;
     });
-    let (found, fixed) = run(&cell, &poses(&circle), &options).unwrap();
+    let (postures, fixed) = run(&cell, &poses(&circle), &options).unwrap();
     assert_eq!(fixed.origin, Origin::Numeric);
-    assert!(worst_gap(&cell, &found, &circle, false) < 1e-9);
+    assert!(worst_gap(&cell, &postures, &circle, false) < 1e-9);
     let free = changed(options, |o| o.free_turn = true);
-    let (found, turned) = run(&cell, &poses(&circle), &free).unwrap();
-    assert!(worst_gap(&cell, &found, &circle, true) < 1e-9);
-    assert_continuous(&cell, &found, free.largest_step);
+    let (postures, turned) = run(&cell, &poses(&circle), &free).unwrap();
+    assert!(worst_gap(&cell, &postures, &circle, true) < 1e-9);
+    assert_continuous(&cell, &postures, free.largest_step);
     assert!(turned.deflection_rms_m < fixed.deflection_rms_m);
 }
 
@@ -261,16 +258,16 @@ fn beside_the_fixture(y: f64) -> Vec<PathPoint> {
     targets.enumerate().map(|(i, t)| point(i, t)).collect()
 }
 
-fn is_forbidden(cell: &Cell, found: &[LoadedPosture]) -> bool {
-    let predicted = predict(cell, &prior(cell), found, &PredictOptions::default(), Control::default());
+fn is_forbidden(cell: &Cell, postures: &[LoadedPosture]) -> bool {
+    let predicted = predict(cell, &prior(cell), postures, &PredictOptions::default(), Control::default());
     let findings = predicted.unwrap().findings;
     findings.iter().any(|finding| finding.code == "forbidden")
 }
 
 fn said<'a>(summary: &'a PosturePathSummary, code: &str) -> &'a str {
-    let mut found = summary.findings.iter().filter(|f| f.code == code);
-    let finding = found.next().unwrap_or_else(|| panic!("{code}: {summary:?}"));
-    assert!(found.next().is_none());
+    let mut findings = summary.findings.iter().filter(|f| f.code == code);
+    let finding = findings.next().unwrap_or_else(|| panic!("{code}: {summary:?}"));
+    assert!(findings.next().is_none());
     &finding.sentence
 }
 
@@ -279,13 +276,12 @@ fn a_free_turn_keeps_shapes_and_says_what_that_costs() {
     let cell = builtin::cell("comau-shapes").unwrap();
     let points = beside_the_fixture(-0.75);
     let options = with(|o: &mut PosturePathOptions| o.process = milling());
-    let (found, summary) = run(&cell, &points, &options).unwrap();
-    assert!(!is_forbidden(&cell, &found));
-    assert_continuous(&cell, &found, options.largest_step);
+    let (postures, summary) = run(&cell, &points, &options).unwrap();
+    assert!(!is_forbidden(&cell, &postures));
+    assert_continuous(&cell, &postures, options.largest_step);
     let unkept = summary.unkept_rms_m.unwrap();
     assert!(unkept < summary.deflection_rms_m && summary.deflection_rms_m < 1.3 * unkept);
-    let sentence = said(&summary, "limits-kept");
-    assert!(sentence.contains("of 54 points"), "{sentence}");
+    insta::assert_snapshot!(said(&summary, "limits-kept"), @"The way that bends least, 1.069 mm RMS, is forbidden by the cell's bounds, limits or shapes at 46 of 54 points: another was taken, which bends by 1.088 mm.");
     // Where nothing is in the way the same way is the one that bends least.
     let mut empty = cell.clone();
     empty.scene = Default::default();
@@ -302,11 +298,9 @@ fn the_worst_point_is_named_where_nothing_is_free() {
     // Into the fixture.
     let points = beside_the_fixture(-1.0);
     let options = with(|o: &mut PosturePathOptions| o.process = milling());
-    let (found, summary) = run(&cell, &points, &options).unwrap();
-    assert!(is_forbidden(&cell, &found));
-    let sentence = said(&summary, "nothing-free");
-    assert!(sentence.starts_with("At point "), "{sentence}");
-    assert!(sentence.contains("fixture"), "{sentence}");
+    let (postures, summary) = run(&cell, &points, &options).unwrap();
+    assert!(is_forbidden(&cell, &postures));
+    insta::assert_snapshot!(said(&summary, "nothing-free"), @"At point 41 (line 42) and 22 more nothing is free, whatever the branch and the turn about the tool axis: at best, it has 135 mm too little room between reflector plate and fixture.");
 }
 
 #[test]
@@ -314,9 +308,9 @@ fn of_the_branches_of_given_poses_one_that_is_free_is_taken() {
     let mut cell = unbounded();
     let circle = poses(&circle(40));
     let options = with(|o: &mut PosturePathOptions| o.process = milling());
-    let (found, before) = run(&cell, &circle, &options).unwrap();
+    let (postures, before) = run(&cell, &circle, &options).unwrap();
     // The bounds leave out the side of the wrist that was taken.
-    let wrist = found.iter().map(|posture| posture.q[4]).sum::<f64>();
+    let wrist = postures.iter().map(|posture| posture.q[4]).sum::<f64>();
     let [low, high] = cell.bounds[4];
     cell.bounds[4] = if wrist > 0.0 { [low, -0.01] } else { [0.01, high] };
     let (other, after) = run(&cell, &circle, &options).unwrap();
@@ -326,11 +320,10 @@ fn of_the_branches_of_given_poses_one_that_is_free_is_taken() {
     assert!((after.deflection_rms_m / before.deflection_rms_m - 1.0).abs() < 1e-9);
     assert!(after.findings.is_empty(), "{:?}", after.findings);
     // The branch that is asked for is kept.
-    let near = changed(options, |o| o.start = Some(found[0].q.clone()));
-    let (asked, summary) = run(&cell, &circle, &near).unwrap();
-    assert!(!asked.iter().any(inside));
-    let sentence = said(&summary, "nothing-free");
-    assert!(sentence.contains("bounds"), "{sentence}");
+    let near = changed(options, |o| o.start = Some(postures[0].q.clone()));
+    let (near_postures, summary) = run(&cell, &circle, &near).unwrap();
+    assert!(!near_postures.iter().any(inside));
+    insta::assert_snapshot!(said(&summary, "nothing-free"), @"Each point by itself has a free posture, but no way that was found leads through them all without a jump near the posture that is asked for: at point 20 (line 21), joint 5 would leave the cell's bounds by 152.2°.");
 }
 
 /// Who counts the tool axis into the tool, or has turned the workpiece, is told what would make the path reachable.
@@ -340,7 +333,7 @@ fn an_axis_the_other_way_round_is_named() {
     let hint = |poses: &[Isometry3<f64>], workpiece: Isometry3<f64>| {
         let options = with(|o: &mut PosturePathOptions| o.workpiece = workpiece);
         let error = run(&cell, &self::poses(poses), &options).unwrap_err();
-        error.hint_text().unwrap_or_default().to_string()
+        format!("{:?}", error.hint_text())
     };
     let moved = |by: [f64; 3]| -> Vec<Isometry3<f64>> {
         let by = Isometry3::translation(by[0], by[1], by[2]);
@@ -353,8 +346,7 @@ fn an_axis_the_other_way_round_is_named() {
         |poses: Vec<Isometry3<f64>>| -> Vec<_> { poses.iter().map(|pose| pose * half(Vector3::x_axis())).collect() };
     let low = (0..30).map(|i| moved([0.0, 0.0, -0.1 * f64::from(i)]));
     let low = low.filter(|poses| works(poses)).map(round).rfind(|poses| !works(poses));
-    let said = hint(&low.unwrap(), Isometry3::identity());
-    assert!(said.contains("tool axis of every pose the other way round"), "{said}");
+    insta::assert_snapshot!(hint(&low.unwrap(), Isometry3::identity()), @r#"Some("move or turn the pose, or place the robot's base differently; with the tool axis of every pose the other way round it reaches them: say which way z of the poses points, out of the tool or into it")"#);
     // Beyond the workpiece, on the side of it where the arm does not reach.
     let workpiece = Isometry3::translation(1.9, 0.0, 0.8);
     let turned = |poses: &Vec<Isometry3<f64>>| -> Vec<_> {
@@ -363,14 +355,11 @@ fn an_axis_the_other_way_round_is_named() {
     };
     let beyond = (0..30).map(|i| moved([0.1 * f64::from(i), 0.0, 0.0]));
     let beyond = beyond.filter(|poses| works(&turned(poses))).rfind(|poses| !works(poses));
-    let said = hint(&beyond.unwrap(), workpiece);
-    assert!(said.contains("workpiece turned by 180° about its z"), "{said}");
+    insta::assert_snapshot!(hint(&beyond.unwrap(), workpiece), @r#"Some("move or turn the pose, or place the robot's base differently; with the workpiece turned by 180° about its z it reaches them: check the turn of the workpiece frame")"#);
     // Nor is one point beyond the reach a path that is turned.
     let mut one = moved([0.0; 3]);
     one[4].translation.x += 1.6;
-    let said = hint(&one, workpiece);
-    assert!(!said.contains("180°"), "{said}");
+    insta::assert_snapshot!(hint(&one, workpiece), @r#"Some("move or turn the pose, or place the robot's base differently")"#);
     // What nothing of this explains says nothing of it.
-    let said = hint(&moved([9.0, 0.0, 0.0]), workpiece);
-    assert!(!said.contains("180°") && !said.contains("round"), "{said}");
+    insta::assert_snapshot!(hint(&moved([9.0, 0.0, 0.0]), workpiece), @r#"Some("move or turn the pose, or place the robot's base differently")"#);
 }

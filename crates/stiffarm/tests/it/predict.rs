@@ -54,11 +54,11 @@ fn deflection_and_stiffness_are_those_of_the_reference() {
         for (j, k) in stiffness.iter().enumerate() {
             compliance += jacobian.column(j) * jacobian.column(j).transpose() / *k;
         }
-        let found = arm.cartesian(&q, &pull).unwrap();
-        let ours = Matrix6::from_fn(|i, j| found.compliance[i][j]);
+        let cartesian = arm.cartesian(&q, &pull).unwrap();
+        let ours = Matrix6::from_fn(|i, j| cartesian.compliance[i][j]);
         assert!(relative_error(ours.as_slice(), compliance.as_slice()) < 1e-9);
         let expected = compliance.try_inverse().unwrap();
-        let ours = Matrix6::from_fn(|i, j| found.matrix.unwrap()[i][j]);
+        let ours = Matrix6::from_fn(|i, j| cartesian.matrix.unwrap()[i][j]);
         assert!(relative_error(ours.as_slice(), expected.as_slice()) < 1e-9);
         let salisbury = cartesian_stiffness(&cell.setup.robot, terms.frames(), &p, stiffness, None);
         assert!(relative_error(ours.as_slice(), salisbury.unwrap().unwrap().as_slice()) < 1e-9);
@@ -88,8 +88,8 @@ fn stiffness_is_symmetric_and_inverts_the_compliance_of_all_that_gives_way() {
         let arm = LoadedArm::new(&cell, &predictor).unwrap();
         let q = dice.posture(n);
         let load = wrench(&mut dice, 300.0, 20.0);
-        let found = arm.cartesian(&q, &load).unwrap();
-        let compliance = Matrix6::from_fn(|i, j| found.compliance[i][j]);
+        let cartesian = arm.cartesian(&q, &load).unwrap();
+        let compliance = Matrix6::from_fn(|i, j| cartesian.compliance[i][j]);
         let scale = compliance.amax();
         assert!((compliance - compliance.transpose()).amax() <= 1e-14 * scale);
         // The linear model is this compliance.
@@ -97,14 +97,14 @@ fn stiffness_is_symmetric_and_inverts_the_compliance_of_all_that_gives_way() {
         let expected = compliance * Vector6::from_iterator(load.force.iter().chain(load.moment.iter()).copied());
         let linear = arm.linear(&terms);
         assert!((linear - expected).amax() <= 1e-10 * linear.amax().max(1e-9), "round {round}");
-        let Some(rows) = found.matrix else { continue };
+        let Some(rows) = cartesian.matrix else { continue };
         let stiffness = Matrix6::from_fn(|i, j| rows[i][j]);
         assert!((stiffness - stiffness.transpose()).amax() == 0.0);
         // Rounding grows with the condition number of K.
         let left = (stiffness * compliance - Matrix6::identity()).amax();
         let condition = stiffness.norm() * compliance.norm();
         assert!(left <= 1e-14 * condition, "round {round}: {left:e}, condition {condition:e}");
-        let principal = found.principal;
+        let principal = cartesian.principal;
         for (softer, stiffer) in principal.iter().zip(&principal[1..]) {
             let least = |axis: &stiffarm::work::predict::PrincipalAxis| axis.stiffness_n_per_m.unwrap_or(f64::MAX);
             assert!(least(softer) <= least(stiffer));
@@ -218,8 +218,8 @@ fn identified(cell: &Cell, group: &[Posture], estimator: Estimator, seed: u64) -
         o.estimator = estimator;
         o.noise = NoiseSource::Estimated;
     });
-    let found = identify(cell, &measured, &options).unwrap();
-    IdentifiedCompliance::from_identification(cell, &found).unwrap()
+    let identification = identify(cell, &measured, &options).unwrap();
+    IdentifiedCompliance::from_identification(cell, &identification).unwrap()
 }
 
 fn group(cell: &Cell) -> Vec<Posture> {
@@ -248,9 +248,9 @@ fn bands_cover_what_they_say_when_noise_is_the_only_error() {
         let mut squares = 0.0;
         for seed in 0..experiments {
             let predictor = identified(&cell, &group, estimator, seed);
-            let found = predict(&cell, &predictor, &work, &PredictOptions::default(), Control::default());
+            let prediction = predict(&cell, &predictor, &work, &PredictOptions::default(), Control::default());
             let before = inside;
-            for (point, exact) in found.unwrap().points.iter().zip(&exact) {
+            for (point, exact) in prediction.unwrap().points.iter().zip(&exact) {
                 let band = point.band.unwrap();
                 assert_eq!(band.common_m, [0.0; 3]);
                 for i in 0..3 {
@@ -281,8 +281,8 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
     let truth = cell.require_prior().unwrap();
     let measured = simulate_measurements(&cell, &group, truth, Model::Equilibrium, 3, 0).unwrap();
     let options = IdentifyOptions::default();
-    let found = identify(&cell, &measured, &options).unwrap();
-    let plain = IdentifiedCompliance::from_identification(&cell, &found).unwrap();
+    let identification = identify(&cell, &measured, &options).unwrap();
+    let plain = IdentifiedCompliance::from_identification(&cell, &identification).unwrap();
     let systematic = systematic_errors(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
     let total = plain.clone().with_systematic_errors(&systematic);
     let work = [at(&cell.tasks[1].q, cell.tasks[1].wrench)];
@@ -383,13 +383,16 @@ fn bad_input_is_refused_with_its_line() {
     buckles.line = Some(9);
     let error = run(&[buckles]).unwrap_err();
     assert_eq!(error.place().line, Some(9));
-    assert!(error.message().contains("equilibrium"));
+    insta::assert_snapshot!(error, @"
+    The loaded arm has no stable equilibrium near this posture.
+      hint: check the load's magnitude and the unit of the joint stiffness (N·m/rad)
+    ");
     // What noise made of a stiff joint is a value like any other; what is no number is not.
     for (value, is_used) in [(-1e-8, true), (f64::NAN, false), (f64::INFINITY, false)] {
         let mut other = predictor.clone();
         other.values[5] = value;
         let work = [at(&cell.tasks[0].q, Wrench::force(Vector3::x()))];
-        let found = predict(&cell, &other, &work, &options, Control::default());
-        assert_eq!(found.is_ok(), is_used, "{value}");
+        let prediction = predict(&cell, &other, &work, &options, Control::default());
+        assert_eq!(prediction.is_ok(), is_used, "{value}");
     }
 }

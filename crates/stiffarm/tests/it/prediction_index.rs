@@ -104,8 +104,8 @@ fn determined(dice: &mut Dice, n: usize, case: usize) -> (Model, Vec<Vec<f64>>) 
         let kind = if case < 6 { case % 4 } else { 4 };
         let model = dice.model(n, kind, case % 2 == 1, case % 3 == 1);
         let postures = dice.postures(n, POSTURES);
-        let found = evaluate(&model.cell(), "", &postures).unwrap().indices;
-        if found.scaled_condition.is_some_and(|c| c < 1e3) {
+        let indices = evaluate(&model.cell(), "", &postures).unwrap().indices;
+        if indices.scaled_condition.is_some_and(|c| c < 1e3) {
             return (model, postures);
         }
     }
@@ -124,24 +124,25 @@ fn values_and_gradients_are_those_of_the_mixed_model_equations() {
             // One class gives nothing.
             _ => ElasticSizes { shift: 3.0 * typical.shift, turn: 0.5 * typical.turn, coupling: 0.0 },
         });
-        let (own, source) = cell.elastic_sizes().unwrap();
-        let found = evaluate(&cell, "", &postures).unwrap().indices;
-        assert_eq!(found.prediction_sizes, Some(source));
-        let shown = found.prediction.unwrap();
-        let sizes = [own.shift, own.turn, own.coupling];
+        let (elastic, source) = cell.elastic_sizes().unwrap();
+        let indices = evaluate(&cell, "", &postures).unwrap().indices;
+        assert_eq!(indices.prediction_sizes, Some(source));
+        let shown = indices.prediction.unwrap();
+        let sizes = [elastic.shift, elastic.turn, elastic.coupling];
         let rows = targets(&model, &cell, sizes);
         let flat = postures.concat();
         let mut function = IndexFunction::new(&cell, Index::Prediction, POSTURES).unwrap();
         let mut gradient = vec![0.0; flat.len()];
         let ours = function.smoothed(&flat, 1.0, &mut gradient);
-        let found: Vec<Dual64> = (0..flat.len()).map(|k| ln_index(&model, &rows, &duals(&flat, n, k), sizes)).collect();
+        let by_dual: Vec<Dual64> =
+            (0..flat.len()).map(|k| ln_index(&model, &rows, &duals(&flat, n, k), sizes)).collect();
         for value in [ours.exact, ours.objective, shown.ln(), function.value(&flat)] {
-            let error = (value - found[0].re).abs();
-            assert!(error < 1e-10, "case {case}: {value} against {}", found[0].re);
+            let error = (value - by_dual[0].re).abs();
+            assert!(error < 1e-10, "case {case}: {value} against {}", by_dual[0].re);
             worst_value = worst_value.max(error);
         }
-        let scale = found.iter().fold(1e-3_f64, |m, g| m.max(g.eps.abs()));
-        for (k, (ours, golden)) in gradient.iter().zip(&found).enumerate() {
+        let scale = by_dual.iter().fold(1e-3_f64, |m, g| m.max(g.eps.abs()));
+        for (k, (ours, golden)) in gradient.iter().zip(&by_dual).enumerate() {
             let error = (ours - golden.eps).abs() / scale;
             assert!(error < 1e-10, "case {case} angle {k}: {ours} against {}, scale {scale}", golden.eps);
             worst = worst.max(error);
@@ -212,11 +213,11 @@ fn the_best_group_of_a_list_is_the_best_of_all_groups() {
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .unwrap();
         let options = CandidateOptions::default();
-        let found = select_candidates(&cell, index, 3, &list, &options, Control::default()).unwrap();
-        let error = (sign * found.value / best.0 - 1.0).abs();
-        assert!(error < 1e-8, "{index:?}: {} against {}", found.value, sign * best.0);
-        assert_eq!(&found.chosen, best.1, "{index:?}");
-        assert!(found.exact && found.efficiency == Some(1.0), "{index:?}");
+        let selection = select_candidates(&cell, index, 3, &list, &options, Control::default()).unwrap();
+        let error = (sign * selection.value / best.0 - 1.0).abs();
+        assert!(error < 1e-8, "{index:?}: {} against {}", selection.value, sign * best.0);
+        assert_eq!(&selection.chosen, best.1, "{index:?}");
+        assert!(selection.exact && selection.efficiency == Some(1.0), "{index:?}");
 
         // The bound alone must hold for every group.
         let mut options = CandidateOptions::default();
@@ -243,8 +244,8 @@ fn wrenches_of_their_own_count() {
     for index in [Index::ExpectedError, Index::Prediction] {
         let options = CandidateOptions::default();
         let select = |list: &[Candidate]| select_candidates(&cell, index, 3, list, &options, Control::default());
-        let found = select(&measured).unwrap();
-        assert!(found.exact);
+        let selection = select(&measured).unwrap();
+        assert!(selection.exact);
         // Twice the force at all postures: the errors of k halve, the choice stays.
         let mut doubled = measured.clone();
         for candidate in &mut doubled {
@@ -253,8 +254,8 @@ fn wrenches_of_their_own_count() {
         }
         if index == Index::ExpectedError {
             let twice = select(&doubled).unwrap();
-            assert_eq!(twice.chosen, found.chosen);
-            assert!((twice.value * 2.0 / found.value - 1.0).abs() < 1e-9);
+            assert_eq!(twice.chosen, selection.chosen);
+            assert!((twice.value * 2.0 / selection.value - 1.0).abs() < 1e-9);
         }
         let error = select(&list).unwrap_err();
         assert_eq!(error.code(), Code::MissingKey);
@@ -330,7 +331,7 @@ fn expected_arms_are_made_of_what_identify_fits() {
             };
             let class = class as usize;
             match sizes {
-                _ if cell.known_elements.iter().any(|own| own.term == term) => {}
+                _ if cell.known_elements.iter().any(|element| element.term == term) => {}
                 None => effects.push((term, scale * SIZES[class] * units[class], Some(class), positive)),
                 Some(sizes) => {
                     // Alike in all joints, none of the elements: its class is that of the entry.
@@ -341,8 +342,8 @@ fn expected_arms_are_made_of_what_identify_fits() {
                 }
             }
         }
-        let known = cell.known_elements.iter().map(|own| (own.term, own.std, None, false));
-        effects.extend(known);
+        let stated = cell.known_elements.iter().map(|element| (element.term, element.std, None, false));
+        effects.extend(stated);
         let columns = |setup: &Setup, terms: &PostureTerms, factor: f64| {
             let all: Vec<ExtraTerm> = effects.iter().map(|(term, ..)| *term).collect();
             let mut rows = terms.block_with(&setup.robot, &all);
@@ -374,9 +375,9 @@ fn expected_arms_are_made_of_what_identify_fits() {
                 }
             }
             let unknowns = rows[0].ncols();
-            let mut known = DMatrix::zeros(unknowns - 6, unknowns);
-            known.columns_mut(6, unknowns - 6).fill_with_identity();
-            rows.push(known);
+            let mut prior_rows = DMatrix::zeros(unknowns - 6, unknowns);
+            prior_rows.columns_mut(6, unknowns - 6).fill_with_identity();
+            rows.push(prior_rows);
             let height = rows.iter().map(|r| r.nrows()).sum();
             let mut all = DMatrix::zeros(height, unknowns);
             let mut from = 0;
@@ -390,27 +391,27 @@ fn expected_arms_are_made_of_what_identify_fits() {
                 for task in &kind {
                     let setup = task.setup(robot);
                     let terms = PostureTerms::new(&setup, &task.q, None).unwrap();
-                    let own = columns(&setup, &terms, factor) * &inverse;
-                    square += own.norm_squared() / (2.0 * kind.len() as f64);
+                    let scaled = columns(&setup, &terms, factor) * &inverse;
+                    square += scaled.norm_squared() / (2.0 * kind.len() as f64);
                 }
             }
             square.sqrt()
         };
         assert_eq!(cell.noise.common_weight(cell.setup.tool.point_count()), 0.0);
-        let found = evaluate(&cell, "", &group).unwrap().indices;
+        let indices = evaluate(&cell, "", &group).unwrap().indices;
         let near = |ours: f64, golden: f64| {
             let error = (ours / golden - 1.0).abs();
             assert!(error < 1e-8, "several loads {several}, drawing {drawn}: {ours} {golden}");
         };
-        near(found.prediction.unwrap(), value(1.0));
-        near(found.prediction_range.unwrap()[0], value(1.0 / 3.0));
-        near(found.prediction_range.unwrap()[1], value(3.0));
+        near(indices.prediction.unwrap(), value(1.0));
+        near(indices.prediction_range.unwrap()[0], value(1.0 / 3.0));
+        near(indices.prediction_range.unwrap()[1], value(3.0));
         let source = match sizes {
             None => ElasticSource::Typical,
             Some(_) => ElasticSource::Declared,
         };
-        assert_eq!(found.prediction_sizes, Some(source));
-        promised.push(found.prediction.unwrap());
+        assert_eq!(indices.prediction_sizes, Some(source));
+        promised.push(indices.prediction.unwrap());
 
         // The searches' own form, and its gradient.
         let mut function = IndexFunction::new(&cell, Index::Prediction, 5).unwrap();
@@ -439,22 +440,22 @@ fn plans_hold_no_posture_twice_and_keep_their_bound() {
     let mut options = GlobalOptions::default();
     options.rounds = Some(1);
     for count in [3, 12] {
-        let found = select(&cell, Index::Prediction, count, &options, Control::default()).unwrap();
-        for (p, a) in found.group.iter().enumerate() {
+        let selection = select(&cell, Index::Prediction, count, &options, Control::default()).unwrap();
+        for (p, a) in selection.group.iter().enumerate() {
             let apart = |b: &Vec<f64>| {
                 let furthest = a.iter().zip(b).map(|(a, b)| (a - b).abs());
                 furthest.fold(0.0, f64::max) >= 15f64.to_radians()
             };
-            assert!(found.group[..p].iter().all(apart), "posture {p} of {count}");
+            assert!(selection.group[..p].iter().all(apart), "posture {p} of {count}");
         }
         let random = random_group(&cell, StartKind::Uniform, count, 7, 0).unwrap();
         let random = evaluate(&cell, "", &random).unwrap().indices.prediction.unwrap();
-        assert!(found.value < 0.7 * random, "{} {random}", found.value);
+        assert!(selection.value < 0.7 * random, "{} {random}", selection.value);
         let certificate =
-            certify(&cell, Index::Prediction, &found.group, &CertificateOptions::default(), Control::default())
+            certify(&cell, Index::Prediction, &selection.group, &CertificateOptions::default(), Control::default())
                 .unwrap();
         let efficiency = certificate.efficiency.unwrap();
-        println!("{count}: {} of {}, {efficiency:.3}", certificate.bound, found.value);
+        println!("{count}: {} of {}, {efficiency:.3}", certificate.bound, selection.value);
         assert!(efficiency < 1.0 && (count < 12 || efficiency > 0.55), "{efficiency}");
     }
 }
@@ -471,8 +472,8 @@ fn a_plan_is_driven_as_it_was_found() {
     let inputs = SelectInputs::default();
     let planned = plan(&cell, &inputs, &options, &mut |_| {}, Control::default()).unwrap();
     let selection = &planned.result.selection;
-    let found = selection.improvements.last().unwrap().value.unwrap();
-    assert!(selection.value <= found * (1.0 + 1e-9), "{} {found}", selection.value);
+    let searched = selection.improvements.last().unwrap().value.unwrap();
+    assert!(selection.value <= searched * (1.0 + 1e-9), "{} {searched}", selection.value);
     let flipped = |q: &[f64]| {
         let mut q = q.to_vec();
         let turned = |angle: f64| if angle > 0.0 { angle - PI } else { angle + PI };

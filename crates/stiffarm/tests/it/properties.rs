@@ -188,16 +188,16 @@ proptest! {
     fn equilibrium_balances_torque_and_springs((model, mut dice) in models(4..=7)) {
         let q = dice.posture(model.joint_count());
         let setup = model.cell().setup;
-        let found = equilibrium(&setup, &q, &model.prior, None).unwrap();
+        let rest = equilibrium(&setup, &q, &model.prior, None).unwrap();
         // Γ at the loaded posture, by the plain model.
-        let loaded: Vec<f64> = model.serial(&q).iter().zip(found.deflection.iter()).map(|(a, b)| a + b).collect();
+        let loaded: Vec<f64> = model.serial(&q).iter().zip(rest.deflection.iter()).map(|(a, b)| a + b).collect();
         let chain = model.chain_serial(&loaded);
         let torque = DVector::from_vec(model.torque(&chain, model.wrench(&chain)));
         let balance = joint_compliance_of(&model) * torque;
-        prop_assert!((balance - &found.deflection).amax() < 1e-14);
+        prop_assert!((balance - &rest.deflection).amax() < 1e-14);
         // The same wrench given as measured leads to the same place only if it stays as it is.
-        let held = equilibrium(&setup, &q, &model.prior, Some(found.wrench())).unwrap();
-        prop_assert!((held.deflection - found.deflection).amax() < 1e-12);
+        let held = equilibrium(&setup, &q, &model.prior, Some(rest.wrench())).unwrap();
+        prop_assert!((held.deflection - rest.deflection).amax() < 1e-12);
     }
 
     #[test]
@@ -318,9 +318,9 @@ proptest! {
         let rows = system.psi.nrows();
         let posture_of = |row: usize| system.blocks.iter().position(|b| b.rows.contains(&row));
         let covariance = DMatrix::from_fn(rows, rows, |i, j| {
-            let own = if i == j { model.sigma.powi(2) } else { 0.0 };
+            let variance = if i == j { model.sigma.powi(2) } else { 0.0 };
             let common = i % 3 == j % 3 && posture_of(i) == posture_of(j);
-            own + if common { model.tau.powi(2) } else { 0.0 }
+            variance + if common { model.tau.powi(2) } else { 0.0 }
         });
         let lower = covariance.cholesky().unwrap().unpack();
         let psi = lower.solve_lower_triangular(&system.psi).unwrap();

@@ -66,11 +66,11 @@ fn a_known_transform_is_reproduced_to_1e_12() {
             base.iter_mut().for_each(|p| *p += far);
             pose.translation.vector += dice.direction() * 10.0;
         }
-        let found = register(&pairs(&base, &pose)).unwrap();
-        assert!(!found.is_serious(), "{case}: {:?}", found.findings);
-        let angle = turn(&pose.rotation, &found.base_from_tracker.rotation).norm();
-        let shift = (found.base_from_tracker.translation.vector - pose.translation.vector).norm();
-        for (worst, value) in worst.iter_mut().zip([angle, shift, found.rms]) {
+        let registration = register(&pairs(&base, &pose)).unwrap();
+        assert!(!registration.is_serious(), "{case}: {:?}", registration.findings);
+        let angle = turn(&pose.rotation, &registration.base_from_tracker.rotation).norm();
+        let shift = (registration.base_from_tracker.translation.vector - pose.translation.vector).norm();
+        for (worst, value) in worst.iter_mut().zip([angle, shift, registration.rms]) {
             *worst = worst.max(value);
         }
     }
@@ -86,8 +86,8 @@ fn long_thin_sets_keep_their_digits() {
         let pose = dice.pose();
         let base: Vec<Vector3<f64>> =
             (0..5).map(|i| Vector3::new(0.5 * f64::from(i), 0.0, 0.0) + dice.vector(4e-3)).collect();
-        let found = register(&pairs(&base, &pose)).unwrap();
-        let angle = turn(&pose.rotation, &found.base_from_tracker.rotation).norm();
+        let registration = register(&pairs(&base, &pose)).unwrap();
+        let angle = turn(&pose.rotation, &registration.base_from_tracker.rotation).norm();
         assert!(angle < 2e-12, "{angle:e}");
     }
 }
@@ -113,13 +113,13 @@ fn draw(
             }
         })
         .collect();
-    let found = register_with(&noisy, options).unwrap();
-    let phi = turn(&found.base_from_tracker.rotation, &pose.rotation);
+    let registration = register_with(&noisy, options).unwrap();
+    let phi = turn(&registration.base_from_tracker.rotation, &pose.rotation);
     // The tracker position that the registration puts on its centroid.
-    let at = found.base_from_tracker.inverse_transform_point(&found.centroid.into());
-    let delta = (pose * at).coords - found.centroid;
+    let at = registration.base_from_tracker.inverse_transform_point(&registration.centroid.into());
+    let delta = (pose * at).coords - registration.centroid;
     let error = Vector6::from_iterator(delta.iter().chain(phi.iter()).copied());
-    (found, error)
+    (registration, error)
 }
 
 #[test]
@@ -171,12 +171,12 @@ fn intervals_of_shift_and_turn_cover_what_they_say() {
         let mut covered = [0usize; 6];
         let mut variance = 0.0;
         for _ in 0..draws {
-            let (found, error) = draw(&mut dice, &exact, &pose, [3e-5, 3e-5], &options);
+            let (registration, error) = draw(&mut dice, &exact, &pose, [3e-5, 3e-5], &options);
             for (i, covered) in covered.iter_mut().enumerate() {
-                let half = t * found.covariance[(i, i)].sqrt();
+                let half = t * registration.covariance[(i, i)].sqrt();
                 *covered += usize::from(error[i].abs() <= half);
             }
-            variance += found.residual_std.powi(2) / draws as f64;
+            variance += registration.residual_std.powi(2) / draws as f64;
         }
         let shares = covered.map(|c| 100.0 * c as f64 / draws as f64);
         println!("{count} pairs, {freedom} degrees of freedom: {shares:.2?} %");
@@ -201,8 +201,8 @@ fn a_transformed_point_has_the_covariance_of_shift_and_turn() {
     let expected = register_with(&exact, &options).unwrap().covariance_at(&at);
     let mut sample = nalgebra::Matrix3::zeros();
     for _ in 0..draws {
-        let (found, _) = draw(&mut dice, &exact, &pose, [0.0, 4e-5], &options);
-        let error = found.to_base(&tracker) - at;
+        let (registration, _) = draw(&mut dice, &exact, &pose, [0.0, 4e-5], &options);
+        let error = registration.to_base(&tracker) - at;
         sample += error * error.transpose() / draws as f64;
     }
     let root = expected.cholesky().unwrap().l();
@@ -225,8 +225,8 @@ fn a_pair_of_weight_two_counts_as_two_pairs() {
     let weighted = register_with(&noisy, &options).unwrap();
     let mut twice = noisy.clone();
     twice.push(PointPair { name: "again".to_string(), ..noisy[0].clone() });
-    let known = with(|o: &mut RegisterOptions| o.std = Some(1e-3));
-    let repeated = register_with(&twice, &known).unwrap();
+    let known_std = with(|o: &mut RegisterOptions| o.std = Some(1e-3));
+    let repeated = register_with(&twice, &known_std).unwrap();
     let difference = weighted.base_from_tracker.to_matrix() - repeated.base_from_tracker.to_matrix();
     assert!(difference.amax() < 1e-13);
     let difference = weighted.covariance - repeated.covariance;
@@ -239,21 +239,21 @@ fn a_record_holds_the_registration() {
     let base = points(&mut dice, 6, false);
     let mut noisy = pairs(&base, &dice.pose());
     noisy.iter_mut().for_each(|p| p.base += dice.noise(1e-4));
-    let found = register(&noisy).unwrap();
-    let record = RegistrationRecord::from(&found);
+    let registration = register(&noisy).unwrap();
+    let record = RegistrationRecord::from(&registration);
     let text = serde_json::to_string(&record).unwrap();
     let back: RegistrationRecord = serde_json::from_str(&text).unwrap();
     let again = Registration::try_from(back).unwrap();
-    let [a, b] = [&found, &again].map(|r| r.base_from_tracker.to_matrix());
+    let [a, b] = [&registration, &again].map(|r| r.base_from_tracker.to_matrix());
     assert!((a - b).amax() < 1e-15);
     let [roll, pitch, yaw] = record.roll_pitch_yaw;
     let turned = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-    assert!(turned.angle_to(&found.base_from_tracker.rotation) < 1e-14);
-    assert_eq!(again.names, found.names);
-    assert!((again.rms / found.rms - 1.0).abs() < 1e-15);
+    assert!(turned.angle_to(&registration.base_from_tracker.rotation) < 1e-14);
+    assert_eq!(again.names, registration.names);
+    assert!((again.rms / registration.rms - 1.0).abs() < 1e-15);
     // Text gives a number back to its last digit but one.
-    let difference = again.covariance - found.covariance;
-    assert!(difference.amax() < 1e-15 * found.covariance.amax());
+    let difference = again.covariance - registration.covariance;
+    assert!(difference.amax() < 1e-15 * registration.covariance.amax());
 
     // What is no registration is refused.
     let mut mirrored = record.clone();
@@ -345,15 +345,15 @@ proptest! {
 
     #[test]
     fn the_fit_is_the_best_there_is((pairs, seed) in noisy_pairs(), size in 1e-6..1e-2f64) {
-        let found = register(&pairs).unwrap();
+        let registration = register(&pairs).unwrap();
         let mut dice = Dice::new(!seed);
         let nudge = Isometry3::from_parts(
             Translation3::from(dice.direction() * size),
             UnitQuaternion::from_scaled_axis(dice.direction() * size),
         );
-        let other = nudge * found.base_from_tracker;
+        let other = nudge * registration.base_from_tracker;
         let square = |p: &PointPair| (p.base - (other * nalgebra::Point3::from(p.tracker)).coords).norm_squared();
         let rms = (pairs.iter().map(square).sum::<f64>() / pairs.len() as f64).sqrt();
-        prop_assert!(rms > found.rms, "{rms} {}", found.rms);
+        prop_assert!(rms > registration.rms, "{rms} {}", registration.rms);
     }
 }

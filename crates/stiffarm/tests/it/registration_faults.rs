@@ -46,20 +46,20 @@ fn swap(pairs: &mut [PointPair], i: usize, j: usize) {
     pairs[j].tracker = tracker;
 }
 
-fn codes(found: &Registration) -> Vec<&str> {
-    found.findings.iter().map(|f| f.code.as_str()).collect()
+fn codes(registration: &Registration) -> Vec<&str> {
+    registration.findings.iter().map(|f| f.code.as_str()).collect()
 }
 
-fn known(std: f64) -> RegisterOptions {
+fn with_std(std: f64) -> RegisterOptions {
     with(|o: &mut RegisterOptions| o.std = Some(std))
 }
 
 fn report(title: &str, pairs: &[PointPair], options: &RegisterOptions) -> String {
     let mut out = format!("# {title}\n");
     match register_with(pairs, options) {
-        Ok(found) => {
-            let _ = writeln!(out, "RMS {:.4} mm", found.rms * 1e3);
-            for f in found.findings {
+        Ok(registration) => {
+            let _ = writeln!(out, "RMS {:.4} mm", registration.rms * 1e3);
+            for f in registration.findings {
                 let _ = writeln!(out, "{:?} {} [{}]: {}", f.severity, f.code, f.subject, f.sentence);
             }
         }
@@ -135,7 +135,7 @@ fn wrong_sets_are_refused() {
     add("a weight missing", &good, &weights(&[1.0; 4]));
     let zero = weights(&[1.0, 1.0, 0.0, 1.0, 1.0]);
     add("a weight of zero", &good, &zero);
-    add("no standard deviation", &good, &known(-1.0));
+    add("no standard deviation", &good, &with_std(-1.0));
     insta::assert_snapshot!("registration_refusals", out);
 }
 
@@ -168,7 +168,7 @@ fn wrong_pairs_are_named() {
     ] {
         let note = if std.is_some() { ", noise known" } else { "" };
         let title = format!("{words} pairs, p3 off by 1 mm{note}");
-        let options = std.map_or(free.clone(), known);
+        let options = std.map_or(free.clone(), with_std);
         add(&title, &off(count, 2, 1.0), &options, expected);
     }
     for (words, count, i, j) in [("five", 5, 1, 3), ("four", 4, 0, 2), ("three", 3, 0, 1)] {
@@ -183,7 +183,7 @@ fn wrong_pairs_are_named() {
     long.iter_mut().for_each(|p| p.base *= 1.0004);
     add("base axes 0.04 % longer", &long, &free, &["scale"]);
     let exceed = ["residuals-exceed-noise"];
-    add("noise given too small", &pairs(5, 6), &known(5e-6), &exceed);
+    add("noise given too small", &pairs(5, 6), &with_std(5e-6), &exceed);
     let flat = BASE.map(|[x, y, _]| Vector3::new(x, y, 1.0));
     let flat = noisy(&flat, &pose(), &mut Dice::new(7));
     add("points in a plane", &flat, &free, &["hand-unknown"]);
@@ -196,8 +196,8 @@ fn wrong_pairs_are_named() {
     let mut square = noisy(&square.map(Vector3::from), &pose(), &mut Dice::new(10));
     square[2].base += Vector3::new(0.0, 0.0, 2e-3);
     let title = "a square, p3 out of its plane by 2 mm";
-    add(title, &square, &known(3e-5), &["outlier"]);
-    let all = register_with(&square, &known(3e-5)).unwrap();
+    add(title, &square, &with_std(3e-5), &["outlier"]);
+    let all = register_with(&square, &with_std(3e-5)).unwrap();
     assert_eq!(all.findings[0].subject, "p1, p2, p3, p4");
     insta::assert_snapshot!("registration_findings", out);
 }
@@ -224,10 +224,10 @@ fn right_pairs_raise_no_alarm() {
         let (mut outlier, mut serious, mut scale, mut refused) = (0, 0, 0, 0);
         for _ in 0..runs {
             match register(&anywhere(&mut dice, count)) {
-                Ok(found) => {
-                    serious += u64::from(found.is_serious());
-                    outlier += u64::from(codes(&found).contains(&"outlier"));
-                    scale += u64::from(codes(&found).contains(&"scale"));
+                Ok(registration) => {
+                    serious += u64::from(registration.is_serious());
+                    outlier += u64::from(codes(&registration).contains(&"outlier"));
+                    scale += u64::from(codes(&registration).contains(&"scale"));
                 }
                 Err(_) => refused += 1,
             }
@@ -250,21 +250,21 @@ fn a_wrong_point_is_found_and_rarely_the_wrong_one_is_named() {
     let mut dice = Dice::new(21);
     let runs = runs(100);
     println!("pairs  off by [mm]  found  named  one of several  named wrongly  refused");
-    for (count, known) in [(4, false), (4, true), (5, false), (6, false), (8, false)] {
+    for (count, has_std) in [(4, false), (4, true), (5, false), (6, false), (8, false)] {
         for mm in [0.1, 0.3, 1.0, 3.0, 30.0] {
             let (mut named, mut several, mut wrong, mut refused) = (0, 0, 0, 0);
             for _ in 0..runs {
                 let mut pairs = anywhere(&mut dice, count);
                 let at = dice.below(count);
                 pairs[at].base += dice.direction() * mm * 1e-3;
-                let std = known.then_some(NOISE * 2f64.sqrt());
+                let std = has_std.then_some(NOISE * 2f64.sqrt());
                 let options = with(|o: &mut RegisterOptions| o.std = std);
-                let Ok(found) = register_with(&pairs, &options) else {
+                let Ok(registration) = register_with(&pairs, &options) else {
                     refused += 1;
                     continue;
                 };
                 let name = &pairs[at].name;
-                for f in found.findings.iter().filter(|f| f.code == "outlier") {
+                for f in registration.findings.iter().filter(|f| f.code == "outlier") {
                     let subjects: Vec<&str> = f.subject.split(", ").collect();
                     match subjects.as_slice() {
                         [one] if one == name => named += 1,
@@ -274,12 +274,12 @@ fn a_wrong_point_is_found_and_rarely_the_wrong_one_is_named() {
                         _ => wrong += 1,
                     }
                 }
-                wrong += u64::from(codes(&found).contains(&"swapped-points"));
+                wrong += u64::from(codes(&registration).contains(&"swapped-points"));
             }
             let share = |n: u64| 100.0 * n as f64 / runs as f64;
             println!(
                 "{count}{}  {mm:>8}  {:>5.1} %  {:>5.1} %  {:>5.1} %  {:>5.1} %  {:>5.1} %",
-                if known { " σ" } else { "  " },
+                if has_std { " σ" } else { "  " },
                 share(named + several + wrong),
                 share(named),
                 share(several),
@@ -309,10 +309,10 @@ fn two_swapped_points_are_named() {
             let j = (i + 1 + dice.below(count - 1)) % count;
             swap(&mut pairs, i, j);
             match register(&pairs) {
-                Ok(found) => {
+                Ok(registration) => {
                     let subject = format!("p{}, p{}", i.min(j) + 1, i.max(j) + 1);
                     let is = |f: &Finding| f.code == "swapped-points" && f.subject == subject;
-                    if found.findings.iter().any(is) { named += 1 } else { other += 1 }
+                    if registration.findings.iter().any(is) { named += 1 } else { other += 1 }
                 }
                 Err(_) => refused += 1,
             }

@@ -36,12 +36,12 @@ fn a_saved_stiffness_is_validated_at_the_postures_asked_for() {
     let request = ValidateOptions { tolerance_mm: Some(0.1), only: vec![name.clone()], ..ValidateOptions::default() };
     saved.postures = vec![name.clone()];
     saved.cell = Some("another".to_string());
-    let found = request.held_out(&cell, Some("this"), &saved, measured.clone()).unwrap();
-    let mut kept = measured.clone();
-    kept.keep_only(std::slice::from_ref(&name)).unwrap();
-    let by_parts = validate_with(&cell, &saved.predictor, &kept, Model::Linear, Some(1e-4));
-    assert_eq!(found.validation, by_parts.unwrap());
-    let codes: Vec<&str> = found.remarks.iter().map(|f| f.code.as_str()).collect();
+    let validated = request.held_out(&cell, Some("this"), &saved, measured.clone()).unwrap();
+    let mut chosen = measured.clone();
+    chosen.keep_only(std::slice::from_ref(&name)).unwrap();
+    let by_parts = validate_with(&cell, &saved.predictor, &chosen, Model::Linear, Some(1e-4));
+    assert_eq!(validated.validation, by_parts.unwrap());
+    let codes: Vec<&str> = validated.remarks.iter().map(|f| f.code.as_str()).collect();
     assert!(codes.ends_with(&["other-cell", "seen-postures"]), "{codes:?}");
 
     // Angles tell, where they are known: another day has postures of the same names.
@@ -49,8 +49,8 @@ fn a_saved_stiffness_is_validated_at_the_postures_asked_for() {
         [(vec![0.1; 6], name.clone(), false), (measured.postures[1].posture.q.clone(), "7".to_string(), true)]
     {
         (saved.angles, saved.postures) = (vec![angles], vec![name]);
-        let found = request.held_out(&cell, Some("this"), &saved, measured.clone());
-        let codes = found.unwrap().remarks.into_iter().map(|f| f.code);
+        let validated = request.held_out(&cell, Some("this"), &saved, measured.clone());
+        let codes = validated.unwrap().remarks.into_iter().map(|f| f.code);
         assert_eq!(codes.into_iter().any(|code| code == "seen-postures"), is_seen);
     }
 
@@ -66,18 +66,18 @@ fn a_saved_stiffness_is_validated_at_the_postures_asked_for() {
     assert_eq!(key(refused.unwrap_err()), wrong("tolerance_mm"));
     let unknown = ValidateOptions { only: vec!["nobody".to_string()], ..request };
     let refused = unknown.held_out(&cell, None, &saved, measured);
-    let told = (Code::UnknownName, "only".to_string());
-    assert_eq!(key(refused.unwrap_err()), told);
+    let expected = (Code::UnknownName, "only".to_string());
+    assert_eq!(key(refused.unwrap_err()), expected);
 }
 
 #[test]
 fn postures_are_predicted_by_the_others() {
     let fit = Fit::new(&default_cell(), measured(), &Default::default()).unwrap();
     let request = ValidateOptions::default();
-    let axes = changed(request.clone(), |own| own.fit.elastic = Some(ElasticChoice::Axes));
-    let (found, options) = axes.by_folds(&fit, Folds::All).unwrap();
+    let axes = changed(request.clone(), |axes_request| axes_request.fit.elastic = Some(ElasticChoice::Axes));
+    let (validated, options) = axes.by_folds(&fit, Folds::All).unwrap();
     let count = group1().len();
-    assert_eq!(found.validation, cross_validate(&fit, count, None).unwrap());
+    assert_eq!(validated.validation, cross_validate(&fit, count, None).unwrap());
     assert_eq!((options.folds, options.elastic), (count, ElasticChoice::Axes));
     let (_, options) = request.by_folds(&fit, Folds::Count(2)).unwrap();
     assert_eq!((options.folds, options.elastic), (2, ElasticChoice::Mixed));
@@ -94,14 +94,14 @@ fn deflections_at_the_tasks_are_those_of_predict() {
     let control = Control::default();
     let loaded = request.loaded(cell.clone(), &saved.predictor, None, control).unwrap();
     assert_eq!(loaded.postures.len(), cell.tasks.len());
-    let found = request.predict(&loaded, &saved, control).unwrap();
+    let predicted = request.predict(&loaded, &saved, control).unwrap();
     let by_parts = predict(&loaded.cell, &saved.predictor, &loaded.postures, &Default::default(), control);
-    assert_eq!(found.prediction, by_parts.unwrap());
-    assert!(found.postures.is_none());
+    assert_eq!(predicted.prediction, by_parts.unwrap());
+    assert!(predicted.postures.is_none());
     // A stiffness that has seen less than the tasks ask for says so, as `compensate` does.
     let seen_less = Saved { largest_displacement: Some(1e-6), largest_force: Some(1.0), ..saved.clone() };
-    let found = request.predict(&loaded, &seen_less, control).unwrap();
-    let codes = found.prediction.findings.iter().map(|f| f.code.as_str());
+    let predicted = request.predict(&loaded, &seen_less, control).unwrap();
+    let codes = predicted.prediction.findings.iter().map(|f| f.code.as_str());
     let beyond: Vec<&str> = codes.filter(|code| code.starts_with("beyond-")).collect();
     assert_eq!(beyond, ["beyond-measured", "beyond-load"]);
     let unknown = PredictOptions { cell_load: true, load_case: Some("nobody".to_string()), ..request };
@@ -121,8 +121,8 @@ fn options_of_a_path_name_what_is_wrong() {
     assert_eq!(refused(|o| o.max_step_deg = 0.0), wrong("max_step_deg"));
     assert_eq!(refused(|o| o.force_n = Some([1.0; 3])), wrong("force_n"));
     let unsure = PathOptions { load_uncertainty_percent: f64::NAN, ..PathOptions::default() };
-    let told = key(unsure.load_uncertainty().unwrap_err());
-    assert_eq!(told, wrong("load_uncertainty_percent"));
+    let refusal = key(unsure.load_uncertainty().unwrap_err());
+    assert_eq!(refusal, wrong("load_uncertainty_percent"));
     let steps = PathOptions::default().posture_options(&cell).unwrap();
     assert_eq!((steps.turns, steps.free_turn), (72, false));
 }
@@ -162,8 +162,8 @@ fn a_simulation_is_the_papers_unless_asked_otherwise() {
     let options = with_errors.simulation_options().unwrap();
     assert_eq!(options.model_errors.anchor_m, 2e-3);
     let refused = with_errors.elastic_options();
-    let told = (Code::Conflict, "anchor_error_mm".to_string());
-    assert_eq!(key(refused.unwrap_err()), told);
+    let refusal = (Code::Conflict, "anchor_error_mm".to_string());
+    assert_eq!(key(refused.unwrap_err()), refusal);
     let negative = SimulateOptions { levels: vec![1.0, -1.0], ..SimulateOptions::default() };
     let refused = negative.simulation_options().unwrap_err();
     assert_eq!(key(refused), wrong("levels"));
@@ -174,9 +174,9 @@ fn a_registration_leaves_out_pairs_by_name() {
     let bytes = builtin::bytes("example-pairs").unwrap();
     let pairs = read_pairs(bytes, "pairs").unwrap();
     let mut options = PairOptions { exclude: vec!["B".to_string()], ..Default::default() };
-    let kept = options.kept(pairs.clone()).unwrap();
-    assert_eq!(kept.len() + 1, pairs.len());
-    assert_eq!(options.register(&kept).unwrap().names.len(), kept.len());
+    let remaining = options.kept(pairs.clone()).unwrap();
+    assert_eq!(remaining.len() + 1, pairs.len());
+    assert_eq!(options.register(&remaining).unwrap().names.len(), remaining.len());
     options.exclude = vec!["nobody".to_string()];
     let refused = options.kept(pairs).unwrap_err();
     assert_eq!(key(refused), (Code::UnknownName, "exclude".to_string()));
@@ -192,11 +192,11 @@ fn postures_come_back_from_their_poses() {
     let listed = request.poses_of(&cell, &postures);
     assert_eq!(listed.postures.len(), postures.len());
     let named = request.named_poses(&cell, &postures);
-    let (found, all) = request.postures_of(&cell, &named).unwrap();
-    assert_eq!(found.poses.len(), postures.len());
-    for (posture, pose) in postures.iter().zip(&found.poses) {
+    let (solved, all) = request.postures_of(&cell, &named).unwrap();
+    assert_eq!(solved.poses.len(), postures.len());
+    for (posture, pose) in postures.iter().zip(&solved.poses) {
         let near = |q: &[f64]| q.iter().zip(&posture.q).all(|(a, b)| (a - b).abs() < 1e-6);
-        let own = all.iter().filter(|p| p.name.starts_with(&pose.name));
-        assert!(own.into_iter().any(|p| near(&p.q)), "{}", posture.name);
+        let candidates = all.iter().filter(|p| p.name.starts_with(&pose.name));
+        assert!(candidates.into_iter().any(|p| near(&p.q)), "{}", posture.name);
     }
 }

@@ -38,7 +38,7 @@ fn rope(cell: &Cell, force: f64) -> impl Fn(&Frames, &Vector3<f64>) -> Wrench + 
     move |_, at| Wrench::force((anchor - at).normalize() * force)
 }
 
-fn own(cell: &Cell, q: &[f64], factor: f64) -> Wrench {
+fn rope_wrench(cell: &Cell, q: &[f64], factor: f64) -> Wrench {
     let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
     Wrench { force: terms.wrench().force * factor, moment: terms.wrench().moment * factor }
 }
@@ -55,7 +55,7 @@ fn a_load_state_of_the_rope_pulls_towards_the_anchor() {
     let mut matters = 0.0_f64;
     for q in group1() {
         for factor in [0.5, 1.0, -0.2] {
-            let wrench = own(&cell, &q, factor);
+            let wrench = rope_wrench(&cell, &q, factor);
             let measured = state(&q, Some(wrench));
             let ours = calculated_displacements(&cell, &measured, stiffness, Model::Equilibrium).unwrap();
             let pull = rope(&cell, cell.setup.load.size().unwrap() * factor);
@@ -97,13 +97,13 @@ fn a_prediction_under_the_cells_load_follows_it() {
         let predictor = prior(&cell);
         let tip = cell.work.tip(&cell.setup.tool).translation.vector;
         for q in group1() {
-            let posture = LoadedPosture::new("1", q.clone(), own(&cell, &q, 1.0));
+            let posture = LoadedPosture::new("1", q.clone(), rope_wrench(&cell, &q, 1.0));
             let options = with(|o: &mut PredictOptions| o.load_at = LoadPoint::LoadingPoint);
-            let found =
+            let prediction =
                 predict(&cell, &predictor, std::slice::from_ref(&posture), &options, Control::default()).unwrap();
             let load = cell.setup.load.clone();
             let exact = by_iteration(&cell, &q, &tip, |frames, at| load.wrench(frames, at).unwrap());
-            let ours = Vector3::from(found.points[0].shift_m);
+            let ours = Vector3::from(prediction.points[0].shift_m);
             assert!((exact - ours).norm() < 1e-12, "{exact} {ours}");
             let fixed = by_iteration(&cell, &q, &tip, |_, _| posture.wrench);
             matters = matters.max((exact - fixed).norm());
@@ -118,7 +118,7 @@ fn a_measured_wrench_keeps_its_direction() {
     let stiffness = cell.require_prior().unwrap();
     for q in group1() {
         // As a sensor has it: a little off the rope's line.
-        let mut wrench = own(&cell, &q, 1.0);
+        let mut wrench = rope_wrench(&cell, &q, 1.0);
         wrench.force += Vector3::new(0.3, -0.2, 0.1);
         let measured = state(&q, Some(wrench));
         let ours = calculated_displacements(&cell, &measured, stiffness, Model::Equilibrium).unwrap();

@@ -1,4 +1,4 @@
-//! Rounding, equivalent postures and the route on cells whose answers are known.
+//! Rounded plans stay inside their limits; a route is free, short and says so on cells whose answers are known.
 
 use crate::common::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -30,8 +30,8 @@ fn degrees(q: &[f64]) -> Vec<f64> {
 fn a_plan_on_its_limits_is_rounded_to_the_inside_of_them() {
     let cell = builtin::cell("comau-shapes").unwrap();
     let options = rounds(1);
-    let found = select(&cell, Index::ExpectedError, 6, &options, Control::default()).unwrap();
-    let typed = rounded(&cell, &found.group, 0.01).unwrap();
+    let selection = select(&cell, Index::ExpectedError, 6, &options, Control::default()).unwrap();
+    let typed = rounded(&cell, &selection.group, 0.01).unwrap();
     let mut margins = cell.posture_margins().unwrap();
     for q in &typed {
         assert!(margins.least(q).unwrap() >= -1e-9);
@@ -47,10 +47,10 @@ fn a_plan_on_its_limits_is_rounded_to_the_inside_of_them() {
         steps.map(|steps| (steps / 100.0).to_radians()).collect()
     };
     let outside = |q: Vec<f64>| margins.least(&q).unwrap() < -1e-9;
-    assert!(found.group.iter().map(plain).any(outside));
+    assert!(selection.group.iter().map(plain).any(outside));
     // What is typed is worth as much.
-    let value = found.value;
-    let typed = found.with_group::<Vec<f64>>(&cell, &[], typed).unwrap();
+    let value = selection.value;
+    let typed = selection.with_group::<Vec<f64>>(&cell, &[], typed).unwrap();
     assert!((typed.value / value - 1.0).abs() < 1e-3, "{} {value}", typed.value);
     // Rounding again changes nothing.
     assert_eq!(rounded(&cell, &typed.group, 0.01).unwrap(), typed.group);
@@ -75,13 +75,13 @@ fn the_wrist_the_other_way_round_and_full_turns_measure_the_same() {
     flipped[4] *= -1.0;
     flipped[5] += PI;
     let plan = rounded(&cell, &[near.clone(), flipped], 0.01).unwrap();
-    let kept = routed(&cell, &plan, true);
-    assert!(kept.turned.is_empty() && kept.turn > 3.0, "{kept:?}");
-    let found = routed(&cell, &plan, false);
-    assert_eq!(found.turned.len(), 1, "{found:?}");
-    assert!(found.turn < 0.2, "{found:?}");
+    let fixed = routed(&cell, &plan, true);
+    assert!(fixed.turned.is_empty() && fixed.turn > 3.0, "{fixed:?}");
+    let tour = routed(&cell, &plan, false);
+    assert_eq!(tour.turned.len(), 1, "{tour:?}");
+    assert!(tour.turn < 0.2, "{tour:?}");
     let of = |group: &[Vec<f64>]| evaluate(&cell, "plan", group).unwrap();
-    let (before, after) = (of(&plan), of(&found.postures));
+    let (before, after) = (of(&plan), of(&tour.postures));
     for index in [Index::D, Index::Condition, Index::Classical, Index::O3] {
         let (a, b) = (before.indices.get(index), after.indices.get(index));
         match (a, b) {
@@ -96,9 +96,9 @@ fn the_same_posture_twice_is_not_driven_to_twice_in_a_row() {
     let cell = builtin::cell("comau").unwrap();
     let at = |q1: f64| vec![q1, 0.1, -1.6, 0.3, 0.8, 0.2];
     let plan = [at(0.0), at(0.0), at(0.5), at(1.0)];
-    let found = routed(&cell, &plan, true);
-    let places: Vec<usize> = found.order.iter().map(|p| (*p).max(1)).collect();
-    assert!(places.windows(2).all(|pair| pair[0] != pair[1]), "{found:?}");
+    let tour = routed(&cell, &plan, true);
+    let places: Vec<usize> = tour.order.iter().map(|p| (*p).max(1)).collect();
+    assert!(places.windows(2).all(|pair| pair[0] != pair[1]), "{tour:?}");
     // Nothing but the two: they have to follow each other.
     assert_eq!(routed(&cell, &plan[..2], true).order.len(), 2);
 }
@@ -109,14 +109,14 @@ fn a_start_is_driven_from_and_back_to() {
     let at = |q1: f64| vec![q1, 0.1, -1.6, 0.3, 0.8, 0.2];
     cell.route.start = Some(at(-0.2));
     cell.route.joint_speeds = Some(vec![2.0; 6]);
-    let found = routed(&cell, &[at(1.0), at(0.0), at(0.5)], true);
+    let tour = routed(&cell, &[at(1.0), at(0.0), at(0.5)], true);
     // There and back is the same whichever way: out to 1.0 and home past the others, or the other way.
-    assert_eq!(found.moves.len(), 4);
-    assert_eq!((found.moves[0].from, found.moves[3].to), (None, None));
-    assert!((found.turn - 2.4).abs() < 1e-9, "{found:?}");
+    assert_eq!(tour.moves.len(), 4);
+    assert_eq!((tour.moves[0].from, tour.moves[3].to), (None, None));
+    assert!((tour.turn - 2.4).abs() < 1e-9, "{tour:?}");
     // 2.4 rad at a tenth of 2 rad/s.
-    assert!((found.travel_s.unwrap() - 12.0).abs() < 1e-9, "{found:?}");
-    assert_eq!(found.shortest, Some(true));
+    assert!((tour.travel_s.unwrap() - 12.0).abs() < 1e-9, "{tour:?}");
+    assert_eq!(tour.shortest, Some(true));
 }
 
 #[test]
@@ -128,10 +128,10 @@ fn what_stands_in_the_way_is_driven_around() {
     let mut options = RouteOptions::default();
     options.keep_order = true;
     options.keep_angles = true;
-    let found = route(&cell, &plan, &options, Control::default()).unwrap();
-    assert_eq!(found.order, [0, 1, 2, 3, 4, 5]);
-    assert_eq!(found.shortest, None);
-    let first = &found.moves[0];
+    let tour = route(&cell, &plan, &options, Control::default()).unwrap();
+    assert_eq!(tour.order, [0, 1, 2, 3, 4, 5]);
+    assert_eq!(tour.shortest, None);
+    let first = &tour.moves[0];
     assert!(first.free && first.via.len() == 1, "{first:?}");
     // The straight move comes nearer to the column than half of what shapes keep.
     let margin = |q: &[f64]| {
@@ -147,7 +147,7 @@ fn what_stands_in_the_way_is_driven_around() {
     assert!(along(&plan[0], &first.via[0]) > -2e-4);
     assert!(along(&first.via[0], &plan[1]) > -2e-4);
     // The same seed, the same route; and via postures can be typed.
-    assert_eq!(route(&cell, &plan, &options, Control::default()).unwrap(), found);
+    assert_eq!(route(&cell, &plan, &options, Control::default()).unwrap(), tour);
     for angle in degrees(&first.via[0]) {
         assert!((angle * 100.0 - (angle * 100.0).round()).abs() < 1e-6, "{angle}");
     }
@@ -160,15 +160,15 @@ fn boxes_hold_between_the_postures_and_nearest_is_never_too_far() {
     for name in ["comau", "comau-shapes"] {
         let cell = builtin::cell(name).unwrap();
         let plan = random_group(&cell, StartKind::Uniform, 6, 3, 1).unwrap();
-        let found = routed(&cell, &plan, true);
+        let tour = routed(&cell, &plan, true);
         for kind in [LimitKind::ToolBox, LimitKind::WristHeight, LimitKind::KeepOut] {
-            assert!(found.checked.contains(&kind), "{:?}", found.checked);
+            assert!(tour.checked.contains(&kind), "{:?}", tour.checked);
         }
         let mut margins = cell.posture_margins().unwrap();
         let mut free = 0;
-        for each in found.moves.iter().filter(|each| each.free) {
+        for each in tour.moves.iter().filter(|each| each.free) {
             free += 1;
-            let ends = [each.from, each.to].map(|stop| found.postures[stop.unwrap()].clone());
+            let ends = [each.from, each.to].map(|stop| tour.postures[stop.unwrap()].clone());
             let legs = [vec![ends[0].clone()], each.via.clone(), vec![ends[1].clone()]].concat();
             let mut nearest = f64::INFINITY;
             for q in looks(&legs, 2000) {
@@ -185,9 +185,9 @@ fn boxes_hold_between_the_postures_and_nearest_is_never_too_far() {
                     }
                 }
             }
-            let told = each.nearest.as_ref().unwrap().distance_m;
-            assert!(told <= nearest, "{name}: {told} {nearest}");
-            assert!(told > nearest - 1e-3, "{name}: {told} {nearest}");
+            let stated = each.nearest.as_ref().unwrap().distance_m;
+            assert!(stated <= nearest, "{name}: {stated} {nearest}");
+            assert!(stated > nearest - 1e-3, "{name}: {stated} {nearest}");
         }
         assert!(free > 2, "{name}: {free}");
     }
@@ -216,10 +216,10 @@ fn postures_in_the_way_are_not_searched_for() {
     let control = Control { stop: None, progress: Some(&progress) };
     let mut options = RouteOptions::default();
     options.keep_angles = true;
-    let found = route(&cell, &bad, &options, control).unwrap();
-    assert!(found.moves.iter().all(|each| !each.free && each.via.is_empty()));
+    let tour = route(&cell, &bad, &options, control).unwrap();
+    assert!(tour.moves.iter().all(|each| !each.free && each.via.is_empty()));
     // No other order is tried: none would spare a posture.
-    assert_eq!(looked_at.into_inner(), found.moves.len());
+    assert_eq!(looked_at.into_inner(), tour.moves.len());
     // The question is asked at every look, so that a stop is heard at once.
     let count = AtomicUsize::new(0);
     let stop = || count.fetch_add(1, Ordering::Relaxed) >= 20;
@@ -249,12 +249,12 @@ fn one_flange_pose_with_the_wrist_both_ways_is_one_posture_measured_twice() {
     flipped[5] += PI;
     let other = vec![0.6, 0.2, -1.4, 0.3, 0.8, 0.2];
     let plan = rounded(&cell, &[first, flipped, other], 0.01).unwrap();
-    let found = routed(&cell, &plan, false);
-    assert_eq!(found.repeats.len(), 1, "{found:?}");
-    assert_eq!(found.order[1], 2, "{found:?}");
+    let tour = routed(&cell, &plan, false);
+    assert_eq!(tour.repeats.len(), 1, "{tour:?}");
+    assert_eq!(tour.order[1], 2, "{tour:?}");
     // What was found is found again.
-    let again = routed(&cell, &found.postures, false);
-    assert!(again.turn <= found.turn + 1e-9, "{again:?} {found:?}");
+    let again = routed(&cell, &tour.postures, false);
+    assert!(again.turn <= tour.turn + 1e-9, "{again:?} {tour:?}");
 }
 
 /// The load does work when a joint turns from the stop to where it is approached from, so that it presses the joint to
@@ -267,7 +267,7 @@ fn stops_are_reached_from_the_side_to_which_their_load_turns() {
     cell.route.start = plan.pop();
     assert!(routed(&cell, &plan, true).moves.iter().all(|m| m.approached.is_empty()));
     cell.route.approach = Some(turn);
-    let found = routed(&cell, &plan, true);
+    let tour = routed(&cell, &plan, true);
     let robot = &cell.setup.robot;
     let Load::Rope { anchor, .. } = cell.setup.load.clone() else { panic!("a rope") };
     let loading_point = |theta: &DVector<f64>| {
@@ -276,8 +276,8 @@ fn stops_are_reached_from_the_side_to_which_their_load_turns() {
     };
     let mut margins = cell.posture_margins().unwrap();
     let mut approached = 0;
-    for each in found.moves.iter().filter(|each| each.free) {
-        let at = |stop: Option<usize>| stop.map_or(cell.route.start.clone(), |s| Some(found.postures[s].clone()));
+    for each in tour.moves.iter().filter(|each| each.free) {
+        let at = |stop: Option<usize>| stop.map_or(cell.route.start.clone(), |s| Some(tour.postures[s].clone()));
         let (from, to) = (at(each.from).unwrap(), at(each.to).unwrap());
         if each.to.is_none() {
             assert!(each.approached.is_empty());
@@ -313,19 +313,19 @@ fn stops_are_reached_from_the_side_to_which_their_load_turns() {
     }
     assert!(approached > 30, "{approached} of 48");
     // What is not approached is named, joint by joint.
-    let group = PostureGroup::from_angles("route", found.postures.iter().cloned());
-    let said = route_findings(&cell, &group.postures, &found).unwrap();
+    let group = PostureGroup::from_angles("route", tour.postures.iter().cloned());
+    let said = route_findings(&cell, &group.postures, &tour).unwrap();
     let said = said.iter().find(|f| f.code == "not-approached");
-    let sides = found.postures.iter().flat_map(|q| cell.sides_of_load(q).unwrap());
+    let sides = tour.postures.iter().flat_map(|q| cell.sides_of_load(q).unwrap());
     let turned = sides.filter(|side| side.is_some_and(|side| side != 0.0)).count();
     assert!(turned > 40, "{turned} of 48");
     assert_eq!(said.is_some(), approached < turned, "{approached} of {turned}: {said:?}");
     // Who measures the force with a sensor has no side to come from.
     cell.setup.load = Load::Measured;
-    let found = routed(&cell, &plan, true);
-    assert!(found.moves.iter().all(|m| m.approached.is_empty()));
-    let said = route_findings(&cell, &group.postures, &found).unwrap();
-    assert!(said.iter().any(|f| f.code == "not-approached" && f.sentence.contains("[load]")));
+    let tour = routed(&cell, &plan, true);
+    assert!(tour.moves.iter().all(|m| m.approached.is_empty()));
+    let said = route_findings(&cell, &group.postures, &tour).unwrap();
+    insta::assert_snapshot!(the(&said, "not-approached").sentence, @"[route] approach_deg needs to know which load acts: no posture is approached from its side. Give [load], or take the key out.");
 }
 
 #[test]
@@ -335,13 +335,20 @@ fn an_approach_needs_a_start_and_a_turn_that_takes_up_lost_motion() {
     let start = "start_deg = [0, -20, -90, 0, 60, 0]\n";
     let cell = of(&format!("{start}approach_deg = 0.5")).unwrap();
     assert_eq!(cell.route.approach, Some(0.5_f64.to_radians()));
+    let mut report = String::new();
     for wrong in ["0", "-0.5", "0.01", "45", "nan"] {
         let error = of(&format!("{start}approach_deg = {wrong}")).unwrap_err();
-        assert!(
-            error.to_string().contains("route.approach_deg") || format!("{error:?}").contains("approach_deg"),
-            "{wrong}: {error:?}"
-        );
+        assert_eq!(error.place().key.as_deref(), Some("route.approach_deg"), "{wrong}: {error}");
+        report += &format!("{wrong}: {}\n", error.message());
     }
-    let error = of("approach_deg = 0.5").unwrap_err();
-    assert!(format!("{error:?}").contains("start_deg"), "{error:?}");
+    report += &format!("no start: {}\n", of("approach_deg = 0.5").unwrap_err());
+    insta::assert_snapshot!(report, @"
+    0: The value must be above 0, got 0.
+    -0.5: The value must be above 0, got -0.5.
+    0.01: A turn of 0.01° does not take up lost motion.
+    45: A turn of 45° does not take up lost motion.
+    nan: NaN is not a finite number.
+    no start: cell.toml:132:16: route.approach_deg: Nothing says how the first posture is reached.
+      hint: give start_deg, a safe posture that the robot starts from
+    ");
 }

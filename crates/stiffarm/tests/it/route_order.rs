@@ -1,4 +1,4 @@
-//! The order of a route against every other order.
+//! The order of a route is held against every other order.
 
 use crate::common::prelude::*;
 use rand::RngExt;
@@ -36,8 +36,8 @@ fn exhaustive(places: &Places, order: &mut Vec<usize>, best: &mut f64) {
         return;
     }
     for place in 0..places.posture.len() {
-        let own = places.posture[place];
-        if order.iter().all(|other| places.posture[*other] != own) {
+        let posture = places.posture[place];
+        if order.iter().all(|other| places.posture[*other] != posture) {
             order.push(place);
             exhaustive(places, order, best);
             order.pop();
@@ -67,8 +67,8 @@ fn exchanges_come_close_to_the_shortest_order() {
     for case in 0..200 {
         let places = random(&mut rng, 4 + case % 7, 1 + case % 3, case % 2 == 0);
         let best = places.length(&places.by_recursion());
-        let found = places.length(&places.by_exchanges(None, KICKS, 1, Control::default()));
-        let excess = found / best - 1.0;
+        let length = places.length(&places.by_exchanges(None, KICKS, 1, Control::default()));
+        let excess = length / best - 1.0;
         worst = worst.max(excess);
         sum += excess;
     }
@@ -81,16 +81,16 @@ fn an_order_that_is_known_is_never_made_longer() {
     let mut rng = route_rng(5, 9);
     for (count, start) in [(1, false), (2, true), (20, false), (60, true), (130, false)] {
         let mut places = random(&mut rng, count, 3, start);
-        let known = places.by_exchanges(None, KICKS, 1, Control::default());
-        for pair in known.windows(2).step_by(4) {
+        let tour = places.by_exchanges(None, KICKS, 1, Control::default());
+        for pair in tour.windows(2).step_by(4) {
             places.cost[pair[0]][pair[1]] += 0.3;
             places.cost[pair[1]][pair[0]] += 0.3;
         }
-        let found = places.by_exchanges(Some(&known), KICKS, 1, Control::default());
-        let mut seen: Vec<usize> = found.iter().map(|p| places.posture[*p]).collect();
+        let again = places.by_exchanges(Some(&tour), KICKS, 1, Control::default());
+        let mut seen: Vec<usize> = again.iter().map(|p| places.posture[*p]).collect();
         seen.sort_unstable();
         assert_eq!(seen, (0..count).collect::<Vec<_>>());
-        let [before, after] = [&known, &found].map(|order| places.length(order));
+        let [before, after] = [&tour, &again].map(|order| places.length(order));
         assert!(after <= before + 1e-9, "{count}: {before} {after}");
         // Nothing is gained by a search from nowhere.
         let anew = places.length(&places.by_exchanges(None, KICKS, 1, Control::default()));

@@ -1,4 +1,4 @@
-//! Screening of experiments whose base moves and carries reflectors.
+//! Experiments whose base moves and carries reflectors are screened as well.
 
 use crate::common::prelude::*;
 use crate::common::readings::{base_reflectors, pose, states};
@@ -35,7 +35,7 @@ fn table(cell: &Cell, seed: u64) -> ReadingTable {
     table
 }
 
-fn found(screening: &Screening, cause: Cause) -> Vec<Vec<String>> {
+fn postures_named(screening: &Screening, cause: Cause) -> Vec<Vec<String>> {
     let all = screening.suspicions.iter().filter(|s| s.cause == cause);
     all.map(|s| s.postures.clone()).collect()
 }
@@ -67,6 +67,11 @@ fn rows_that_are_exchanged_are_named_on_a_moving_base_too() {
         let first = states[0].readings.clone();
         states[0].readings = std::mem::replace(&mut states[2].readings, first);
         let screening = screen(&cell, &table, None).unwrap();
-        assert_eq!(found(&screening, Cause::ExchangedStates), [["4"]], "seed {seed}: {:?}", screening.findings);
+        assert_eq!(
+            postures_named(&screening, Cause::ExchangedStates),
+            [["4"]],
+            "seed {seed}: {:?}",
+            screening.findings
+        );
     }
 }

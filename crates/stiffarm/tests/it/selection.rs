@@ -1,7 +1,7 @@
 //! Selections on the reference cell (bounds only), on the default cell (limits
 //! on the tool) and on random cells: values, optimality, limits, repeatability.
 //!
-//! `cargo test --test selection -- --nocapture` prints what was reached.
+//! `cargo test --workspace --test it selection -- --nocapture` prints what was reached.
 
 use crate::common::groups::{limits_around, ln_index, violation};
 use crate::common::prelude::*;
@@ -75,17 +75,17 @@ fn largest_fall(cell: &Cell, index: Index, group: &[Vec<f64>], tries: usize) -> 
 #[test]
 fn characteristic_length_of_the_reference_cell() {
     let cell = reference_cell();
-    let found = characteristic_length(&cell).unwrap();
-    println!("L = {} m, k(J_N) = {}", found.length, found.condition_number);
-    assert!((found.length - 0.773).abs() < 1e-3);
-    assert!((found.condition_number - 1.2157).abs() < 1e-4);
+    let characteristic = characteristic_length(&cell).unwrap();
+    println!("L = {} m, k(J_N) = {}", characteristic.length, characteristic.condition_number);
+    assert!((characteristic.length - 0.773).abs() < 1e-3);
+    assert!((characteristic.condition_number - 1.2157).abs() < 1e-4);
     // The posture it names attains it, inside the bounds.
-    assert_eq!(violation(&cell, std::slice::from_ref(&found.posture)), 0.0);
-    let frames = Frames::new(&cell.setup.robot, &found.posture);
+    assert_eq!(violation(&cell, std::slice::from_ref(&characteristic.posture)), 0.0);
+    let frames = Frames::new(&cell.setup.robot, &characteristic.posture);
     let tcp = frames.point(&cell.setup.tool.tcp());
-    let k = dexterity::condition_number(&frames, &tcp, found.length).unwrap();
-    assert!((k / found.condition_number - 1.0).abs() < 1e-9);
-    assert_eq!(characteristic_length(&cell).unwrap(), found);
+    let k = dexterity::condition_number(&frames, &tcp, characteristic.length).unwrap();
+    assert!((k / characteristic.condition_number - 1.0).abs() < 1e-9);
+    assert_eq!(characteristic_length(&cell).unwrap(), characteristic);
 }
 
 #[test]
@@ -288,8 +288,8 @@ fn a_start_outside_bounds_and_limits_is_led_inside() {
 fn a_stopped_search_says_so_and_gives_its_best() {
     use std::sync::atomic::{AtomicUsize, Ordering};
     let cell = reference_cell();
-    let asked = AtomicUsize::new(0);
-    let stop = || asked.fetch_add(1, Ordering::Relaxed) >= 40;
+    let polls = AtomicUsize::new(0);
+    let stop = || polls.fetch_add(1, Ordering::Relaxed) >= 40;
     let control = stopped_by(&stop);
     let plan = select_from(&cell, Index::ExpectedError, &group1(), Options::default(), control).unwrap();
     assert_eq!(plan.termination, Termination::Interrupted);

@@ -1,4 +1,4 @@
-//! Servo deflection against the reference that a displacement is taken against.
+//! Servo deflection counts against the reference that a displacement is taken against.
 
 use crate::common::prelude::*;
 use crate::common::readings::{GIVE, keep, postures, reduced, states, take, tracker_pose};
@@ -45,11 +45,11 @@ fn table(cell: &Cell, states: Vec<ExperimentState>, seconds: f64) -> ReadingTabl
 
 /// Largest relative error of the identified stiffness.
 fn error(cell: &Cell, table: &ReadingTable) -> f64 {
-    let given = with(|o: &mut ReduceOptions| o.base_from_tracker = Some(tracker_pose()));
-    let measured = prepare(cell, table.clone(), &given).unwrap();
-    let found = identify(cell, &measured, &IdentifyOptions::default()).unwrap();
+    let options = with(|o: &mut ReduceOptions| o.base_from_tracker = Some(tracker_pose()));
+    let measured = prepare(cell, table.clone(), &options).unwrap();
+    let identification = identify(cell, &measured, &IdentifyOptions::default()).unwrap();
     let prior = cell.prior.as_ref().unwrap();
-    let errors = found.estimates.joints.iter().zip(prior);
+    let errors = identification.estimates.joints.iter().zip(prior);
     errors.map(|(joint, k)| (joint.stiffness.unwrap() / k - 1.0).abs()).fold(0.0, f64::max)
 }
 
@@ -77,6 +77,6 @@ fn a_point_that_one_reference_lacks_has_another_reference() {
     }
     let error = error(&cell, &table);
     assert!(error < 1e-6, "{error}");
-    let given = reduced(&cell, &table);
-    assert!(given.measured.iter().all(|m| m.servo_deflection.is_some()));
+    let reduction = reduced(&cell, &table);
+    assert!(reduction.measured.iter().all(|m| m.servo_deflection.is_some()));
 }

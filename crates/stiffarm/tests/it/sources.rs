@@ -1,4 +1,4 @@
-//! Results as JSON, and where inputs come from.
+//! Results are written as JSON that reads back, and every input comes through one method.
 
 use serde_json::{Value, json};
 use std::cell::RefCell;
@@ -21,8 +21,22 @@ fn plain_lists_are_joined_and_nothing_else_changes() {
     });
     let text = to_json(&value).unwrap();
     assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), value);
-    assert!(text.contains(r#""a": [1.5, null, "x, ] [ \" \\", true]"#), "{text}");
-    assert!(text.contains("    [1, 2],\n    [3, 4]\n"), "{text}");
+    insta::assert_snapshot!(text, @r#"
+    {
+      "a": [1.5, null, "x, ] [ \" \\", true],
+      "b": [
+        [1, 2],
+        [3, 4]
+      ],
+      "c": [
+        {
+          "d": []
+        }
+      ],
+      "e": "[not,\na list]",
+      "f\"[": {}
+    }
+    "#);
 }
 
 #[test]

@@ -1,11 +1,11 @@
-//! How a running experiment stands: forecasts against what the further postures bring.
+//! What a running experiment forecasts is what the further postures bring.
 
 use crate::common::prelude::*;
 use std::sync::LazyLock;
 use stiffarm::ask::identify::{Identified, IdentifiedOptions};
 use stiffarm::estimate::forecast::forecast;
 use stiffarm::estimate::next_posture::planned_errors;
-use stiffarm::estimate::standing::{SoFar, is_better, standing};
+use stiffarm::estimate::standing::{InterimEstimate, is_better, standing};
 
 fn experiment(count: usize, seed: u64) -> (Cell, Vec<Posture>, Measured) {
     let cell = builtin::cell("comau").unwrap();
@@ -36,8 +36,11 @@ fn planned_postures_bring_what_the_information_says() {
         }
         // Measured as linear as the plan says, the standard errors are those, but for the scatter's own.
         let really = planned_errors::<Vec<f64>>(&late, &[]).unwrap().now;
-        let ratios: Vec<f64> =
-            forecast.after[6].iter().zip(&really).map(|(expected, found)| expected.unwrap() / found.unwrap()).collect();
+        let ratios: Vec<f64> = forecast.after[6]
+            .iter()
+            .zip(&really)
+            .map(|(expected, actual)| expected.unwrap() / actual.unwrap())
+            .collect();
         let first = ratios[0];
         for ratio in &ratios {
             // One factor for all joints: the scatter that each fit finds.
@@ -50,7 +53,7 @@ fn planned_postures_bring_what_the_information_says() {
 #[test]
 fn a_goal_is_reached_ahead_or_out_of_reach() {
     let (fit, plan) = fitted(6, 1);
-    let so_far = SoFar::new(&fit).unwrap();
+    let so_far = InterimEstimate::new(&fit).unwrap();
     let at = |goal: f64| standing(&so_far, &plan[6..], Some(goal)).unwrap();
     let now = at(0.99);
     let largest = now.largest.unwrap();
@@ -94,9 +97,9 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// ± of each joint with all errors that `identify` prints.
 fn identified(fit: &Fit) -> Vec<Option<f64>> {
-    let found = Identified::new(fit, &IdentifiedOptions::default(), Control::default()).unwrap();
-    let systematic = found.systematic_errors.unwrap();
-    systematic.uncertainty.iter().map(|own| own.total).collect()
+    let fitted = Identified::new(fit, &IdentifiedOptions::default(), Control::default()).unwrap();
+    let systematic = fitted.systematic_errors.unwrap();
+    systematic.uncertainty.iter().map(|joint| joint.total).collect()
 }
 
 /// What `identify` prints of twelve postures, for each seed.
@@ -107,7 +110,7 @@ static OF_TWELVE: LazyLock<Vec<Vec<Option<f64>>>> =
 fn it_stands_as_identify_says_and_three_postures_reach_no_goal() {
     for count in [3, 4, 7] {
         let (fit, plan) = fitted(count, 3);
-        let so_far = SoFar::new(&fit).unwrap();
+        let so_far = InterimEstimate::new(&fit).unwrap();
         let now = standing(&so_far, &plan[count..], Some(0.99)).unwrap();
         let totals: Vec<Option<f64>> = now.joints.iter().map(|joint| joint.total).collect();
         assert_eq!(totals, identified(&fit), "{count}");
@@ -128,9 +131,9 @@ fn the_first_postures_foresee_what_the_whole_plan_will_say() {
         let mut ratios = Vec::new();
         for (seed, really) in (0..8).zip(OF_TWELVE.iter()) {
             let (early, plan) = fitted(done, seed);
-            let so_far = SoFar::new(&early).unwrap();
-            let found = standing(&so_far, &plan[done..], None).unwrap();
-            for (joint, really) in found.joints.iter().zip(really) {
+            let so_far = InterimEstimate::new(&early).unwrap();
+            let forecast = standing(&so_far, &plan[done..], None).unwrap();
+            for (joint, really) in forecast.joints.iter().zip(really) {
                 ratios.push(joint.with_all.unwrap() / really.unwrap());
             }
         }

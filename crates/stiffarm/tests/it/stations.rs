@@ -1,4 +1,4 @@
-//! Readings from several stations of the tracker: each in a frame of its own, one result.
+//! Readings from several stations of the tracker, each in a frame of its own, give one result.
 
 use crate::common::prelude::*;
 use crate::common::readings::base_reflectors;
@@ -30,8 +30,8 @@ fn table(cell: &Cell, change: impl Fn(&mut Experiment)) -> ReadingTable {
     for (frame, (name, range)) in frames().into_iter().zip([("front", 0..6), ("side", 6..10)]) {
         let mut done = Experiment { base_from_tracker: frame, ..Experiment::as_measured(cell) };
         change(&mut done);
-        let own = &postures[range];
-        let mut table = experiment(cell, own, &prior, &done, 1, own.len() as u64).unwrap();
+        let part = &postures[range];
+        let mut table = experiment(cell, part, &prior, &done, 1, part.len() as u64).unwrap();
         for posture in &mut table.postures {
             posture.station = Some(name.to_string());
         }
@@ -47,9 +47,9 @@ fn table(cell: &Cell, change: impl Fn(&mut Experiment)) -> ReadingTable {
 }
 
 fn of_station(table: &ReadingTable, name: &str) -> ReadingTable {
-    let mut own = table.clone();
-    own.postures.retain(|p| p.station.as_deref() == Some(name));
-    own
+    let mut seen = table.clone();
+    seen.postures.retain(|p| p.station.as_deref() == Some(name));
+    seen
 }
 
 #[test]
@@ -62,15 +62,15 @@ fn each_station_gives_what_it_gives_alone() {
     let names: Vec<&str> = both.stations.iter().map(|s| s.station.as_str()).collect();
     assert_eq!(names, ["front", "side"]);
     for (station, frame) in both.stations.iter().zip(frames()) {
-        let found = Vector3::from(station.translation_m) - frame.translation.vector;
-        assert!(found.norm() < 5e-4, "{found}");
+        let offset = Vector3::from(station.translation_m) - frame.translation.vector;
+        assert!(offset.norm() < 5e-4, "{offset}");
         assert!(station.rms_m.unwrap() < mm_to_m(0.1) && !station.angles_unchecked);
         let alone = reduce(&cell, &of_station(&table, &station.station), &ReduceOptions::default()).unwrap();
         assert!(alone.stations.is_empty());
-        for own in &alone.measured {
+        for reading in &alone.measured {
             let mut all = both.measured.iter();
-            let same = all.find(|m| (&m.posture.name, &m.state) == (&own.posture.name, &own.state)).unwrap();
-            for (a, b) in own.displacements.iter().zip(&same.displacements) {
+            let same = all.find(|m| (&m.posture.name, &m.state) == (&reading.posture.name, &reading.state)).unwrap();
+            for (a, b) in reading.displacements.iter().zip(&same.displacements) {
                 // Two registrations of the same readings differ by tens of µrad.
                 assert!((a.value - b.value).norm() < 1e-3 * a.value.norm().max(1e-4), "{a:?} {b:?}");
                 let [a, b] = [a, b].map(|d| d.covariance.unwrap());
@@ -92,12 +92,12 @@ fn base_reflectors_tie_stations_better_than_an_arm_does() {
             posture.posture.q[1] += 0.1_f64.to_radians();
             posture.posture.q[2] -= 0.05_f64.to_radians();
         }
-        let found = reduce(&cell, &table, &ReduceOptions::default()).unwrap();
+        let reduction = reduce(&cell, &table, &ReduceOptions::default()).unwrap();
         let frame = |s: &StationRegistration| {
             let rows = s.rotation.concat();
             Rotation3::from_matrix_unchecked(Matrix3::from_row_slice(&rows))
         };
-        let [a, b] = [0, 1].map(|i| frame(&found.stations[i]));
+        let [a, b] = [0, 1].map(|i| frame(&reduction.stations[i]));
         let [c, d] = [0, 1].map(|i| frames()[i].rotation.to_rotation_matrix());
         (a.inverse() * b).angle_to(&(c.inverse() * d))
     };
@@ -112,10 +112,10 @@ fn a_given_transform_is_that_of_the_station_that_it_fits() {
     let table = table(&cell, |_| {});
     for frame in frames() {
         let options = with(|o: &mut ReduceOptions| o.base_from_tracker = Some(frame));
-        let found = prepare(&cell, table.clone(), &options).unwrap();
-        let wrong: Vec<_> = found.findings().filter(|f| f.severity > Severity::Note).collect();
+        let measured = prepare(&cell, table.clone(), &options).unwrap();
+        let wrong: Vec<_> = measured.findings().filter(|f| f.severity > Severity::Note).collect();
         assert!(wrong.is_empty(), "{wrong:?}");
-        let stations = found.reduction.unwrap().stations;
+        let stations = measured.reduction.unwrap().stations;
         for (station, frame) in stations.iter().zip(frames()) {
             let off = Vector3::from(station.translation_m) - frame.translation.vector;
             assert!(off.norm() < 5e-4, "{off}");
@@ -130,8 +130,8 @@ fn a_given_transform_is_that_of_the_station_that_it_fits() {
         }
     }
     let options = with(|o: &mut ReduceOptions| o.base_from_tracker = Some(Isometry3::identity()));
-    let found = reduce(&cell, &united, &options).unwrap();
-    for station in &found.stations {
+    let reduction = reduce(&cell, &united, &options).unwrap();
+    for station in &reduction.stations {
         assert_eq!(station.translation_m, [0.0; 3]);
     }
 }
@@ -141,18 +141,17 @@ fn a_station_that_says_too_little_is_left_out_and_a_single_posture_is_said() {
     let cell = default_cell();
     let mut one = table(&cell, |_| {});
     one.postures.truncate(7);
-    let found = reduce(&cell, &one, &ReduceOptions::default()).unwrap();
-    assert!(found.stations[1].angles_unchecked);
-    let note = found.findings.iter().find(|f| f.code == "stations").unwrap();
-    assert!(note.sentence.contains("Nothing checks the angles of posture 7"), "{}", note.sentence);
+    let reduction = reduce(&cell, &one, &ReduceOptions::default()).unwrap();
+    assert!(reduction.stations[1].angles_unchecked);
+    insta::assert_snapshot!(the(&reduction.findings, "stations").sentence, @"The tracker read from 2 stations, each registered by itself: front (6 postures, 7.3 µm RMS) and side (1 posture, 4.0 µm RMS). The RMS is the distance of the unloaded points from the kinematic model. Nothing checks the angles of posture 7, the only one of its station.");
     // Two points alone do not say where the tracker stands.
     for state in &mut one.postures[6].states {
         state.readings.retain(|r| matches!(r.target, ReadingTarget::Point(0 | 1)));
     }
-    let found = prepare(&cell, one, &ReduceOptions::default()).unwrap();
-    assert!(found.postures.iter().all(|m| m.posture.name != "7"));
-    let remark = found.findings().find(|f| f.code == "station-left-out").unwrap();
-    assert!(remark.sentence.starts_with("Station side: "), "{}", remark.sentence);
+    let measured = prepare(&cell, one, &ReduceOptions::default()).unwrap();
+    assert!(measured.postures.iter().all(|m| m.posture.name != "7"));
+    let remark = measured.findings().find(|f| f.code == "station-left-out").unwrap();
+    insta::assert_snapshot!(remark.sentence, @"Station side: The tracker's place takes at least 3 unloaded points that are not on a line; the table has 2. Left out until more is read from there: 7.");
 }
 
 /// A wrong description of the robot is named though no frame ties the stations.
@@ -163,8 +162,8 @@ fn what_is_wrong_with_the_robot_is_found_from_several_stations() {
     for posture in &mut table.postures {
         posture.posture.q[3] *= -1.0;
     }
-    let found = prepare(&cell, table, &ReduceOptions::default()).unwrap();
-    let codes: Vec<&str> = found.screening.iter().flat_map(|s| &s.findings).map(|f| f.code.as_str()).collect();
+    let measured = prepare(&cell, table, &ReduceOptions::default()).unwrap();
+    let codes: Vec<&str> = measured.screening.iter().flat_map(|s| &s.findings).map(|f| f.code.as_str()).collect();
     assert_eq!(codes, ["joint-sign"]);
 }
 
@@ -181,8 +180,8 @@ fn simulated_readings_come_from_the_station_that_sees() {
         let mut rows = sheet.rows.iter().filter(|row| row.posture.name == posture.posture.name);
         assert!(rows.all(|row| row.station == posture.station));
     }
-    let found = prepare(&cell, table, &ReduceOptions::default()).unwrap();
-    assert_eq!(found.worst(), Some(Severity::Note));
+    let measured = prepare(&cell, table, &ReduceOptions::default()).unwrap();
+    assert_eq!(measured.worst(), Some(Severity::Note));
     // The plan's order carries the tracker once.
     let route = route(&cell, &angles, &RouteOptions::default(), Control::default()).unwrap();
     let stations = route.order.iter().map(|i| {

@@ -67,15 +67,15 @@ fn the_default_cell_has_every_part_of_the_paper() {
 fn a_stopped_study_keeps_what_it_has() {
     let cell = cell();
     let initial = group_1(&cell);
-    let asked = AtomicBool::new(false);
+    let stopped = AtomicBool::new(false);
     // Stops at once, and stays stopped.
     let stop = || {
-        asked.store(true, Ordering::Relaxed);
+        stopped.store(true, Ordering::Relaxed);
         true
     };
     let control = stopped_by(&stop);
     let result = study(&cell, &initial, &options(6, 1000), control).unwrap();
-    assert!(asked.load(Ordering::Relaxed));
+    assert!(stopped.load(Ordering::Relaxed));
     assert!(result.interrupted && has(&result, "interrupted"));
     assert!(result.starts.kinds.is_empty());
     // The start is the best so far.

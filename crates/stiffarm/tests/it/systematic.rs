@@ -32,10 +32,10 @@ fn measure(cell: &Cell, postures: &[Posture], seed: u64) -> Vec<MeasuredPosture>
 
 /// k of `measured` under the nominal cell, over the truth, less 1.
 fn bias(cell: &Cell, measured: &[MeasuredPosture], options: &IdentifyOptions) -> Vec<f64> {
-    let found = identify(cell, measured, options).unwrap();
-    let found = found.estimates.stiffness().unwrap();
+    let identification = identify(cell, measured, options).unwrap();
+    let stiffness = identification.estimates.stiffness().unwrap();
     let truth = truth(cell);
-    found.iter().zip(truth).map(|(k, t)| k / t - 1.0).collect()
+    stiffness.iter().zip(truth).map(|(k, t)| k / t - 1.0).collect()
 }
 
 #[track_caller]
@@ -234,10 +234,9 @@ fn the_force_scale_is_in_every_budget() {
             assert!((change - 0.02).abs() < room, "{} joint {}: {change}", estimator.as_str(), j + 1);
         }
         assert!(all.statistical.iter().all(|s| s.is_some_and(|s| s > 0.0 && s < 0.1)));
-        let said = &all.findings[0];
-        assert_eq!(said.code, "force-scale");
-        let said = &said.sentence;
-        assert!(said.contains("2.00 % too large makes every k"), "{said}");
+        let sentence = "A force that is read 2.00 % too large makes every k 2.00 % too large and shows in no residual.";
+        let finding = &all.findings[0];
+        assert_eq!((finding.code.as_str(), finding.sentence.as_str()), ("force-scale", sentence), "{estimator:?}");
     }
 }
 
@@ -254,11 +253,11 @@ fn the_profile_of_least_squares_is_the_t_interval() {
                     o.estimator = estimator;
                     o.noise = noise;
                 });
-                let found = profile(&Fit::new(&cell, &measured, &options).unwrap()).unwrap().unwrap();
-                let difference = found.difference.unwrap();
+                let likelihood = profile(&Fit::new(&cell, &measured, &options).unwrap()).unwrap().unwrap();
+                let difference = likelihood.difference.unwrap();
                 assert!(difference < 1e-8, "{} {noise:?}: {difference}", estimator.as_str());
-                assert!(found.joints.iter().all(|j| j.interval[1].is_some()));
-                assert_eq!(found.finding.code, "profile-agrees");
+                assert!(likelihood.joints.iter().all(|j| j.interval[1].is_some()));
+                assert_eq!(likelihood.finding.code, "profile-agrees");
             }
         }
     }
@@ -276,8 +275,8 @@ fn the_profile_of_two_variances_ends_at_its_level() {
     let mut largest = 0.0_f64;
     for seed in 0..5 {
         let measured = measure(&cell, &plan(&default_cell()), 100 + seed);
-        let found = profile(&Fit::new(&cell, &measured, &options).unwrap()).unwrap().unwrap();
-        largest = largest.max(found.difference.unwrap());
+        let likelihood = profile(&Fit::new(&cell, &measured, &options).unwrap()).unwrap().unwrap();
+        largest = largest.max(likelihood.difference.unwrap());
         let system = measured_system(&cell, &measured, &[], Weights::Readings).unwrap();
         assert_eq!(options.noise, NoiseSource::Estimated);
         let (rows, n) = system.psi.shape();
@@ -335,7 +334,7 @@ fn the_profile_of_two_variances_ends_at_its_level() {
             }
             best.0
         };
-        let ends = found.joints[j].compliance_interval.map(Option::unwrap);
+        let ends = likelihood.joints[j].compliance_interval.map(Option::unwrap);
         let centre = identify(&cell, &measured, &options).unwrap().estimates.joints[j].compliance.unwrap();
         let lowest =
             (-20..=20).map(|i| best(centre + f64::from(i) * 0.01 * (ends[1] - ends[0]))).fold(f64::INFINITY, f64::min);
@@ -365,16 +364,16 @@ fn budgets_and_profiles_of_poor_data() {
     let result = identify(&cell, &measured, &options).unwrap();
     let all = systematic(&cell, &measured, &options);
     for (j, joint) in result.estimates.joints.iter().enumerate() {
-        let known = joint.compliance.is_some_and(|h| h > 0.0);
-        assert_eq!(all.statistical[j].is_some(), known && result.estimates.degrees_of_freedom > 0);
-        assert!(known || all.sources.iter().all(|s| s.change[j].is_none()));
+        let has_value = joint.compliance.is_some_and(|h| h > 0.0);
+        assert_eq!(all.statistical[j].is_some(), has_value && result.estimates.degrees_of_freedom > 0);
+        assert!(has_value || all.sources.iter().all(|s| s.change[j].is_none()));
     }
     profile(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
     // Without noise the residuals are rounding: no profile to speak of.
     let quiet = quiet_cell();
     let exact = measure(&quiet, &numbered(group1()), 1);
-    let found = profile(&Fit::new(&quiet, &exact, &IdentifyOptions::default()).unwrap()).unwrap().unwrap();
-    assert!(found.joints.iter().all(|j| j.difference.is_none_or(|d| d < 1e-6)));
+    let likelihood = profile(&Fit::new(&quiet, &exact, &IdentifyOptions::default()).unwrap()).unwrap().unwrap();
+    assert!(likelihood.joints.iter().all(|j| j.difference.is_none_or(|d| d < 1e-6)));
     // A large lost motion leaves no stiffness at all.
     let mut loose = cell.clone();
     loose.uncertainty.lost_motion = Some(1.0);

@@ -1,5 +1,6 @@
-//! The task index: the error of the deflection predicted where the robot works.
+//! The task index is the error of the deflection predicted where the robot works.
 
+use crate::common::cases::slip;
 use crate::common::prelude::*;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -62,9 +63,9 @@ fn value_is_the_spread_of_predictions_from_simulated_readings() {
         // Least squares with the covariance of the readings, by its Cholesky factor.
         let (rows, per_posture) = (psi.nrows(), 12);
         let covariance = DMatrix::from_fn(rows, rows, |i, j| {
-            let own = if i == j { sigma * sigma } else { 0.0 };
+            let variance = if i == j { sigma * sigma } else { 0.0 };
             let common = i / per_posture == j / per_posture && i % 3 == j % 3;
-            own + if common { tau * tau } else { 0.0 }
+            variance + if common { tau * tau } else { 0.0 }
         });
         let lower = covariance.cholesky().unwrap().unpack();
         let factor = Factor::new(&lower.solve_lower_triangular(&psi).unwrap()).unwrap();
@@ -74,9 +75,9 @@ fn value_is_the_spread_of_predictions_from_simulated_readings() {
         for _ in 0..runs {
             let white = DVector::from_fn(rows, |_, _| rng.sample::<f64, _>(StandardNormal));
             let readings = &psi * &truth + &lower * white;
-            let found = factor.solve(&lower.solve_lower_triangular(&readings).unwrap());
+            let estimate = factor.solve(&lower.solve_lower_triangular(&readings).unwrap());
             for task in &cell.tasks {
-                square += (block(&cell, task) * (&found - &truth)).norm_squared() / 3.0;
+                square += (block(&cell, task) * (&estimate - &truth)).norm_squared() / 3.0;
             }
         }
         let spread = (square / f64::from(runs)).sqrt();
@@ -108,15 +109,31 @@ fn without_tasks_there_is_none_and_the_error_says_how_to_add_one() {
     let mut cell = reference_cell();
     cell.tasks.clear();
     assert_eq!(evaluate(&cell, "", &group1()).unwrap().indices.task, None);
-    let says_how = |error: Error| {
-        assert_eq!(error.code(), Code::MissingKey);
-        assert_eq!(error.place().key.as_deref(), Some("task"));
-        assert!(error.hint_text().unwrap().contains("[[task]]"), "{error}");
-    };
-    says_how(task_matrix(&cell).unwrap_err());
-    says_how(IndexFunction::new(&cell, Index::Task, 3).unwrap_err());
     let (options, control) = (Options::default(), Control::default());
-    says_how(select_from(&cell, Index::Task, &group1(), options, control).unwrap_err());
+    let mut report = String::new();
+    for (what, error) in [
+        ("the matrix", task_matrix(&cell).err()),
+        ("the index", IndexFunction::new(&cell, Index::Task, 3).err()),
+        ("a selection", select_from(&cell, Index::Task, &group1(), options, control).err()),
+    ] {
+        let error = error.expect(what);
+        assert_eq!(error.code(), Code::MissingKey, "{what}: {error}");
+        assert_eq!(error.place().key.as_deref(), Some("task"), "{what}: {error}");
+        report += &slip::<()>(what, Err(error));
+    }
+    insta::assert_snapshot!(report, @"
+    » the matrix
+    [missing-key] task: This needs your own machining postures and loads, and the cell has none.
+      hint: add [[task]] with q_deg and force_n, once per posture of your work
+
+    » the index
+    [missing-key] task: This needs your own machining postures and loads, and the cell has none.
+      hint: add [[task]] with q_deg and force_n, once per posture of your work
+
+    » a selection
+    [missing-key] task: This needs your own machining postures and loads, and the cell has none.
+      hint: add [[task]] with q_deg and force_n, once per posture of your work
+    ");
 }
 
 #[test]
@@ -181,8 +198,8 @@ proptest! {
         prop_assume!(before.indices.condition.is_some_and(|c| c < 1e5));
         let before = before.indices.task.unwrap();
         let close = |cell: &Cell, expected: f64| {
-            let found = task_index(cell, &postures);
-            prop_assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+            let ours = task_index(cell, &postures);
+            prop_assert!((ours / expected - 1.0).abs() < 1e-9, "{ours} {expected}");
             Ok(())
         };
 
@@ -223,8 +240,8 @@ proptest! {
         let share = (cell.tasks.len() as f64).sqrt();
         for (t, task) in cell.tasks.iter().enumerate() {
             let golden = block(&cell, task);
-            let found = rows.rows(3 * t, 3) * share;
-            prop_assert!((found - &golden).amax() < 1e-12 * golden.amax());
+            let rows_of_task = rows.rows(3 * t, 3) * share;
+            prop_assert!((rows_of_task - &golden).amax() < 1e-12 * golden.amax());
         }
         let matrix = task_matrix(&cell).unwrap();
         prop_assert!((rows.tr_mul(&rows) - &matrix).amax() <= 1e-14 * matrix.amax());

@@ -15,13 +15,13 @@ const FORCE_SCALE: f64 = 0.01;
 /// The default cell with three sources: force scale, base tilt, lost motion.
 fn cell() -> Cell {
     let mut cell = default_cell();
-    let given = &mut cell.uncertainty;
-    given.force_scale = Some(FORCE_SCALE);
-    given.base_tilt_compliance = Some(BASE_TILT);
-    given.lost_motion = Some(LOST_MOTION);
-    given.anchor = Some(0.0);
-    given.loading_point = Some(0.0);
-    given.registration = Some(0.0);
+    let uncertainty = &mut cell.uncertainty;
+    uncertainty.force_scale = Some(FORCE_SCALE);
+    uncertainty.base_tilt_compliance = Some(BASE_TILT);
+    uncertainty.lost_motion = Some(LOST_MOTION);
+    uncertainty.anchor = Some(0.0);
+    uncertainty.loading_point = Some(0.0);
+    uncertainty.registration = Some(0.0);
     cell
 }
 
@@ -38,10 +38,10 @@ fn measured(cell: &Cell, sizes: &[f64], seed: u64) -> Vec<MeasuredPosture> {
     let compliance = compliance_of(&truth);
     let mut out = simulate_measurements(cell, &postures, &truth, Model::Linear, seed, 0).unwrap();
     let force = 1.0 / (1.0 + FORCE_SCALE * sizes[7]) - 1.0;
-    move_points(cell, &mut out, |own| {
-        let by_force = own.block(&cell.setup.robot) * &compliance * force;
+    move_points(cell, &mut out, |posture| {
+        let by_force = posture.block(&cell.setup.robot) * &compliance * force;
         let parts = terms().into_iter().zip(sizes);
-        let parts = parts.map(|((term, size), c)| term.column(own) * (size * c));
+        let parts = parts.map(|((term, size), c)| term.column(posture) * (size * c));
         parts.fold(by_force, |sum, part| sum + part)
     });
     out
@@ -144,15 +144,15 @@ fn dense(
 
 /// Parts in the systematic errors's order that have a size: force scale, base tilt, joints.
 fn moments(systematic: &SystematicErrors) -> (Vec<usize>, DVector<f64>, DMatrix<f64>) {
-    let found = &systematic.posterior;
+    let posterior = &systematic.posterior;
     // Readings say nothing of the kind of springs.
-    let has_size = |i: &usize| found.parts[*i].size > 0.0 && found.parts[*i].source != "springs";
-    let which: Vec<usize> = (0..found.parts.len()).filter(has_size).collect();
+    let has_size = |i: &usize| posterior.parts[*i].size > 0.0 && posterior.parts[*i].source != "springs";
+    let which: Vec<usize> = (0..posterior.parts.len()).filter(has_size).collect();
     let count = which.len();
-    let mean = DVector::from_iterator(count, which.iter().map(|i| found.mean[*i]));
+    let mean = DVector::from_iterator(count, which.iter().map(|i| posterior.mean[*i]));
     let second = DMatrix::from_fn(count, count, |a, b| {
         let (i, k) = (which[a].max(which[b]), which[a].min(which[b]));
-        found.covariance[i][k] + mean[a] * mean[b]
+        posterior.covariance[i][k] + mean[a] * mean[b]
     });
     (which, mean, second)
 }
@@ -220,39 +220,40 @@ fn what_readings_leave_is_what_the_whole_model_says() {
         for estimator in [Estimator::Ordinary, Estimator::Weighted, Estimator::TwoVariance, Estimator::Prior] {
             let options = by(estimator);
             let fit = Fit::new(&cell, &measured, &options).unwrap();
-            let found = fit.identification().unwrap();
+            let identification = fit.identification().unwrap();
             let systematic = systematic_errors(&fit).unwrap();
             let (which, mean, second) = moments(&systematic);
 
             let system = measured_system(&cell, &measured, &[], options.weights).unwrap();
             let (psi, y) = (system.psi.clone(), system.delta.clone());
-            let sigma = found.residual_std_m.unwrap();
+            let sigma = identification.residual_std_m.unwrap();
             let ratio = match estimator {
                 Estimator::Ordinary => 0.0,
                 Estimator::Weighted => 1.0,
-                _ => (found.posture_common_std_m.unwrap() / sigma).powi(2),
+                _ => (identification.posture_common_std_m.unwrap() / sigma).powi(2),
             };
             let rows = psi.nrows();
             let noise = DMatrix::from_fn(rows, rows, |a, b| {
                 let common = a / 12 == b / 12 && a % 3 == b % 3;
-                let own = f64::from(u8::from(a == b)) + if common { ratio } else { 0.0 };
-                own * sigma * sigma
+                let variance = f64::from(u8::from(a == b)) + if common { ratio } else { 0.0 };
+                variance * sigma * sigma
             });
-            let estimate = DVector::from_iterator(6, found.estimates.joints.iter().map(|j| j.compliance.unwrap()));
+            let estimate =
+                DVector::from_iterator(6, identification.estimates.joints.iter().map(|j| j.compliance.unwrap()));
             let mut shifts = DMatrix::zeros(rows, 8);
             shifts.set_column(0, &(&psi * &estimate * (1.0 / (1.0 + FORCE_SCALE) - 1.0)));
             for (at, (term, size)) in terms().into_iter().enumerate() {
-                let own = match term {
+                let place = match term {
                     ExtraTerm::BaseTilt => 1,
                     _ => at + 2,
                 };
                 for (p, m) in measured.iter().enumerate() {
                     let terms = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
                     let column = term.column(&terms) * size;
-                    shifts.view_mut((12 * p, own), (12, 1)).copy_from(&column);
+                    shifts.view_mut((12 * p, place), (12, 1)).copy_from(&column);
                 }
             }
-            let dof = found.estimates.interval_degrees_of_freedom;
+            let dof = identification.estimates.interval_degrees_of_freedom;
             let by_dense = match estimator {
                 // The prior stiffness as six more readings.
                 Estimator::Prior => {
@@ -278,7 +279,7 @@ fn what_readings_leave_is_what_the_whole_model_says() {
             let response = DMatrix::from_fn(6, 8, |j, i| parts[which[i]].response[j]);
             let common = &response * &second * response.transpose();
             for j in 0..6 {
-                let ours = found.estimates.covariance[j][j].unwrap() + common[(j, j)];
+                let ours = identification.estimates.covariance[j][j].unwrap() + common[(j, j)];
                 let theirs = by_dense.error[(j, j)];
                 assert!((ours / theirs - 1.0).abs() < 1e-9, "{name} {j}: {ours:e} {theirs:e}");
                 let total = systematic.total[j].unwrap() * estimate[j];
@@ -350,13 +351,13 @@ fn total_bands_hold_where_common_errors_are_real() {
             let measured = measured(&cell, &sizes, seed);
             let fit = Fit::new(&cell, measured, &IdentifyOptions::default()).unwrap();
             let predictor = fit.compliance().unwrap();
-            let found = predict(&cell, &predictor, &work, &predicting, Control::default());
+            let prediction = predict(&cell, &predictor, &work, &predicting, Control::default());
             let mut squares = [0.0; 2];
-            for (point, at) in found.unwrap().points.iter().zip(&work) {
-                let own = arm.terms(&at.q, &at.wrench).unwrap();
-                let mut exact: Vector3<f64> = arm.linear(&own).fixed_rows::<3>(0).into_owned();
+            for (point, at) in prediction.unwrap().points.iter().zip(&work) {
+                let loaded = arm.terms(&at.q, &at.wrench).unwrap();
+                let mut exact: Vector3<f64> = arm.linear(&loaded).fixed_rows::<3>(0).into_owned();
                 for ((term, unit), c) in terms().iter().zip(&sizes) {
-                    exact += term.column(&own) * (unit * c);
+                    exact += term.column(&loaded) * (unit * c);
                 }
                 let band = point.band.unwrap();
                 for i in 0..3 {
@@ -397,21 +398,21 @@ fn lost_motion_that_no_reading_shows_keeps_its_size_at_work() {
         let predictor = fit.compliance().unwrap();
         let mut options = PredictOptions::default();
         options.model = Model::Linear;
-        let found = predict(cell, &predictor, &work, &options, Control::default()).unwrap();
-        let common = found.points[0].band.as_ref().unwrap().common_m;
+        let prediction = predict(cell, &predictor, &work, &options, Control::default()).unwrap();
+        let common = prediction.points[0].band.as_ref().unwrap().common_m;
         (systematic_errors(&fit).unwrap(), common)
     };
     let (bounded, _) = of(&cell);
     assert!(source(&bounded, "lost-motion").remaining.unwrap() < 0.4);
     cell.route.approach = Some(0.5_f64.to_radians());
-    let (kept, with_gaps) = of(&cell);
-    let said: Vec<&str> = kept.findings.iter().map(|f| f.code.as_str()).collect();
+    let (with_size, with_gaps) = of(&cell);
+    let said: Vec<&str> = with_size.findings.iter().map(|f| f.code.as_str()).collect();
     assert!(said.contains(&"reached-from-load"), "{said:?}");
     let mut lost_too = by(Estimator::Ordinary);
     lost_too.extra = vec![ExtraTerm::LostMotion(1)];
     let error = Fit::new(&cell, readings.clone(), &lost_too).map(|_| ()).unwrap_err();
     assert_eq!(error.code(), Code::Conflict);
-    let lost = source(&kept, "lost-motion");
+    let lost = source(&with_size, "lost-motion");
     assert!((lost.remaining.unwrap() - 1.0).abs() < 1e-12, "{lost:?}");
     assert!(lost.bounded.iter().all(|part| *part == Some(0.0)), "{lost:?}");
     cell.uncertainty.lost_motion = Some(0.0);
@@ -426,9 +427,9 @@ fn lost_motion_that_no_reading_shows_keeps_its_size_at_work() {
     // Nearly the same half-width per standard uncertainty along all axes.
     for axis in 1..3 {
         let columns = (0..6).map(|j| ExtraTerm::LostMotion(j).column(&terms)[axis] * LOST_MOTION);
-        let own = columns.map(|c| c * c).sum::<f64>().sqrt() * ratio;
+        let expected = columns.map(|c| c * c).sum::<f64>().sqrt() * ratio;
         let more = (with_gaps[axis].powi(2) - without[axis].powi(2)).sqrt();
-        assert!((more / own - 1.0).abs() < 1e-3, "{axis}: {more} {own}");
+        assert!((more / expected - 1.0).abs() < 1e-3, "{axis}: {more} {expected}");
     }
     assert!((1.9..2.1).contains(&ratio), "{ratio}");
 }

@@ -1,4 +1,4 @@
-//! Validation: bands about predicted displacements, and folds over postures.
+//! Validation: bands about predicted displacements hold what they say, and folds over postures are honest.
 
 use crate::common::prelude::*;
 use crate::common::random_group;
@@ -54,14 +54,14 @@ fn bands_hold_as_many_readings_as_they_say() {
     let independent = reference_cell();
     let mut common = independent.clone();
     common.noise.posture_common_std = 2.0 * common.noise.displacement_std();
-    let known = changed(by(Estimator::Weighted), |o| o.noise = NoiseSource::Known);
+    let known_noise = changed(by(Estimator::Weighted), |o| o.noise = NoiseSource::Known);
     // Shares of single components, one of each experiment, are independent.
     let binomial = Binomial::new(0.95, runs as u64).unwrap();
     let (least, most) = (binomial.inverse_cdf(FALSE_ALARM), binomial.inverse_cdf(1.0 - FALSE_ALARM));
     for (cell, options, what) in [
         (&independent, &by(Estimator::Ordinary), "ordinary"),
-        (&independent, &known, "known noise"),
-        (&common, &known, "known noise with shifts"),
+        (&independent, &known_noise, "known noise"),
+        (&common, &known_noise, "known noise with shifts"),
         (&common, &by(Estimator::Weighted), "weighted with shifts"),
     ] {
         let (mut one, mut all) = (0, 0);
@@ -264,8 +264,8 @@ fn further_terms_and_servo_give_are_predicted() {
     // And through an identification.
     let options = changed(by(Estimator::Ordinary), |o| o.extra = extra);
     let fit = identify(&cell, &measured, &options).unwrap();
-    let found = IdentifiedCompliance::from_identification(&cell, &fit).unwrap();
-    for (a, b) in found.values.iter().zip(predictor.values.iter()) {
+    let read_back = IdentifiedCompliance::from_identification(&cell, &fit).unwrap();
+    for (a, b) in read_back.values.iter().zip(predictor.values.iter()) {
         assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
     }
 }

@@ -47,14 +47,14 @@ fn stiffness_lies_in_its_intervals() {
         alarms += u64::from(!sane.suspicions.is_empty());
         let reduced = reduce(&cell, &table, &ReduceOptions::default()).unwrap();
         cell.noise.readings_per_displacement = 2;
-        let found = identify(&cell, &reduced.measured, &IdentifyOptions::default()).unwrap();
-        for (j, (joint, truth)) in found.estimates.joints.iter().zip(&truth).enumerate() {
+        let identification = identify(&cell, &reduced.measured, &IdentifyOptions::default()).unwrap();
+        for (j, (joint, truth)) in identification.estimates.joints.iter().zip(&truth).enumerate() {
             let [low, high] = joint.interval.map(|end| end.unwrap());
             inside[j] += u64::from(low <= *truth && *truth <= high);
             worst = worst.max((joint.stiffness.unwrap() / truth - 1.0).abs());
         }
         // Residuals are the noise: nothing was left in and nothing taken out.
-        let ratio = found.total_std_m.unwrap() / found.expected_std_m;
+        let ratio = identification.total_std_m.unwrap() / identification.expected_std_m;
         assert!((0.8..1.25).contains(&ratio), "{ratio}");
     }
     // 95 % or more, less four standard errors.

@@ -1,4 +1,4 @@
-//! `[work]` of the cell file: each slip with its place, and what may be left out.
+//! `[work]` of the cell file: each slip is named with its place, and what may be left out may be.
 
 use crate::common::cases::{shown, slip};
 use crate::common::prelude::*;

@@ -41,7 +41,7 @@ fn map(session: &Session, args: &MapArgs) -> Result<Answer> {
     let options = request.map_options(&named.cell)?;
     let nodes: usize = options.steps.iter().fold(1, |n, s| n.saturating_mul(*s));
     // A larger grid is refused at once.
-    let nodes = nodes * usize::from(nodes <= MapOptions::MOST);
+    let nodes = nodes * usize::from(nodes <= MapOptions::MOST_NODES);
     let postures = nodes.saturating_mul(options.free_turn.unwrap_or(1));
     announce(session, postures, MANY, "positions and turns of the tip to look at");
     let result = Progress::new(session, "mapping")

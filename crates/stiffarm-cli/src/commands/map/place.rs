@@ -34,7 +34,7 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Answer> {
     let options = request.place_options(cell)?;
     let places = options.steps.iter().fold(1_usize, |n, s| n.saturating_mul(*s));
     // A larger grid is refused at once.
-    let places = places * usize::from(places <= MapOptions::MOST);
+    let places = places * usize::from(places <= MapOptions::MOST_NODES);
     let rounds = options.refinements + 1;
     let places = places.saturating_mul(options.yaws.len().saturating_mul(rounds));
     let points = places.saturating_mul(table.points.len().min(SEARCHED));

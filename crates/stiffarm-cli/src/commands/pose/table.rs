@@ -7,7 +7,7 @@ use crate::numbers::coarse_mm;
 use crate::screen::{columns, wrapped};
 use crate::table::{Align, Table, title};
 use nalgebra::Isometry3;
-use stiffarm::ask::pose::{Described, Found, FoundPosture, Pose, PoseFrame, Poses};
+use stiffarm::ask::pose::{BranchPosture, NamedPosture, Pose, PoseFrame, PoseSolutions, Poses};
 use stiffarm::findings::Finding;
 use stiffarm::model::pose::Convention;
 use stiffarm::units::{rad_to_deg, roll_pitch_yaw};
@@ -51,7 +51,7 @@ impl Job<'_> {
         out += &self.poses(result.postures.iter().map(|p| (&p.posture.name, &p.flange)));
         out += &title(&format!("Tool tip, ({}) mm in flange axes", tip.join(", ")));
         out += &self.poses(result.postures.iter().map(|p| (&p.posture.name, &p.tip)));
-        let described: Vec<&Described> = result.postures.iter().map(|p| &p.posture).collect();
+        let described: Vec<&NamedPosture> = result.postures.iter().map(|p| &p.posture).collect();
         out + &configurations(&described, None)
     }
 
@@ -80,11 +80,11 @@ impl Job<'_> {
         table.to_string()
     }
 
-    pub(super) fn table_of_postures(&self, result: &Found) -> String {
+    pub(super) fn table_of_postures(&self, result: &PoseSolutions) -> String {
         let mut out = self.heading(&result.findings);
         out += &format!("inverse kinematics: {}\n", result.method);
         // One of each branch, with how many there are: the others have its name with a point.
-        let mut shown: Vec<&FoundPosture> = Vec::new();
+        let mut shown: Vec<&BranchPosture> = Vec::new();
         let mut turns: Vec<usize> = Vec::new();
         for pose in &result.poses {
             let mut last = None;
@@ -111,7 +111,7 @@ impl Job<'_> {
             table.row(std::iter::once(posture.posture.name.clone()).chain(angles));
         }
         out += &table.to_string();
-        let described: Vec<&Described> = shown.iter().map(|p| &p.posture).collect();
+        let described: Vec<&NamedPosture> = shown.iter().map(|p| &p.posture).collect();
         out += &configurations(&described, Some(&turns));
         for posture in shown.iter().filter(|p| p.is_singular) {
             let said =
@@ -128,7 +128,7 @@ impl Job<'_> {
 
 /// Configurations, KUKA's Status and Turn, and how many postures differ by
 /// full turns; nothing where nothing of it is known.
-fn configurations(postures: &[&Described], turns: Option<&[usize]>) -> String {
+fn configurations(postures: &[&NamedPosture], turns: Option<&[usize]>) -> String {
     let words = postures.iter().any(|p| p.configuration.is_some());
     let kuka = postures.iter().any(|p| p.kuka_status.is_some());
     if !words && turns.is_none() {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::model::robot::{self, CatalogueEntry, DhConvention};
-use stiffarm::units::{m_to_mm, m_to_shortest_mm, rad_to_shortest_deg, roll_pitch_yaw};
+use stiffarm::units::{m_to_mm, m_to_shortest_mm, rad_to_shortest_deg, roll_pitch_yaw, rounded};
 
 #[derive(Serialize)]
 pub(super) struct Robot {
@@ -122,7 +122,7 @@ pub(super) fn describe(entry: &CatalogueEntry) -> Result<Robot> {
 
 fn capsule(shape: &robot::LinkCapsule) -> LinkCapsule {
     // To 1e-9 mm: the ends went through a frame.
-    let mm = |m: f64| (m_to_mm(m) * 1e9).round() / 1e9 + 0.0;
+    let mm = |m: f64| rounded(m_to_mm(m), 9);
     let point = |p: &nalgebra::Vector3<f64>| [p.x, p.y, p.z].map(mm);
     LinkCapsule {
         link: shape.link,
@@ -137,7 +137,7 @@ fn six(pose: &nalgebra::Isometry3<f64>) -> [f64; 6] {
     let p = &pose.translation.vector;
     let [x, y, z] = [p.x, p.y, p.z].map(|v| m_to_shortest_mm(v) + 0.0);
     // To 1e-9 deg: the turns went through a quaternion.
-    let angle = |rad: f64| (rad.to_degrees() * 1e9).round() / 1e9 + 0.0;
+    let angle = |rad: f64| rounded(rad.to_degrees(), 9);
     let [a, b, c] = roll_pitch_yaw(&pose.rotation).map(angle);
     [x, y, z, a, b, c]
 }

@@ -14,6 +14,7 @@ use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::model::robot::DhConvention;
 use stiffarm::model::robot::{CatalogueEntry, catalogue, find_in_catalogue};
+use stiffarm::units::rounded;
 
 #[derive(Serialize)]
 struct Options {
@@ -141,13 +142,13 @@ fn kinematics(robot: &Robot) -> String {
     let mut table = Table::new(["row", "alpha [deg]", "a [mm]", "d [mm]", "offset [deg]", "theta"]);
     table.align(5, Align::Left);
     for (i, row) in robot.dh_deg_mm_mm_deg.iter().enumerate() {
-        let rounded = |v: f64| ((v * 1e4).round() / 1e4 + 0.0).to_string();
+        let shown = |v: f64| rounded(v, 4).to_string();
         table.row([
             (i + 1).to_string(),
-            rounded(row[0]),
-            rounded(row[1]),
-            rounded(row[2]),
-            rounded(row[3]),
+            shown(row[0]),
+            shown(row[1]),
+            shown(row[2]),
+            shown(row[3]),
             theta(&robot.theta_from_q[i]),
         ]);
     }
@@ -158,7 +159,7 @@ fn kinematics(robot: &Robot) -> String {
         (&robot.controller_base_mm_deg, "the controller's base frame in the base frame"),
     ] {
         if *pose != [0.0; 6] {
-            let numbers = pose.map(|v| ((v * 1e4).round() / 1e4 + 0.0).to_string());
+            let numbers = pose.map(|v| rounded(v, 4).to_string());
             out += &said(
                 what,
                 &if pose[3..] == [0.0; 3] {

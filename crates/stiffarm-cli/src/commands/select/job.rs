@@ -11,7 +11,7 @@ use crate::session::Session;
 use crate::target::Target;
 use serde::Serialize;
 use std::path::Path;
-use stiffarm::ask::select::{Asked, Planned, Stage};
+use stiffarm::ask::select::{Planned, SelectResultOptions, Stage};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::Role;
 use stiffarm::model::posture::Posture;
@@ -37,13 +37,21 @@ impl Job<'_> {
     }
 
     /// The result, with its postures as plan, sheet and pictures where these are wanted.
-    pub fn answer<R: Serialize + Telling<Asked> + 'static>(&self, planned: Planned<R>, exit: Exit) -> Result<Answer> {
+    pub fn answer<R: Serialize + Telling<SelectResultOptions> + 'static>(
+        &self,
+        planned: Planned<R>,
+        exit: Exit,
+    ) -> Result<Answer> {
         let files = self.outputs.postures(&planned.cell, &planned.postures)?;
         Ok(self.told(planned, exit).with(files))
     }
 
     /// The result alone.
-    pub fn told<R: Serialize + Telling<Asked> + 'static>(&self, planned: Planned<R>, exit: Exit) -> Answer {
+    pub fn told<R: Serialize + Telling<SelectResultOptions> + 'static>(
+        &self,
+        planned: Planned<R>,
+        exit: Exit,
+    ) -> Answer {
         let (options, result) = (planned.options, planned.result);
         let session = self.session;
         let envelope = session.envelope("select", planned.seed, options, result);

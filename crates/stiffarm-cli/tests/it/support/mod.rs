@@ -98,6 +98,29 @@ impl Folder {
         ran.err
     }
 
+    /// The error of a line that must be refused before any work, as `--json` prints it.
+    pub fn error(&self, line: &str) -> Value {
+        let ran = self.run(&format!("{line} --json"));
+        assert_eq!((ran.code, ran.err.as_str()), (Some(2), ""), "{line}\n{}", ran.out);
+        let printed: Value = serde_json::from_str(&ran.out).unwrap_or_else(|e| panic!("{line}: {e}\n{}", ran.out));
+        printed["error"].clone()
+    }
+
+    /// Lines that must be refused before any work, each with the code of its error and the error's [`place`]. Gives all
+    /// that is said of them.
+    pub fn each_refused(&self, rows: &[(&str, &str, &str)]) -> String {
+        let mut said = String::new();
+        let mut errors = Vec::new();
+        for (line, ..) in rows {
+            let error = self.error(line);
+            errors.push((*line, error["code"].as_str().unwrap().to_string(), place(&error)));
+            said += &format!("$ stiffarm {line}\n{}\n", self.refused(line));
+        }
+        let errors: Vec<(&str, &str, &str)> = errors.iter().map(|(line, code, at)| (*line, &**code, &**at)).collect();
+        assert_eq!(errors, rows);
+        said
+    }
+
     /// Transcripts of lines that must be refused before any work; with `--json` the error is on standard output.
     pub fn refusals<'a>(&self, lines: impl IntoIterator<Item = &'a str>) -> String {
         let mut report = String::new();
@@ -160,6 +183,117 @@ pub fn brief_stiffness() -> &'static str {
     static TEXT: OnceLock<String> = OnceLock::new();
     let line = "identify builtin:comau r.csv --brief --output k.json";
     TEXT.get_or_init(|| written(line, "k.json", &[("r.csv", readings())]))
+}
+
+/// Where an error is: `file:line:column key`, as much of it as there is.
+pub fn place(error: &Value) -> String {
+    let file = ["file", "line", "column"].map(|part| match &error[part] {
+        Value::Null => String::new(),
+        Value::String(name) => name.replace('\\', "/"),
+        number => format!(":{number}"),
+    });
+    format!("{} {}", file.concat(), error["key"].as_str().unwrap_or_default()).trim().to_string()
+}
+
+/// Codes of findings, in their order.
+pub fn codes(findings: &Value) -> Vec<&str> {
+    let findings = findings.as_array().unwrap_or_else(|| panic!("{findings} are no findings"));
+    findings.iter().map(|finding| finding["code"].as_str().unwrap()).collect()
+}
+
+/// The sentence of the finding with this code.
+pub fn sentence<'a>(findings: &'a Value, code: &str) -> &'a str {
+    let finding = findings.as_array().into_iter().flatten().find(|finding| finding["code"] == code);
+    let finding = finding.unwrap_or_else(|| panic!("no {code} among {findings}"));
+    finding["sentence"].as_str().unwrap()
+}
+
+/// Printed text as it was before its lines were broken.
+pub fn unbroken(printed: &str) -> String {
+    printed.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// A long sentence in lines of at most 100 characters, for a snapshot.
+pub fn in_lines(text: impl AsRef<str>) -> String {
+    let mut lines = vec![String::new()];
+    for word in text.as_ref().split_whitespace() {
+        let line = lines.last_mut().unwrap();
+        match line.chars().count() {
+            0 => line.push_str(word),
+            width if width + 1 + word.chars().count() <= 100 => *line += &format!(" {word}"),
+            _ => lines.push(word.to_string()),
+        }
+    }
+    lines.join("\n")
+}
+
+/// Text on one line with `#` for its numbers: another platform, or another moment, may give others.
+pub fn without_numbers(text: &str) -> String {
+    let masked = |word: &str| {
+        let inner = word.trim_matches(|c: char| "()[],;:.°".contains(c));
+        match inner.replace('−', "-").parse::<f64>() {
+            Ok(_) => word.replacen(inner, "#", 1),
+            Err(_) => word.to_string(),
+        }
+    };
+    text.split_whitespace().map(masked).collect::<Vec<_>>().join(" ")
+}
+
+/// The sentence in printed text that begins so, to its full stop.
+pub fn printed_sentence(printed: &str, begin: &str) -> String {
+    let text = unbroken(printed);
+    let at = text.find(begin).unwrap_or_else(|| panic!("nothing begins with {begin:?}:\n{printed}"));
+    let end = text[at..].find(". ").map_or(text.len(), |end| at + end + 1);
+    text[at..end].to_string()
+}
+
+/// The paragraphs of a section of a page, one a line, without their markup.
+pub fn paragraphs(page: &str, section: &str) -> String {
+    let (_, rest) = page.split_once(&format!("id=\"{section}\"")).unwrap_or_else(|| panic!("no section {section}"));
+    let section = rest.split("</section>").next().unwrap();
+    let paragraph = |part: &str| {
+        let begins = [" ", ">", "re>", "re "].iter().any(|end| part.starts_with(end));
+        let inside = &part[part.find('>')? + 1..part.find("</p").filter(|_| begins)?];
+        Some(without_tags(inside) + "\n")
+    };
+    section.split("<p").skip(1).filter_map(paragraph).collect()
+}
+
+/// The findings of a page, as they stand in its lists.
+pub fn listed(page: &str) -> Vec<String> {
+    let items = page.split("<li class=").skip(1).filter_map(|part| part.split_once('>'));
+    items.map(|(_, text)| without_tags(text.split("</li>").next().unwrap())).collect()
+}
+
+/// Text of a piece of a page.
+fn without_tags(html: &str) -> String {
+    let mut in_tag = false;
+    let shown = html.chars().filter(|c| {
+        in_tag = *c == '<' || (in_tag && *c != '>');
+        !in_tag && *c != '>'
+    });
+    unbroken(&shown.collect::<String>())
+}
+
+/// How many cells in three dimensions a page shows.
+pub fn scenes(page: &str) -> usize {
+    page.matches("<div class=\"scene\"").count()
+}
+
+/// First line of a table of postures of six joints.
+pub const HEADING: &str = "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n";
+
+/// The text with `from`, which stands in it, replaced wherever it stands.
+pub fn replaced(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "{from}");
+    text.replace(from, to)
+}
+
+/// The default cell with one measuring point instead of four: three rows for six joints.
+pub fn one_point_cell() -> String {
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
+    let (start, end) = (cell.find("[[tool.measuring_point]]\nname = \"2\"").unwrap(), cell.find("[load]").unwrap());
+    format!("{}{}", &cell[..start], &cell[end..])
 }
 
 /// No line is too wide for a terminal.
@@ -233,7 +367,9 @@ pub fn number(value: &Value) -> f64 {
 
 /// The text without what differs from version to version.
 pub fn redact(text: &str) -> String {
-    text.replace(&format!("\"stiffarm\": \"{}\"", env!("CARGO_PKG_VERSION")), "\"stiffarm\": \"[version]\"")
+    let version = env!("CARGO_PKG_VERSION");
+    let text = text.replace(&format!("\"stiffarm\": \"{version}\""), "\"stiffarm\": \"[version]\"");
+    text.replace(&format!("stiffarm {version}"), "stiffarm [version]")
 }
 
 /// JSON with the last digits of its numbers and its hashes taken off, so that

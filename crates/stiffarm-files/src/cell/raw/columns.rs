@@ -1,8 +1,7 @@
 //! `[columns]`: keys that are headings, and the list `ignore`.
 
 use super::read::{Node, Reading, TABLE, Value, join};
-use super::{At, Text};
-use toml::Spanned;
+use super::{Spanned, Text};
 use toml::de::DeString;
 #[cfg(feature = "schema")]
 use {
@@ -14,7 +13,7 @@ use {
 
 /// The entries in the order of the file.
 #[derive(Debug)]
-pub(in crate::cell) struct RawColumns(pub(in crate::cell) Vec<(Text, At<RawColumn>)>);
+pub(in crate::cell) struct RawColumns(pub(in crate::cell) Vec<(Text, Spanned<RawColumn>)>);
 
 /// One heading of another software, or a list of them.
 #[derive(Debug)]
@@ -30,10 +29,10 @@ impl Value for RawColumns {
         let Some(table) = node.value.get_ref().as_table() else {
             return reading.wrong(node, Self::KIND, None);
         };
-        let entry = |(key, entry): (&Spanned<DeString<'_>>, _)| {
+        let entry = |(key, entry): (&toml::Spanned<DeString<'_>>, _)| {
             let (span, value) = (key.span(), key.get_ref().to_string());
             let read = reading.inner(entry, join(&node.path, &value))?;
-            Some((At { span, value }, read))
+            Some((Spanned { span, value }, read))
         };
         Some(RawColumns(table.iter().filter_map(entry).collect()))
     }

@@ -1,6 +1,6 @@
 //! `[sensor]`, `[tracker]`, `[uncertainty]`.
 
-use super::{At, Deg, Fixed, Mm, Number, RawStation, Text};
+use super::{Deg, Fixed, Mm, Number, RawStation, Spanned, Text};
 use crate::cell::value::{Arcmin, Mrad, Percent, Um, Urad};
 
 tables! {
@@ -41,7 +41,7 @@ tables! {
         angle_urad: Number<Urad>,
         /// Places of the tracker: one of them must see the measuring points of a posture (default:
         /// lines of sight are not looked at).
-        station: At<Vec<At<RawStation>>>,
+        station: Spanned<Vec<Spanned<RawStation>>>,
     }
 
     /// Standard uncertainty of errors common to the whole experiment, before the readings say what they can.

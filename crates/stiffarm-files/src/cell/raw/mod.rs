@@ -21,57 +21,57 @@ pub(super) use route::{RawRoute, RawTime};
 pub(super) use scene::{RawClearance, RawLinkShape, RawShape, RawStation};
 pub(super) use work::{RawFeature, RawForce, RawMilling, RawWork};
 
-use super::value::{At, Deg, Fixed, List, Mm, Mm2, Number, Text, Um};
+use super::value::{Deg, Fixed, List, Mm, Mm2, Number, Spanned, Text, Um};
 
 tables! {
     /// A stiffarm cell: robot, tool, load, limits and measurement noise.
     struct RawCell as "Cell" {
         /// Version of the file format: 1.
         #[expect(dead_code, reason = "checked before all other keys")]
-        format: At<i64> [required, extend("const" = 1)],
+        format: Spanned<i64> [required, extend("const" = 1)],
         /// Name of the cell in tables and reports (default: the robot's name).
         name: Text,
         /// The robot.
-        robot: At<RawRobot> [required],
+        robot: Spanned<RawRobot> [required],
         /// Bounds of the controller angles for choosing postures (default: the machine's limits).
-        bounds: At<RawBounds>,
+        bounds: Spanned<RawBounds>,
         /// The end-effector: where it is loaded and where it is measured.
-        tool: At<RawTool> [required],
+        tool: Spanned<RawTool> [required],
         /// How the robot is loaded.
-        load: At<RawLoad> [required],
+        load: Spanned<RawLoad> [required],
         /// Where tool points, flange and wrist may be, base frame (default: anywhere).
-        limits: At<RawLimits>,
+        limits: Spanned<RawLimits>,
         /// What stands in the cell, base frame.
-        obstacle: At<Vec<At<RawShape>>>,
+        obstacle: Spanned<Vec<Spanned<RawShape>>>,
         /// Distances that shapes, rope and beams keep.
-        clearance: At<RawClearance>,
+        clearance: Spanned<RawClearance>,
         /// Measurement noise of a displacement.
-        noise: At<RawNoise>,
+        noise: Spanned<RawNoise>,
         /// Joint stiffness known beforehand.
-        stiffness: At<RawStiffness>,
+        stiffness: Spanned<RawStiffness>,
         /// How much gives way beyond the joint axes, as an experiment on this arm or on one like
         /// it found (default: typical of an arm of this length and stiffness).
-        elastic: At<RawElastic>,
+        elastic: Spanned<RawElastic>,
         /// Postures kept for validation.
-        validation: At<RawValidation>,
+        validation: Spanned<RawValidation>,
         /// Your own machining postures and loads: the task index chooses postures for the
         /// deflection predicted there.
-        task: At<Vec<At<RawTask>>>,
+        task: Spanned<Vec<Spanned<RawTask>>>,
         /// What the robot works with along a path: tool tip, workpiece, load of the process.
-        work: At<RawWork>,
+        work: Spanned<RawWork>,
         /// How the robot drives from posture to posture.
-        route: At<RawRoute>,
+        route: Spanned<RawRoute>,
         /// What measuring takes, for the minutes of a plan.
-        time: At<RawTime>,
+        time: Spanned<RawTime>,
         /// The force sensor whose readings stand in tables of raw readings.
-        sensor: At<RawSensor>,
+        sensor: Spanned<RawSensor>,
         /// The laser tracker: where its readings' axes are, and how exact it is.
-        tracker: At<RawTracker>,
+        tracker: Spanned<RawTracker>,
         /// Standard uncertainty of errors common to the whole experiment, before the readings say what they can.
-        uncertainty: At<RawUncertainty>,
+        uncertainty: Spanned<RawUncertainty>,
         /// Headings of measurement tables and paths that another software writes: ours, with the
         /// unit that the table has, = theirs.
-        columns: At<RawColumns>,
+        columns: Spanned<RawColumns>,
     }
 
     /// The robot: exactly one of `catalogue`, `dh_modified`, `dh_standard`.
@@ -80,10 +80,10 @@ tables! {
         catalogue: Text [extend("examples" = ["comau-nj165-3.0"])],
         /// Modified (Craig) Denavit–Hartenberg rows [alpha_deg, a_mm, d_mm, offset_deg], one per joint:
         /// T = RotX(alpha) TransX(a) RotZ(theta) TransZ(d).
-        dh_modified: At<Vec<Fixed<4>>>,
+        dh_modified: Spanned<Vec<Fixed<4>>>,
         /// Standard Denavit–Hartenberg rows [alpha_deg, a_mm, d_mm, offset_deg], one per joint:
         /// T = RotZ(theta) TransZ(d) TransX(a) RotX(alpha).
-        dh_standard: At<Vec<Fixed<4>>>,
+        dh_standard: Spanned<Vec<Fixed<4>>>,
         /// Turn of each joint's axis about the y axis of its frame, between TransX(a) and
         /// RotZ(theta) of dh_modified, degrees: for axes that are nearly parallel to the one
         /// before, where a common normal would lie far away (default: zeros).
@@ -97,7 +97,7 @@ tables! {
         /// Name of the robot in tables and reports.
         name: Text,
         /// Names of the joints, base to flange (default: "joint 1", "joint 2", …).
-        joint_names: At<Vec<Text>>,
+        joint_names: Spanned<Vec<Text>>,
         /// The maker of the controller whose pendant shows the angles q of this cell: "abb", "comau", "fanuc",
         /// "kuka", "staubli", "ur", "yaskawa" or "other" (default: that of a catalogue robot; else none, and
         /// no program is written for a controller).
@@ -105,10 +105,10 @@ tables! {
         /// C of theta = offset + C q, one row per serial joint: signs and couplings between
         /// the controller's angles q and the mechanism's angles theta (default: the
         /// catalogue's, else the identity).
-        theta_from_q: At<Vec<List>>,
+        theta_from_q: Spanned<Vec<List>>,
         /// E of the elastic coordinates e = E theta, one row per spring, for parallelogram
         /// arms (default: the identity, one spring per joint axis).
-        elastic_from_theta: At<Vec<List>>,
+        elastic_from_theta: Spanned<Vec<List>>,
         /// Height of the robot's own base frame in the cell's base frame, mm.
         base_z_mm: Number<Mm>,
         /// Origin of the robot's own base frame in the cell's base frame, mm.
@@ -118,7 +118,7 @@ tables! {
         base_rpy_deg: Fixed<3, Deg>,
         /// The machine's limits [low, high] of each controller angle, degrees (default: the
         /// catalogue's, else -360 to 360).
-        limits_deg: At<Vec<Fixed<2, Deg>>>,
+        limits_deg: Spanned<Vec<Fixed<2, Deg>>>,
         /// Direction of gravity in base axes, any length (default: [0, 0, -1]); [0, 0, 1] for a
         /// robot that hangs from the ceiling and whose base frame hangs with it.
         down: Fixed<3>,
@@ -126,7 +126,7 @@ tables! {
         /// minimises its condition number, computed when needed).
         characteristic_length_mm: Number<Mm>,
         /// Capsules around the links (default: the catalogue's).
-        shape: At<Vec<At<RawLinkShape>>>,
+        shape: Spanned<Vec<Spanned<RawLinkShape>>>,
         /// Largest torque of each joint under load and the tool's weight, either way, N·m. The arm's own weight
         /// is not counted: give what is left for payload and process.
         torque_limits_nm: List,
@@ -135,7 +135,7 @@ tables! {
     /// Bounds of the controller angles for choosing postures.
     struct RawBounds as "Bounds" {
         /// Bounds [low, high] of each controller angle, degrees, within the machine's limits.
-        q_deg: At<Vec<Fixed<2, Deg>>>,
+        q_deg: Spanned<Vec<Fixed<2, Deg>>>,
     }
 
     /// The end-effector: where it is loaded and where it is measured, flange axes.
@@ -143,14 +143,14 @@ tables! {
         /// Where rope, weight or wrench act, flange axes, mm.
         loading_point_mm: Fixed<3, Mm> [required],
         /// The reflectors; the first is the tool centre point.
-        measuring_point: At<Vec<At<RawPoint>>> [required, length(min = 1)],
+        measuring_point: Spanned<Vec<Spanned<RawPoint>>> [required, length(min = 1)],
         /// True when a force sensor sits between flange and reflectors (default: true where
         /// series_compliance or a sensor on the flange is given).
-        has_sensor: At<bool>,
+        has_sensor: Spanned<bool>,
         /// Known compliance of sensor and adapter between flange and reflectors.
-        series_compliance: At<RawSeries>,
+        series_compliance: Spanned<RawSeries>,
         /// Shapes of the tool, flange axes.
-        shape: At<Vec<At<RawShape>>>,
+        shape: Spanned<Vec<Spanned<RawShape>>>,
         /// Mass of the tool, kg: its weight counts against robot.torque_limits_nm.
         mass_kg: Number,
         /// Its centre of mass, flange axes, mm (default: the flange's origin).
@@ -190,7 +190,7 @@ tables! {
         kind: Text [required, extend("enum" = ["rope", "cylinder", "weight", "wrench", "measured", "cases"])],
         /// Several loads under which every posture is measured, with kind = "cases"; each has a
         /// name and the keys of its own kind.
-        case: At<Vec<At<RawLoad>>> [with = "Option<Vec<RawLoad>>"],
+        case: Spanned<Vec<Spanned<RawLoad>>> [with = "Option<Vec<RawLoad>>"],
         /// Name of a load case, and of the state of readings taken under it.
         name: Text,
         /// Where a load case acts, flange axes, mm (default: the loading point of the tool).
@@ -242,7 +242,7 @@ tables! {
         std_um: Number<Um>,
         /// Readings behind one displacement: 1 as the paper counts (default), 2 for the
         /// difference of a loaded and an unloaded reading.
-        readings_per_displacement: At<i64> [extend("enum" = [1, 2])],
+        readings_per_displacement: Spanned<i64> [extend("enum" = [1, 2])],
         /// Standard deviation of a shift common to all points of a posture (load, rope,
         /// drift), mm (default: 0).
         posture_common_mm: Number<Mm>,
@@ -283,7 +283,7 @@ tables! {
     /// Postures kept for validation.
     struct RawValidation as "Validation" {
         /// Postures that take no part in the identification.
-        posture: At<Vec<At<RawPosture>>>,
+        posture: Spanned<Vec<Spanned<RawPosture>>>,
     }
 
     /// A posture: held to the machine's limits, not to the bounds.

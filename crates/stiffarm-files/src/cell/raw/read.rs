@@ -2,16 +2,15 @@
 
 use super::RawCell;
 use crate::cell::source::Source;
-use crate::cell::value::{At, Fixed, Number};
+use crate::cell::value::{Fixed, Number, Spanned};
 use std::marker::PhantomData;
 use std::ops::Range;
 use stiffarm::error::{Code, Error, did_you_mean};
-use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// A value of the file and its key path; list entries count from 1.
 pub(in crate::cell) struct Node<'v> {
-    pub value: &'v Spanned<DeValue<'v>>,
+    pub value: &'v toml::Spanned<DeValue<'v>>,
     pub path: String,
 }
 
@@ -106,7 +105,7 @@ impl<'s> Reading<'s> {
     }
 
     /// What stands inside another value.
-    pub(super) fn inner<T: Value>(&mut self, value: &Spanned<DeValue<'_>>, path: String) -> Option<T> {
+    pub(super) fn inner<T: Value>(&mut self, value: &toml::Spanned<DeValue<'_>>, path: String) -> Option<T> {
         self.paths.push((value.span(), path.clone()));
         T::read(&Node { value, path }, self)
     }
@@ -263,13 +262,13 @@ impl<T: Value> Value for Vec<T> {
     }
 }
 
-impl<T: Value> Value for At<T> {
+impl<T: Value> Value for Spanned<T> {
     const KIND: &'static str = T::KIND;
 
     fn read(node: &Node<'_>, reading: &mut Reading<'_>) -> Option<Self> {
         let value = T::read(node, reading)?;
         let span = node.value.span();
-        Some(At { span, value })
+        Some(Spanned { span, value })
     }
 
     fn tables(path: &str, is_array: bool, all: &mut Vec<Table>) {
@@ -281,7 +280,7 @@ impl<U> Value for Number<U> {
     const KIND: &'static str = f64::KIND;
 
     fn read(node: &Node<'_>, reading: &mut Reading<'_>) -> Option<Self> {
-        let at = At::read(node, reading)?;
+        let at = Spanned::read(node, reading)?;
         let unit = PhantomData;
         Some(Number { at, unit })
     }
@@ -291,7 +290,7 @@ impl<const N: usize, U> Value for Fixed<N, U> {
     const KIND: &'static str = Vec::<f64>::KIND;
 
     fn read(node: &Node<'_>, reading: &mut Reading<'_>) -> Option<Self> {
-        At::read(node, reading).map(Fixed)
+        Spanned::read(node, reading).map(Fixed)
     }
 }
 

@@ -1,12 +1,12 @@
 //! Shapes of links, tool and surroundings, what is asked of them, and the tracker's stations.
 
-use super::{At, Deg, Fixed, Mm, Number, Text};
+use super::{Deg, Fixed, Mm, Number, Spanned, Text};
 
 tables! {
     /// A capsule that contains (part of) a link: all points within a radius of a segment.
     struct RawLinkShape as "LinkShape" {
         /// The link: 0 is the base, i moves with joint i.
-        link: At<i64> [required, with = "i64", range(min = 0)],
+        link: Spanned<i64> [required, with = "i64", range(min = 0)],
         /// One end of the segment, mm: in the base frame for link 0, else in the frame that
         /// Denavit-Hartenberg row i ends in, T_1 ... T_i.
         from_mm: Fixed<3, Mm> [required],
@@ -68,9 +68,9 @@ tables! {
         /// Distance kept between a tracker's beam and every shape, mm (default: 5).
         sight_mm: Number<Mm>,
         /// How many measuring points one station must see (default: all).
-        visible_points: At<i64>,
+        visible_points: Spanned<i64>,
         /// Pairs of shapes, by name, that may come as near as they like.
-        ignore: At<Vec<At<Vec<Text>>>> [with = "Option<Vec<[String; 2]>>"],
+        ignore: Spanned<Vec<Spanned<Vec<Text>>>> [with = "Option<Vec<[String; 2]>>"],
     }
 
     /// A place of the tracker.

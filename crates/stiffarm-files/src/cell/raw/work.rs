@@ -1,6 +1,6 @@
 //! `[work]`: tool tip, workpiece, and the load of the process.
 
-use super::{At, Deg, Fixed, Mm, Number, Text};
+use super::{Deg, Fixed, Mm, Number, Spanned, Text};
 use crate::cell::value::{NPerMm, NPerMm2, Rpm};
 
 tables! {
@@ -22,13 +22,13 @@ tables! {
         /// tool: "A" turns about x, "B" about y, "C" about z; with a minus, as "-A", it carries the
         /// workpiece. A head that turns about C and then A is ["C", "A"], a table ["-A", "-C"] (default:
         /// none).
-        rotary_axes: At<Vec<Text>>,
+        rotary_axes: Spanned<Vec<Text>>,
         /// The same load all along the path.
-        force: At<RawForce>,
+        force: Spanned<RawForce>,
         /// The mean load of a milling cut.
-        milling: At<RawMilling>,
+        milling: Spanned<RawMilling>,
         /// What differs at features of the part that a path names: operations, layers, tool paths.
-        feature: At<Vec<At<RawFeature>>>,
+        feature: Spanned<Vec<Spanned<RawFeature>>>,
     }
 
     /// Load and tolerance of a feature of the part, where they are not those of the whole path.
@@ -39,9 +39,9 @@ tables! {
         /// --tolerance-mm).
         tolerance_mm: Number<Mm>,
         /// Its load, the same all along.
-        force: At<RawForce>,
+        force: Spanned<RawForce>,
         /// Its load, the mean of a milling cut.
-        milling: At<RawMilling>,
+        milling: Spanned<RawMilling>,
     }
 
     /// A load that is the same all along the path.
@@ -64,7 +64,7 @@ tables! {
     /// mean load acts on the tip.
     struct RawMilling as "Milling" {
         /// Number of teeth.
-        teeth: At<i64> [required, with = "i64", range(min = 1)],
+        teeth: Spanned<i64> [required, with = "i64", range(min = 1)],
         /// Diameter of the cutter, mm.
         diameter_mm: Number<Mm> [required],
         /// Depth of cut along the tool axis, mm.

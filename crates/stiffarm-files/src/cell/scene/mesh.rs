@@ -2,7 +2,7 @@
 
 use crate::cell::raw::RawShape;
 use crate::cell::source::Source;
-use crate::cell::value::At;
+use crate::cell::value::Spanned;
 use crate::mesh::parse_mesh;
 use nalgebra::{Isometry3, Translation3};
 use stiffarm::error::{Code, Error, Result};
@@ -18,7 +18,7 @@ const CAPSULES: usize = 4;
 const SMALLEST: f64 = 0.001;
 
 /// Capsules around a mesh of the tool, boxes around one that stands.
-pub(super) fn solids(source: &Source<'_>, shape: &At<RawShape>, carrier: Carrier) -> Result<Vec<Solid>> {
+pub(super) fn solids(source: &Source<'_>, shape: &Spanned<RawShape>, carrier: Carrier) -> Result<Vec<Solid>> {
     let raw = shape.get();
     let hint = "give the mesh: file = \"name.stl\", counted from the folder of the cell file";
     let text = source.required(shape, &raw.file, "file", hint)?;

@@ -7,7 +7,7 @@ mod shape;
 
 use super::raw::{RawCell, RawLinkShape};
 use super::source::Source;
-use super::value::{At, Placed};
+use super::value::{HasSpan, Spanned};
 use stiffarm::error::{Code, Result};
 use stiffarm::model::observation::Setup;
 use stiffarm::model::robot::{LinkCapsule, Robot};
@@ -34,7 +34,7 @@ pub(super) fn scene(
     if let Some(shapes) = &raw.obstacle {
         parts.extend(shape::parts(source, shapes, Carrier::World, &parts)?);
     }
-    let clearance = raw.clearance.as_ref().map(At::get);
+    let clearance = raw.clearance.as_ref().map(Spanned::get);
     let shapes = match clearance.and_then(|table| table.shapes_mm.as_ref()) {
         Some(value) => source.not_negative(value)?,
         None => mm_to_m(CLEARANCE_MM),
@@ -64,7 +64,7 @@ pub(super) fn scene(
 pub(super) fn with_link_shapes(
     source: &Source<'_>,
     robot: Robot,
-    shapes: Option<&At<Vec<At<RawLinkShape>>>>,
+    shapes: Option<&Spanned<Vec<Spanned<RawLinkShape>>>>,
 ) -> Result<Robot> {
     let Some(shapes) = shapes else {
         return Ok(robot);

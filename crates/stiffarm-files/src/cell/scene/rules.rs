@@ -3,7 +3,7 @@
 use super::shape::direction;
 use crate::cell::raw::{RawCell, RawClearance};
 use crate::cell::source::Source;
-use crate::cell::value::{At, Placed};
+use crate::cell::value::{HasSpan, Spanned};
 use nalgebra::Vector3;
 use stiffarm::error::{Code, Result};
 use stiffarm::model::implausible::tool_in_metres;
@@ -44,10 +44,10 @@ pub(super) fn rope(
     let is_rope = setup.load.has_rope();
     if let (Some(table), false) = (table, is_rope) {
         let rope_keys = [
-            ("rope_mm", table.rope_mm.as_ref().map(Placed::span)),
-            ("rope_free_mm", table.rope_free_mm.as_ref().map(Placed::span)),
-            ("rope_axis", table.rope_axis.as_ref().map(Placed::span)),
-            ("rope_cone_deg", table.rope_cone_deg.as_ref().map(Placed::span)),
+            ("rope_mm", table.rope_mm.as_ref().map(HasSpan::span)),
+            ("rope_free_mm", table.rope_free_mm.as_ref().map(HasSpan::span)),
+            ("rope_axis", table.rope_axis.as_ref().map(HasSpan::span)),
+            ("rope_cone_deg", table.rope_cone_deg.as_ref().map(HasSpan::span)),
         ];
         let mut rope_keys = rope_keys.into_iter();
         if let Some((key, Some(span))) = rope_keys.find(|(_, span)| span.is_some()) {
@@ -89,12 +89,12 @@ pub(super) fn rope(
 
 /// What is asked of the tracker's beams, where its stations are given.
 pub(super) fn sight(source: &Source<'_>, raw: &RawCell, setup: &Setup) -> Result<Option<Sight>> {
-    let clearance = raw.clearance.as_ref().map(At::get);
-    let tracker = raw.tracker.as_ref().map(At::get);
+    let clearance = raw.clearance.as_ref().map(Spanned::get);
+    let tracker = raw.tracker.as_ref().map(Spanned::get);
     let Some(list) = tracker.and_then(|tracker| tracker.station.as_ref()) else {
         let alone = clearance.and_then(|table| {
-            let points = table.visible_points.as_ref().map(Placed::span);
-            let distance = table.sight_mm.as_ref().map(Placed::span);
+            let points = table.visible_points.as_ref().map(HasSpan::span);
+            let distance = table.sight_mm.as_ref().map(HasSpan::span);
             let points = points.map(|span| ("visible_points", span));
             points.or(distance.map(|span| ("sight_mm", span)))
         });
@@ -123,7 +123,7 @@ pub(super) fn sight(source: &Source<'_>, raw: &RawCell, setup: &Setup) -> Result
     }
     let points = raw.tool.as_ref().and_then(|tool| tool.get().measuring_point.as_ref());
     let mut facings = Vec::new();
-    for point in points.into_iter().flat_map(At::get) {
+    for point in points.into_iter().flat_map(Spanned::get) {
         let raw = point.get();
         facings.push(source.optional(&raw.axis, |source, axis| {
             let acceptance = source.optional(&raw.acceptance_deg, Source::positive)?;
@@ -151,8 +151,8 @@ pub(super) fn sight(source: &Source<'_>, raw: &RawCell, setup: &Setup) -> Result
 
 /// What the joints may carry, with the tool's weight.
 pub(super) fn torque(source: &Source<'_>, raw: &RawCell, setup: &Setup) -> Result<Option<TorqueLimits>> {
-    let robot = raw.robot.as_ref().map(At::get);
-    let tool = raw.tool.as_ref().map(At::get);
+    let robot = raw.robot.as_ref().map(Spanned::get);
+    let tool = raw.tool.as_ref().map(Spanned::get);
     let mass = tool.and_then(|tool| tool.mass_kg.as_ref());
     let Some(list) = robot.and_then(|robot| robot.torque_limits_nm.as_ref()) else {
         if let Some(mass) = mass {
@@ -176,7 +176,7 @@ pub(super) fn displacement(
     setup: &Setup,
     prior: Option<&[f64]>,
 ) -> Result<Option<DisplacementLimits>> {
-    let limits = raw.limits.as_ref().map(At::get);
+    let limits = raw.limits.as_ref().map(Spanned::get);
     let Some(list) = limits.and_then(|limits| limits.displacement_mm.as_ref()) else {
         return Ok(None);
     };
@@ -208,7 +208,7 @@ pub(super) fn check_places(source: &Source<'_>, raw: &RawCell, setup: &Setup, sc
         return Ok(());
     };
     let stations = raw.tracker.as_ref().and_then(|t| t.get().station.as_ref());
-    let stations = stations.into_iter().flat_map(At::get);
+    let stations = stations.into_iter().flat_map(Spanned::get);
     for (raw, station) in stations.zip(&sight.stations) {
         let Some((depth, name)) = scene.depth_in_surroundings(&station.position) else {
             continue;
@@ -229,7 +229,7 @@ pub(super) fn check_places(source: &Source<'_>, raw: &RawCell, setup: &Setup, sc
         }
     }
     let points = raw.tool.as_ref().and_then(|tool| tool.get().measuring_point.as_ref());
-    let points = points.into_iter().flat_map(At::get).zip(&setup.tool.measuring_points);
+    let points = points.into_iter().flat_map(Spanned::get).zip(&setup.tool.measuring_points);
     for (raw, point) in points {
         let Some((depth, name)) = scene.depth_in_tool(&point.position) else {
             continue;

@@ -3,7 +3,7 @@
 use super::mesh;
 use crate::cell::raw::RawShape;
 use crate::cell::source::Source;
-use crate::cell::value::{At, Fixed, Mm};
+use crate::cell::value::{Fixed, Mm, Spanned};
 use nalgebra::{Isometry3, Translation3, Unit, Vector3};
 use stiffarm::error::{Code, Result, did_you_mean};
 use stiffarm::model::scene::{Carrier, Part};
@@ -23,7 +23,7 @@ const KINDS: [(&str, &[&str], bool); 7] = [
 /// The parts of a list, each with a name that none of `before` has; shapes of one name are one part.
 pub(super) fn parts(
     source: &Source<'_>,
-    shapes: &At<Vec<At<RawShape>>>,
+    shapes: &Spanned<Vec<Spanned<RawShape>>>,
     carrier: Carrier,
     before: &[Part],
 ) -> Result<Vec<Part>> {
@@ -47,7 +47,7 @@ pub(super) fn parts(
     Ok(named.into_iter().map(part).collect())
 }
 
-fn solids(source: &Source<'_>, shape: &At<RawShape>, carrier: Carrier) -> Result<Vec<Solid>> {
+fn solids(source: &Source<'_>, shape: &Spanned<RawShape>, carrier: Carrier) -> Result<Vec<Solid>> {
     let raw = shape.get();
     let moves = carrier != Carrier::World;
     let kinds = || KINDS.iter().filter(move |kind| kind.2 || !moves).map(|kind| kind.0);

@@ -2,7 +2,7 @@
 //! left out moves all that follow.
 
 use crate::table::grid::{Column, Row, Table};
-use crate::table::heading::{Known, stem};
+use crate::table::heading::{ColumnDefinition, stem};
 use crate::table::quantity::Quantity;
 use crate::table::rows::in_words;
 use nalgebra::Vector3;
@@ -13,7 +13,7 @@ use stiffarm::error::{Code, Error, Result};
 pub(super) const POSITION: [&str; 3] = ["x", "y", "z"];
 
 /// Readings of one point in one posture lie this near to each other \[m\].
-const NEAR: f64 = 0.02;
+const SAME_POINT_DISTANCE: f64 = 0.02;
 
 /// Readings that must lie elsewhere before another order is looked for.
 const MOST_STRAY: usize = 2;
@@ -66,7 +66,7 @@ impl<'o> Order<'o> {
     /// `None` where a number cannot be read: that has an error of its own.
     fn new(table: &'o Table<'o>, sheet: &'o Table<'o>, readings: &'o [Row<'o>], rows: &'o [Row<'o>]) -> Option<Self> {
         let column = |axis: &str| -> Option<Column> {
-            let definition = Known::of(axis, Quantity::Length, "position");
+            let definition = ColumnDefinition::of(axis, Quantity::Length, "position");
             let mut headings = table.headings.iter().enumerate();
             headings.find_map(|(at, heading)| definition.column(&heading.name, at).filter(|_| !heading.ignored))
         };
@@ -105,14 +105,14 @@ impl<'o> Order<'o> {
         let apart = pairs.filter(|(i, j)| {
             let position = &self.positions[*i];
             let first = first.entry(self.groups[*j]).or_insert(position);
-            (*first - position).norm() > NEAR
+            (*first - position).norm() > SAME_POINT_DISTANCE
         });
         apart.count()
     }
 
     /// Readings that may be those of the reading before, taken twice.
     fn repeated(&self) -> Vec<usize> {
-        let near = |i: &usize| (self.positions[*i] - self.positions[i - 1]).norm() < NEAR;
+        let near = |i: &usize| (self.positions[*i] - self.positions[i - 1]).norm() < SAME_POINT_DISTANCE;
         (1..self.positions.len()).filter(near).collect()
     }
 

@@ -4,6 +4,7 @@ use crate::table::grid::{Field, Heading, Style, Table};
 use crate::table::naming::DATE;
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::model::cell::DateOrder;
+use stiffarm::units::rounded;
 
 /// What a cell of a workbook that holds a date or a time begins with.
 pub(in crate::table) const DATED: &str = "the time ";
@@ -49,7 +50,7 @@ pub(super) fn to_seconds(table: &mut Table<'_>, dates: Option<DateOrder>) -> Res
     for ((row, _), value) in stamps.iter().zip(&seconds) {
         let field = &mut table.rows.fields_mut(*row)[at];
         // To a microsecond: days in a double know no more.
-        field.text = (((value - first) * 1e6).round() / 1e6 + 0.0).to_string().into();
+        field.text = rounded(value - first, 6).to_string().into();
         field.other = false;
     }
     table.headings[at].name = "time_s".to_string();

@@ -1,7 +1,7 @@
 //! What the columns of a path may hold.
 
-use crate::table::beside::Beside;
-use crate::table::heading::Known;
+use crate::table::beside::RowQuantity;
+use crate::table::heading::ColumnDefinition;
 use crate::table::quantity::Quantity;
 
 /// What the rows of a path say of the tip.
@@ -51,43 +51,43 @@ impl Content {
     }
 }
 
-pub(super) fn position() -> [Known; 3] {
-    ["x", "y", "z"].map(|stem| Known::of(stem, Quantity::Length, "position"))
+pub(super) fn position() -> [ColumnDefinition; 3] {
+    ["x", "y", "z"].map(|stem| ColumnDefinition::of(stem, Quantity::Length, "position"))
 }
 
-pub(super) fn turns() -> [Known; 3] {
-    ["roll", "pitch", "yaw"].map(|stem| Known::of(stem, Quantity::Angle, "orientation"))
+pub(super) fn turns() -> [ColumnDefinition; 3] {
+    ["roll", "pitch", "yaw"].map(|stem| ColumnDefinition::of(stem, Quantity::Angle, "orientation"))
 }
 
-pub(super) fn axis() -> [Known; 3] {
-    ["axis_x", "axis_y", "axis_z"].map(|stem| Known::of(stem, Quantity::Number, "axis"))
+pub(super) fn axis() -> [ColumnDefinition; 3] {
+    ["axis_x", "axis_y", "axis_z"].map(|stem| ColumnDefinition::of(stem, Quantity::Number, "axis"))
 }
 
 /// The columns that a path may have, with what they hold.
-pub(super) fn contents(joints: usize) -> Vec<(Content, Known)> {
+pub(super) fn contents(joints: usize) -> Vec<(Content, ColumnDefinition)> {
     fn numbered(
         content: fn(usize) -> Content,
-        definitions: impl IntoIterator<Item = Known>,
-    ) -> impl Iterator<Item = (Content, Known)> {
+        definitions: impl IntoIterator<Item = ColumnDefinition>,
+    ) -> impl Iterator<Item = (Content, ColumnDefinition)> {
         let definitions = definitions.into_iter().enumerate();
         definitions.map(move |(i, definition)| (content(i), definition))
     }
-    let mut all = vec![(Content::Name, Known::name("point"))];
-    let angles = Known::angles(joints).enumerate();
+    let mut all = vec![(Content::Name, ColumnDefinition::name("point"))];
+    let angles = ColumnDefinition::angles(joints).enumerate();
     all.extend(angles.map(|(j, definition)| (Content::Angle(j), definition)));
     all.extend(numbered(Content::Position, position()));
     all.extend(numbered(Content::Turn, turns()));
     all.extend(numbered(Content::Axis, axis()));
-    all.extend(numbered(Content::Force, Beside::Force.definitions()));
-    all.extend(numbered(Content::Moment, Beside::Moment.definitions()));
-    all.push((Content::Axes, Known::name("axes")));
-    all.push((Content::Feature, Known::name("feature")));
-    all.push((Content::Feed, Known::of("feed", Quantity::Feed, "feed")));
+    all.extend(numbered(Content::Force, RowQuantity::Force.definitions()));
+    all.extend(numbered(Content::Moment, RowQuantity::Moment.definitions()));
+    all.push((Content::Axes, ColumnDefinition::name("axes")));
+    all.push((Content::Feature, ColumnDefinition::name("feature")));
+    all.push((Content::Feed, ColumnDefinition::of("feed", Quantity::Feed, "feed")));
     all
 }
 
 /// The columns that a path may have.
-pub(in crate::table) fn definitions(joints: usize) -> Vec<Known> {
+pub(in crate::table) fn definitions(joints: usize) -> Vec<ColumnDefinition> {
     let contents = contents(joints).into_iter();
     contents.map(|(_, definition)| definition).collect()
 }

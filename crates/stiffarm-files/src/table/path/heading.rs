@@ -2,9 +2,9 @@
 
 use super::contents::{Content, PathKind, axis, contents, position, turns};
 use super::format::FormatColumn;
-use crate::table::beside::Beside;
+use crate::table::beside::RowQuantity;
 use crate::table::grid::{Column, Table};
-use crate::table::heading::{Found, Known, stem};
+use crate::table::heading::{ColumnDefinition, NamedColumns, stem};
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::model::cell::Cell;
 
@@ -35,8 +35,8 @@ impl PathColumns {
         let joints = cell.setup.robot.joint_count();
         let mut contents = contents(joints);
         // A table of postures is a path, too: its names stand under `posture`.
-        contents.push((Content::Name, Known::name("posture")));
-        let definitions: Vec<Known> = contents.iter().map(|(_, definition)| definition.clone()).collect();
+        contents.push((Content::Name, ColumnDefinition::name("posture")));
+        let definitions: Vec<ColumnDefinition> = contents.iter().map(|(_, definition)| definition.clone()).collect();
         let heading = table.check_heading(&definitions, joints).map_err(|error| controller_angles(table, error))?;
         let names = [heading.get("point"), heading.get("posture")];
         if let [Some(_), Some(second)] = names {
@@ -45,10 +45,10 @@ impl PathColumns {
             return Err(error.hint("keep one of them"));
         }
         let kind = kind(table, &heading, joints)?;
-        let all = |group: &[Known], hint: &str| heading.all(group, hint);
+        let all = |group: &[ColumnDefinition], hint: &str| heading.all(group, hint);
         let (angles, position, orientation) = match kind {
             PathKind::Angles => {
-                let angle_columns: Vec<Known> = Known::angles(joints).collect();
+                let angle_columns: Vec<ColumnDefinition> = ColumnDefinition::angles(joints).collect();
                 let hint = format!("give the angles of all {joints} joints");
                 (all(&angle_columns, &hint)?, Vec::new(), Vec::new())
             }
@@ -63,8 +63,8 @@ impl PathColumns {
                 (Vec::new(), position, all(&orientation, hint)?)
             }
         };
-        let all_or_none = |quantity: Beside| heading.all_or_none(&quantity.definitions(), &quantity.hint());
-        let (force, moment) = (all_or_none(Beside::Force)?, all_or_none(Beside::Moment)?);
+        let all_or_none = |quantity: RowQuantity| heading.all_or_none(&quantity.definitions(), &quantity.hint());
+        let (force, moment) = (all_or_none(RowQuantity::Force)?, all_or_none(RowQuantity::Moment)?);
         if let (None, Some(moment)) = (&force, &moment) {
             let message = "The table has moments but no forces.";
             let error = table.heading_error(Some(moment[0].at), Code::TableHeading, message);
@@ -96,12 +96,12 @@ impl PathColumns {
 }
 
 /// What the rows say of the tip.
-fn kind(table: &Table<'_>, heading: &Found<'_, '_>, joints: usize) -> Result<PathKind> {
-    let first = |group: &[Known]| {
+fn kind(table: &Table<'_>, heading: &NamedColumns<'_, '_>, joints: usize) -> Result<PathKind> {
+    let first = |group: &[ColumnDefinition]| {
         let columns = group.iter().filter_map(|definition| heading.of(definition));
         columns.map(|column| column.at).min()
     };
-    let angles: Vec<Known> = Known::angles(joints).collect();
+    let angles: Vec<ColumnDefinition> = ColumnDefinition::angles(joints).collect();
     let (angles, position) = (first(&angles), first(&position()));
     let (turns, axis) = (first(&turns()), first(&axis()));
     let pose = [position, turns, axis].into_iter().flatten().min();

@@ -16,7 +16,7 @@ const INSIDE: f64 = 1.0 / 300.0;
 const TINY: f64 = 1.0 / 3000.0;
 
 /// A path all of whose points are farther than this many reaches is nowhere near.
-const FAR: f64 = 5.0;
+const FARTHEST_REACHES: f64 = 5.0;
 
 /// Refuses positions that look like those in another unit.
 pub(super) fn check_size(table: &Table<'_>, columns: &PathColumns, cell: &Cell, points: &[PathPoint]) -> Result<()> {
@@ -39,7 +39,7 @@ pub(super) fn check_size(table: &Table<'_>, columns: &PathColumns, cell: &Cell, 
     let arm = Arm::of(cell);
     let distances = positions.iter().map(|p| arm.beside_axis(p).norm());
     let nearest = distances.fold(f64::INFINITY, f64::min);
-    if nearest > FAR * arm.reach {
+    if nearest > FARTHEST_REACHES * arm.reach {
         let message = format!(
             "The numbers look like another unit: the nearest point is {nearest:.0} m away, and the arm is {:.1} m \
              long.",

@@ -3,13 +3,14 @@
 use super::contents::{Content, PathKind};
 use super::format::{FormatColumn, PathFormat};
 use crate::table::line::separated;
-use crate::table::quantity::{Unit, rounded};
+use crate::table::quantity::Unit;
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use std::borrow::Borrow;
 use std::f64::consts::PI;
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::model::path::{PathPoint, PathTarget};
 use stiffarm::model::process::{ForceAxes, TipLoad};
+use stiffarm::units::rounded;
 
 /// Decimals of a component of the tool axis.
 const AXIS_DECIMALS: i32 = 12;

@@ -5,7 +5,7 @@ mod workbook;
 
 pub use workbook::write_sheet_workbook;
 
-use super::beside::{Beside, Given};
+use super::beside::{RowContents, RowQuantity};
 use super::displacements::DEFAULT_STATE;
 use super::layout::Layout;
 use super::line::line;
@@ -99,12 +99,15 @@ pub struct SheetRow {
 impl Sheet {
     /// Makes a row for each posture, state and point that the tracker sees.
     fn new(layout: Layout, postures: &[Posture], states: &[String], points: &[&str], cell: &Cell) -> Self {
-        let loads =
-            if layout.has(Beside::Load) { loads::planned(states, &cell.setup.load) } else { vec![None; states.len()] };
+        let loads = if layout.has(RowQuantity::Load) {
+            loads::planned(states, &cell.setup.load)
+        } else {
+            vec![None; states.len()]
+        };
         let mut rows = Vec::with_capacity(postures.len() * states.len() * points.len());
         for (number, posture) in postures.iter().enumerate() {
             let mut state_loads: Vec<(&String, &Option<f64>)> = states.iter().zip(&loads).collect();
-            let station = layout.has(Beside::Station);
+            let station = layout.has(RowQuantity::Station);
             let station = station.then(|| station_at(cell, posture)).flatten();
             if is_turned(cell, states, number) {
                 state_loads.reverse();
@@ -129,10 +132,10 @@ impl Sheet {
     fn fields(&self, row: &SheetRow) -> Vec<String> {
         let mut fields = vec![row.posture.name.clone(), row.state.clone(), row.point.clone()];
         fields.extend([""; 3].map(String::from));
-        fields.extend(self.layout.fields(&Given {
+        fields.extend(self.layout.fields(&RowContents {
             station: row.station.as_deref(),
             load: row.load,
-            ..Given::default()
+            ..RowContents::default()
         }));
         fields.extend(degrees(&row.posture.q));
         fields
@@ -197,11 +200,11 @@ pub fn reading_sheet(postures: &[Posture], options: &SheetOptions, cell: &Cell) 
     let forces = asks_for_forces(cell) || cell.sensor.is_some();
     let sight = cell.scene.sight();
     let layout = Layout::new(Values::Positions, |beside| match beside {
-        Beside::Station => sight.is_some_and(|sight| sight.stations.len() > 1),
-        Beside::Force => forces,
-        Beside::Moment => cell.sensor.is_some(),
-        Beside::Load => !forces && cell.setup.load.each().any(|load| load.size().is_some()),
-        Beside::Time => true,
+        RowQuantity::Station => sight.is_some_and(|sight| sight.stations.len() > 1),
+        RowQuantity::Force => forces,
+        RowQuantity::Moment => cell.sensor.is_some(),
+        RowQuantity::Load => !forces && cell.setup.load.each().any(|load| load.size().is_some()),
+        RowQuantity::Time => true,
         _ => false,
     });
     let points = cell.setup.tool.measuring_points.iter();
@@ -221,7 +224,7 @@ pub fn displacement_sheet(postures: &[Posture], states: &[&str], cell: &Cell) ->
         _ => states.iter().map(|state| (*state).to_string()).collect(),
     };
     let forces = asks_for_forces(cell);
-    let is_asked = |beside| beside == Beside::Force && forces;
+    let is_asked = |beside| beside == RowQuantity::Force && forces;
     let layout = Layout::new(Values::Displacements, is_asked);
     let points = cell.setup.tool.measuring_points.iter();
     let points: Vec<&str> = points.map(|point| point.name.as_str()).collect();

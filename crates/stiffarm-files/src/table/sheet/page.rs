@@ -13,10 +13,10 @@ pub(super) const PAPER_A4: u8 = 9;
 /// Stands for the box of a point that the tracker does not see.
 const UNSEEN: &str = "–";
 
-type Done = std::result::Result<(), XlsxError>;
+type WorksheetResult = std::result::Result<(), XlsxError>;
 
 /// Fills the worksheet to print, A4 upright.
-pub(super) fn print(worksheet: &mut Worksheet, sheet: &Sheet, cell: &Cell) -> Done {
+pub(super) fn print(worksheet: &mut Worksheet, sheet: &Sheet, cell: &Cell) -> WorksheetResult {
     let mut page = Page {
         worksheet,
         line: 0,
@@ -43,7 +43,7 @@ struct Page<'w> {
 }
 
 impl Page<'_> {
-    fn title(&mut self, cell: &Cell) -> Done {
+    fn title(&mut self, cell: &Cell) -> WorksheetResult {
         let large = Format::new().set_bold().set_font_size(14);
         self.worksheet.write_string_with_format(self.line, 0, &cell.name, &large)?;
         self.line += 1;
@@ -65,7 +65,7 @@ impl Page<'_> {
     }
 
     /// Each posture with its angles, once.
-    fn postures(&mut self, sheet: &Sheet, cell: &Cell) -> Done {
+    fn postures(&mut self, sheet: &Sheet, cell: &Cell) -> WorksheetResult {
         let joints = cell.setup.robot.joint_count();
         let mut headings = vec!["posture".to_string()];
         let has_stations = sheet.rows.iter().any(|row| row.station.is_some());
@@ -95,7 +95,7 @@ impl Page<'_> {
     }
 
     /// A line for each posture and state in measuring order, with a box per point that is seen.
-    fn readings(&mut self, sheet: &Sheet) -> Done {
+    fn readings(&mut self, sheet: &Sheet) -> WorksheetResult {
         let points = sheet.names(2);
         let loads = sheet.headings.iter().any(|heading| heading == "load_n");
         let mut headings: Vec<String> = ["posture", "state"].map(String::from).to_vec();
@@ -128,7 +128,7 @@ impl Page<'_> {
         Ok(())
     }
 
-    fn headings(&mut self, headings: &[String]) -> Done {
+    fn headings(&mut self, headings: &[String]) -> WorksheetResult {
         let bold = self.boxed.clone().set_bold();
         for (at, text) in (0..).zip(headings) {
             self.worksheet.write_string_with_format(self.line, at, text, &bold)?;

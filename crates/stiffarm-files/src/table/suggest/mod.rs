@@ -5,10 +5,10 @@ mod words;
 use crate::table::grid::Heading;
 use crate::table::naming::{NAME, joint_number};
 use crate::table::quantity::Quantity;
-use words::{Said, said, stem, words};
+use words::{HeadingMeaning, said, stem, words};
 
 /// Headings that a hint lists before it is cut.
-const MOST: usize = 12;
+const MOST_HEADINGS: usize = 12;
 
 /// Names that a column of its own may hold.
 const OURS: [&str; 3] = ["posture", "state", "point"];
@@ -37,7 +37,7 @@ pub(in crate::table) fn suggestion(headings: &[Heading], is_known: impl Fn(&str)
             None => rest.push(format!("\"{}\"", heading.shown)),
         }
     }
-    if keys.is_empty() || keys.len() + rest.len() > MOST {
+    if keys.is_empty() || keys.len() + rest.len() > MOST_HEADINGS {
         return None;
     }
     // Where posture and state have columns, a name is that of the point.
@@ -77,14 +77,14 @@ fn key(name: &str) -> Option<String> {
         return Some(format!("q{joint}_{suffix}"));
     }
     let named = match said(&words) {
-        Said::Measured(quantity, axis, unit) => {
+        HeadingMeaning::Measured(quantity, axis, unit) => {
             return stem(quantity, axis).map(|stem| format!("{stem}_{unit}"));
         }
-        Said::Counts(..) | Said::Other => return None,
-        Said::Nothing if has(&["nominal", "dev", "deviation", "delta", "error", "rms", "sigma"]) => {
+        HeadingMeaning::Counts(..) | HeadingMeaning::Other => return None,
+        HeadingMeaning::Nothing if has(&["nominal", "dev", "deviation", "delta", "error", "rms", "sigma"]) => {
             return None;
         }
-        Said::Nothing => match () {
+        HeadingMeaning::Nothing => match () {
             () if has(&["station", "instrument"]) => "station",
             () if has(&["time", "timestamp", "datetime", "zeit", "heure"]) => "time_s",
             () if has(&["date", "datum"]) => "date",
@@ -101,7 +101,7 @@ fn key(name: &str) -> Option<String> {
 /// Headings whose numbers are counts of a sensor, with the column that the forces behind them would have.
 pub(in crate::table) fn counts(headings: &[Heading]) -> Option<String> {
     let of = |heading: &&Heading| match said(&words(&heading.name)) {
-        Said::Counts(quantity, axis) => stem(quantity, axis).map(|stem| (quantity, stem)),
+        HeadingMeaning::Counts(quantity, axis) => stem(quantity, axis).map(|stem| (quantity, stem)),
         _ => None,
     };
     let mut all = headings.iter().filter(|heading| !heading.ignored);

@@ -71,7 +71,7 @@ const OTHERS: [&str; 34] = [
 
 /// What a heading says of its numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Said {
+pub(super) enum HeadingMeaning {
     /// A component (0 to 2), or the size, of a quantity in a unit of ours.
     Measured(Quantity, Option<usize>, &'static str),
     /// Counts of a sensor of forces or moments.
@@ -106,7 +106,7 @@ pub(super) fn words(name: &str) -> Vec<String> {
 }
 
 /// What the words of a heading say of its numbers.
-pub(super) fn said(words: &[String]) -> Said {
+pub(super) fn said(words: &[String]) -> HeadingMeaning {
     let has = |wanted: &[&str]| words.iter().any(|word| wanted.contains(&word.as_str()));
     // x, x1, fx and force of a word alone.
     let of_axis = |letter: &str| {
@@ -131,17 +131,17 @@ pub(super) fn said(words: &[String]) -> Said {
     let is_load = [Quantity::Force, Quantity::Moment].contains(&quantity);
     let about = axis.is_some() || (is_load && (unit.is_some() || !has(&["load"])));
     match () {
-        () if !about => Said::Nothing,
-        () if is_load && has(&COUNTS) => Said::Counts(quantity, axis),
-        () if has(&OTHERS) => Said::Other,
+        () if !about => HeadingMeaning::Nothing,
+        () if is_load && has(&COUNTS) => HeadingMeaning::Counts(quantity, axis),
+        () if has(&OTHERS) => HeadingMeaning::Other,
         () => match unit {
-            Some((_, of, Some(suffix))) if *of == quantity => Said::Measured(quantity, axis, suffix),
+            Some((_, of, Some(suffix))) if *of == quantity => HeadingMeaning::Measured(quantity, axis, suffix),
             None if is_load || quantity == Quantity::Length => {
                 let usual = UNITS.iter().find(|unit| unit.1 == quantity);
                 let usual = usual.and_then(|unit| unit.2).unwrap_or_default();
-                Said::Measured(quantity, axis, usual)
+                HeadingMeaning::Measured(quantity, axis, usual)
             }
-            _ => Said::Other,
+            _ => HeadingMeaning::Other,
         },
     }
 }

@@ -37,10 +37,10 @@ const OTHERS: usize = 16;
 const CELLS_OF_OTHERS: usize = 100_000;
 
 /// A cell's text, or what it holds that is neither text nor number.
-type Held = std::result::Result<String, String>;
+type CellContent = std::result::Result<String, String>;
 
 /// The cells of a sheet that hold something, by row and column from 0.
-type Cells = BTreeMap<u32, BTreeMap<u32, Held>>;
+type Cells = BTreeMap<u32, BTreeMap<u32, CellContent>>;
 
 pub(super) fn first_sheet<'a>(bytes: &[u8], file: &'a str, foreign: &Columns) -> Result<Table<'a>> {
     unpacked::check(bytes).map_err(|e| e.file(file))?;
@@ -216,8 +216,8 @@ fn fill(cells: &mut Cells, merged: &[Dimensions]) -> Result<Vec<u32>> {
 }
 
 /// What a cell holds; `None` for nothing.
-fn held(value: &DataRef<'_>) -> Option<Held> {
-    let held: Held = match value {
+fn held(value: &DataRef<'_>) -> Option<CellContent> {
+    let held: CellContent = match value {
         DataRef::Empty => return None,
         DataRef::Int(number) => Ok(number.to_string()),
         DataRef::Float(number) => Ok(number.to_string()),
@@ -340,7 +340,7 @@ fn titles(cells: &mut Cells, foreign: &Columns) -> bool {
 }
 
 /// The texts of a row.
-fn texts(row: &BTreeMap<u32, Held>) -> Vec<String> {
+fn texts(row: &BTreeMap<u32, CellContent>) -> Vec<String> {
     let texts = row.values().filter_map(|held| held.as_ref().ok());
     texts.cloned().collect()
 }

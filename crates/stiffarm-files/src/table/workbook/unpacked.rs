@@ -16,7 +16,7 @@ const ALWAYS: u64 = 16 << 20;
 const FOLD: u64 = 40;
 
 /// No workbook may unpack to more.
-const MOST: u64 = 512 << 20;
+const MOST_BYTES: u64 = 512 << 20;
 
 /// The attribute that says how many shared texts follow, for which the reader
 /// of the format takes memory at once.
@@ -27,7 +27,7 @@ const COUNT: &[u8] = b"uniqueCount";
 /// # Errors
 /// Too large, or a declared number of shared texts that cannot be true.
 pub(super) fn check(bytes: &[u8]) -> Result<()> {
-    let limit = (ALWAYS + FOLD * bytes.len() as u64).min(MOST);
+    let limit = (ALWAYS + FOLD * bytes.len() as u64).min(MOST_BYTES);
     // What is no archive is answered by the reader of the format.
     let Ok(mut archive) = ZipArchive::new(Cursor::new(bytes)) else {
         return Ok(());

@@ -7,7 +7,7 @@
 //! `TLON,GOFWD/`, which ends where it meets a line or plane for the first or (`ON,2,INTOF`) second time.
 
 use super::super::arc::{Circle, ROUNDED};
-use super::super::builder::{Builder, Place};
+use super::super::builder::{Builder, TipTarget};
 use super::statement::Statement;
 use super::{State, System};
 use nalgebra::{UnitVector3, Vector3};
@@ -16,10 +16,10 @@ use stiffarm::error::Result;
 use stiffarm::findings::Severity;
 
 /// Cosine of the angle up to which two moves are tangent.
-const TANGENT: f64 = 0.999;
+const TANGENT_COSINE: f64 = 0.999;
 
 /// Shorter moves are rounded too much to have a direction \[m\].
-const SHORT: f64 = 0.1e-3;
+const SHORTEST_MOVE: f64 = 0.1e-3;
 
 /// What is stated before the statement that ends an arc.
 pub(super) enum Pending {
@@ -47,9 +47,9 @@ pub(super) struct Arcs {
 
 /// 1 where a move goes on in this direction, −1 where it goes back.
 fn join(tangent: Vector3<f64>, way: Option<Vector3<f64>>) -> i32 {
-    let way = way.filter(|way| way.norm() > SHORT);
+    let way = way.filter(|way| way.norm() > SHORTEST_MOVE);
     let along = way.map_or(0.0, |way| tangent.dot(&way) / way.norm());
-    i32::from(along > TANGENT) - i32::from(along < -TANGENT)
+    i32::from(along > TANGENT_COSINE) - i32::from(along < -TANGENT_COSINE)
 }
 
 impl Arcs {
@@ -134,7 +134,7 @@ impl State<'_, '_> {
     }
 
     /// A point that ends an arc, or goes on with one; false where it does not.
-    pub(super) fn ends_arc(&mut self, statement: &Statement<'_>, before: Place, end: Vector3<f64>) -> Result<bool> {
+    pub(super) fn ends_arc(&mut self, statement: &Statement<'_>, before: TipTarget, end: Vector3<f64>) -> Result<bool> {
         let line = statement.head.line_number();
         let open = self.arcs.open.take();
         let (begin, centre, axis, first) = match (self.pending.take(), open) {
@@ -277,19 +277,19 @@ impl State<'_, '_> {
             }
         }
         let line = statement.head.line_number();
-        let before = Place::Axis(Vector3::zeros(), self.axis);
+        let before = TipTarget::Axis(Vector3::zeros(), self.axis);
         self.arc(line, &circle, before, at..statement.end);
         Ok(())
     }
 
     /// Points on an arc; straight moves may take the place of `text`.
-    fn arc(&mut self, line: usize, circle: &Circle, before: Place, text: Range<usize>) {
+    fn arc(&mut self, line: usize, circle: &Circle, before: TipTarget, text: Range<usize>) {
         let [begins, ends] = circle.tangents();
         self.arcs.closes(None, self.builder);
         let began = join(begins, self.arcs.heading.take());
         self.arcs.last = Some((ends, began, line));
         let first = self.builder.points.len();
-        let to = Place::Axis(circle.end, self.axis);
+        let to = TipTarget::Axis(circle.end, self.axis);
         for (share, point) in circle.points() {
             let place = before.towards(&to, share, point);
             self.builder.point(line, &place, false);

@@ -1,6 +1,6 @@
 //! Points of CL data, and the frames that they count from.
 
-use super::super::builder::Place;
+use super::super::builder::TipTarget;
 use super::super::{Divided, FAR_AWAY, FARTHEST, Orientation};
 use super::State;
 use super::statement::Statement;
@@ -85,7 +85,7 @@ impl State<'_, '_> {
             return Err(statement.wrong(message));
         }
         let position = self.point(statement, 0)?;
-        let before = Place::Axis(Vector3::zeros(), self.axis);
+        let before = TipTarget::Axis(Vector3::zeros(), self.axis);
         if count == 6 {
             self.axis = self.turned(statement.direction(3)?);
             self.stated = statement.vector(3)?.into();
@@ -95,7 +95,7 @@ impl State<'_, '_> {
         if self.ends_arc(statement, before, position)? {
             return Ok(());
         }
-        let to = Place::Axis(position, self.axis);
+        let to = TipTarget::Axis(position, self.axis);
         let first = self.builder.points.len();
         let from = self.position.filter(|_| !self.rapid);
         let from = from.map(|start| before.at(start));
@@ -129,7 +129,7 @@ impl State<'_, '_> {
         let rapid = std::mem::take(&mut self.rapid);
         let from = self.position.filter(|_| !rapid);
         self.arcs.goes_straight(from, position, self.builder);
-        self.builder.point(line, &Place::Axis(position, self.axis), rapid);
+        self.builder.point(line, &TipTarget::Axis(position, self.axis), rapid);
         self.position = Some(position);
     }
 }

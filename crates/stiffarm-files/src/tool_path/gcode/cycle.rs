@@ -1,9 +1,9 @@
 //! Drilling cycles, as LinuxCNC's interpreter drives them (G98 and G99, L, G91; ISO 6983-1 names them).
 
-use super::effect::{Drill, Feeds, Out};
+use super::effect::{Drill, Feeds, Retract};
 use super::words::Word;
 use super::{Block, State, known_position};
-use crate::tool_path::builder::Place;
+use crate::tool_path::builder::TipTarget;
 use crate::tool_path::{FAR_AWAY, FARTHEST, SPAN};
 use nalgebra::Vector3;
 use stiffarm::error::Result;
@@ -124,9 +124,9 @@ impl State<'_, '_> {
                 }
             }
             match drill.out {
-                Out::Rapid => {}
-                Out::FeedToR => _ = to(&mut at, over(r), false),
-                Out::Feed => _ = to(&mut at, over(clear), false),
+                Retract::Rapid => {}
+                Retract::FeedToR => _ = to(&mut at, over(r), false),
+                Retract::Feed => _ = to(&mut at, over(clear), false),
             }
             to(&mut at, over(clear), true);
         }
@@ -174,7 +174,7 @@ impl State<'_, '_> {
             if (end * unit).amax() > FARTHEST {
                 return Err(last.place.wrong(FAR_AWAY));
             }
-            let place = Place::Axis(end * unit, self.axis);
+            let place = TipTarget::Axis(end * unit, self.axis);
             if let Some(start) = before.filter(|_| !rapid) {
                 let start = place.at(start * unit);
                 // The correction is there from the beginning of the feed on, so that the hole is straight.

@@ -21,12 +21,12 @@ pub struct Drill {
     pub pecks: bool,
     /// Stays at the bottom for the time P.
     pub dwells: bool,
-    pub out: Out,
+    pub out: Retract,
 }
 
 /// How it comes out of the hole.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Out {
+pub enum Retract {
     Rapid,
     /// At feed to R, from there rapidly.
     FeedToR,

@@ -14,13 +14,13 @@ use stiffarm::model::process::Process;
 use stiffarm::units::m_to_mm;
 
 /// Largest side of a path that may be in inches \[units\].
-const SMALL: f64 = 50.0;
+const LARGEST_SPAN: f64 = 50.0;
 /// Most that the tool is lifted above what it cuts there \[units\].
-const LIFTED: f64 = 2.5;
+const LARGEST_LIFT: f64 = 2.5;
 /// Fastest feed of such a program \[units/min\].
 const SLOW: f64 = 150.0;
 /// A cutter that moves by less for a turn of the spindle rubs \[mm\]; in inches this is a common feed.
-const RUBS: f64 = 0.012;
+const RUBBING_FEED: f64 = 0.012;
 /// Feeds that leave no doubt where the speed of the spindle is not known \[units/min\].
 const VERY_SLOW: f64 = 60.0;
 /// Decimals that programs in inches have, and those in millimetres mostly have not.
@@ -83,7 +83,7 @@ impl State<'_, '_> {
         let span = high - low;
         let lifted = self.builder.points.iter().map(|p| place(p).z - high.z);
         let across = span.x.max(span.y);
-        if span.max() > SMALL || across == 0.0 || lifted.fold(0.0, f64::max) > LIFTED {
+        if span.max() > LARGEST_SPAN || across == 0.0 || lifted.fold(0.0, f64::max) > LARGEST_LIFT {
             return;
         }
         let (cutter, own_spindle) = match &self.builder.cell.work.process {
@@ -100,7 +100,7 @@ impl State<'_, '_> {
             spindle => spindle,
         };
         let is_slow = if spindle > 0.0 {
-            clues.feed / spindle < RUBS
+            clues.feed / spindle < RUBBING_FEED
         } else {
             clues.feed <= VERY_SLOW && (clues.fine > 1 || across < 0.5 * cutter)
         };

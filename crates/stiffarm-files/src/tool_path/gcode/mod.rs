@@ -16,7 +16,7 @@ mod table;
 mod turn;
 mod words;
 
-use super::builder::{Builder, Feed, Place};
+use super::builder::{Builder, Feed, TipTarget};
 use super::{FAR_AWAY, FARTHEST};
 use crate::program::{ProgramFile, lines};
 use cycle::Cycle;
@@ -26,7 +26,7 @@ use nalgebra::{UnitVector3, Vector3};
 use stiffarm::error::Result;
 use stiffarm::findings::Severity;
 pub use table::page;
-use words::{Beside, Word, axis_component, words_of};
+use words::{BlockMarks, Word, axis_component, words_of};
 
 struct State<'b, 'c> {
     builder: &'b mut Builder<'c>,
@@ -56,7 +56,7 @@ struct State<'b, 'c> {
 /// The words of a block and what stands around them.
 struct Block<'a, 'w> {
     words: &'w [Word<'a>],
-    beside: &'w Beside,
+    beside: &'w BlockMarks,
     file: &'a ProgramFile,
 }
 
@@ -234,13 +234,13 @@ impl State<'_, '_> {
             return Err(last.place.wrong(FAR_AWAY));
         }
         self.keeps_steps(line);
-        let place = Place::Axis(end * unit, self.axis);
+        let place = TipTarget::Axis(end * unit, self.axis);
         let start = known_position(&start).map(|start| start * unit);
         let first = self.builder.points.len();
         let Mode::Arc { is_left } = mode else {
             self.inverse(block, start.map(|start| (end * unit - start).norm()));
             let from = start.filter(|_| mode == Mode::Feed);
-            let from = from.map(|start| Place::Axis(start, before));
+            let from = from.map(|start| TipTarget::Axis(start, before));
             if from.is_some_and(|from| self.builder.between(line, &from, &place)) {
                 let points = first..self.builder.points.len() + 1;
                 self.pieces(block, points, false, Default::default());
@@ -258,7 +258,7 @@ impl State<'_, '_> {
                 .wrong("This is not an arc: its end is not on the circle about its centre through the point before."));
         };
         self.inverse(block, Some(circle.length()));
-        let from = Place::Axis(start, before);
+        let from = TipTarget::Axis(start, before);
         for (share, point) in circle.points() {
             self.builder.point(line, &from.towards(&place, share, point), false);
         }

@@ -11,7 +11,7 @@ const FIRST_OFFSET: f64 = 54.0;
 
 /// What becomes of a block.
 #[derive(Default)]
-pub struct Fate {
+pub struct BlockOutcome {
     /// The program is over behind it.
     pub ends: bool,
     /// Its axis words are no point.
@@ -26,8 +26,8 @@ pub struct Fate {
 
 impl State<'_, '_> {
     /// Takes the words that say how a block and those behind it are meant.
-    pub(super) fn modes(&mut self, block: &Block<'_, '_>) -> Result<Fate> {
-        let mut fate = Fate::default();
+    pub(super) fn modes(&mut self, block: &Block<'_, '_>) -> Result<BlockOutcome> {
+        let mut fate = BlockOutcome::default();
         let goes = block.words.iter().any(|word| word.axis().is_some());
         let mut motion = None;
         for word in block.words.iter().filter(|word| word.is_own()) {

@@ -5,13 +5,13 @@
 //! things by one word, the row is the one that loses nothing.
 
 use super::effect::Effect::{self, *};
-use super::effect::{Drill, Feeds, Mode, Out, Row};
+use super::effect::{Drill, Feeds, Mode, Retract, Row};
 
 const fn row(words: &'static str, effect: Effect, does: &'static str) -> Row {
     Row { words, effect, does }
 }
 
-const fn drill(pecks: bool, dwells: bool, out: Out) -> Effect {
+const fn drill(pecks: bool, dwells: bool, out: Retract) -> Effect {
     Effect::Moves(Mode::Drill(Drill { pecks, dwells, out }))
 }
 
@@ -21,11 +21,11 @@ pub const ROWS: &[Row] = &[
     row("G1", Moves(Mode::Feed), "leads straight to the point at feed"),
     row("G2", Moves(Mode::Arc { is_left: false }), "leads on a clockwise arc or helix"),
     row("G3", Moves(Mode::Arc { is_left: true }), "leads on a counter-clockwise arc or helix"),
-    row("G81", drill(false, false, Out::Rapid), "drills"),
-    row("G82", drill(false, true, Out::Rapid), "drills and waits at the bottom"),
-    row("G83", drill(true, false, Out::Rapid), "drills in steps of Q, out of the hole after each"),
-    row("G85", drill(false, false, Out::FeedToR), "bores, out at feed"),
-    row("G89", drill(false, true, Out::Feed), "bores, waits at the bottom, out at feed"),
+    row("G81", drill(false, false, Retract::Rapid), "drills"),
+    row("G82", drill(false, true, Retract::Rapid), "drills and waits at the bottom"),
+    row("G83", drill(true, false, Retract::Rapid), "drills in steps of Q, out of the hole after each"),
+    row("G85", drill(false, false, Retract::FeedToR), "bores, out at feed"),
+    row("G89", drill(false, true, Retract::Feed), "bores, waits at the bottom, out at feed"),
     row("G98", BackToStart(true), "lets cycles come back to where they began"),
     row("G99", BackToStart(false), "lets cycles come back to R"),
     row("G80", EndsCycle, "ends a cycle"),

@@ -49,7 +49,7 @@ impl<'a> Word<'a> {
 
 /// What stands beside the words of a block.
 #[derive(Default)]
-pub struct Beside {
+pub struct BlockMarks {
     pub comments: String,
     /// `/`: the block may be left out.
     pub is_optional: bool,
@@ -58,9 +58,9 @@ pub struct Beside {
 }
 
 /// The words of a block, and what stands beside them.
-pub fn words_of<'a>(line: &mut Cursor<'a>, builder: &mut Builder<'_>, words: &mut Vec<Word<'a>>) -> Result<Beside> {
+pub fn words_of<'a>(line: &mut Cursor<'a>, builder: &mut Builder<'_>, words: &mut Vec<Word<'a>>) -> Result<BlockMarks> {
     let number = line.line_number();
-    let mut beside = Beside::default();
+    let mut beside = BlockMarks::default();
     if line.passes("/") {
         beside.is_optional = true;
         // The number of the switch.

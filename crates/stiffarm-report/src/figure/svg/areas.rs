@@ -2,9 +2,9 @@
 
 use super::canvas::{Canvas, INK, Point, Rect, Stroke};
 use super::data::{self, Datum};
-use super::look::{Look, Looks};
 use super::marks::{Frame, Trace, error_bar};
 use super::scale::Kind;
+use super::series_style::{SeriesStyle, SeriesStyles};
 use crate::figure::{Panel, Series, Style};
 
 /// Share of the distance between positions that bars and boxes take up.
@@ -22,9 +22,9 @@ struct Slot {
 }
 
 /// Draws all bars and boxes of a panel.
-pub(super) fn draw(canvas: &mut Canvas, frame: &Frame, panel: &Panel, looks: &Looks, trace: &mut Trace) {
+pub(super) fn draw(canvas: &mut Canvas, frame: &Frame, panel: &Panel, styles: &SeriesStyles, trace: &mut Trace) {
     for (series, slot) in slots(frame, panel) {
-        let look = looks.look(&series.label, series.style);
+        let look = styles.look(&series.label, series.style);
         let (points, _) = data::points(series, frame.x.kind, frame.y.kind);
         canvas.begin(&series.label);
         if series.style == Style::Box {
@@ -52,7 +52,7 @@ fn slots<'a>(frame: &Frame, panel: &'a Panel) -> Vec<(&'a Series, Slot)> {
 /// The points of a series of bars with their bars.
 pub(super) fn columns(frame: &Frame, panel: &Panel, series: &Series) -> Vec<(Datum, Rect)> {
     let slots = slots(frame, panel);
-    let Some((_, slot)) = slots.iter().find(|(own, _)| std::ptr::eq(*own, series)) else {
+    let Some((_, slot)) = slots.iter().find(|(with_slot, _)| std::ptr::eq(*with_slot, series)) else {
         return Vec::new();
     };
     let (points, _) = data::points(series, frame.x.kind, frame.y.kind);
@@ -92,7 +92,14 @@ fn spacing(frame: &Frame, chosen: &[&Series]) -> f64 {
     closest.min(0.25 * frame.area.w)
 }
 
-fn bars(canvas: &mut Canvas, frame: &Frame, points: &[Option<Datum>], look: Look, slot: Slot, trace: &mut Trace) {
+fn bars(
+    canvas: &mut Canvas,
+    frame: &Frame,
+    points: &[Option<Datum>],
+    look: SeriesStyle,
+    slot: Slot,
+    trace: &mut Trace,
+) {
     for d in points.iter().flatten() {
         let centre = frame.px(d.x) + slot.offset;
         let top = frame.py(d.y);
@@ -113,7 +120,14 @@ fn bars(canvas: &mut Canvas, frame: &Frame, points: &[Option<Datum>], look: Look
     }
 }
 
-fn boxes(canvas: &mut Canvas, frame: &Frame, points: &[Option<Datum>], look: Look, slot: Slot, trace: &mut Trace) {
+fn boxes(
+    canvas: &mut Canvas,
+    frame: &Frame,
+    points: &[Option<Datum>],
+    look: SeriesStyle,
+    slot: Slot,
+    trace: &mut Trace,
+) {
     let half = 0.5 * slot.width;
     for (x, values) in data::samples(points) {
         let centre = frame.px(x) + slot.offset;

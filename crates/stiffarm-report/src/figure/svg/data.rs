@@ -138,9 +138,9 @@ mod tests {
         let series =
             Series::new("s", Style::Line, vec![1.0, 2.0, f64::NAN, 4.0, 5.0], vec![1.0, -1.0, 1.0, f64::INFINITY])
                 .with_error(vec![f64::NAN, 0.1]);
-        let (kept, lost) = points(&series, Kind::Linear, Kind::Log);
-        assert_eq!(kept.len(), 4);
-        assert_eq!(kept.iter().flatten().count(), 1);
+        let (drawable, lost) = points(&series, Kind::Linear, Kind::Log);
+        assert_eq!(drawable.len(), 4);
+        assert_eq!(drawable.iter().flatten().count(), 1);
         assert_eq!(lost, 5);
     }
 

@@ -1,10 +1,10 @@
 //! The one legend of a figure.
 
 use super::canvas::{Anchor, Canvas, Font, Point, Rect, Stroke};
-use super::look::Looks;
 use super::map;
 use super::marks::{FAINT, LANDMARK, MARKER, STROKE};
 use super::plan::{LEADING, SMALL};
+use super::series_style::SeriesStyles;
 use super::text;
 use crate::figure::{Figure, Style};
 
@@ -67,13 +67,13 @@ impl Legend {
     }
 
     /// Draws the legend with its upper edge at `top`.
-    pub(super) fn draw(&self, canvas: &mut Canvas, looks: &Looks, top: f64) {
+    pub(super) fn draw(&self, canvas: &mut Canvas, series_styles: &SeriesStyles, top: f64) {
         let all = self.entries.iter().zip(&self.lines).zip(&self.places);
         for (((label, styles), lines), (x, y)) in all {
             let middle = top + y + 0.5 * ROW;
             canvas.begin_switch(label);
             for style in styles {
-                sample(canvas, looks, label, *style, (*x, middle));
+                sample(canvas, series_styles, label, *style, (*x, middle));
             }
             for (i, line) in lines.iter().enumerate() {
                 let down = i as f64 * SMALL * LEADING;
@@ -130,8 +130,8 @@ fn arrange(entries: &[Vec<String>], width: f64) -> (Vec<Point>, f64) {
 }
 
 /// A short piece of the mark of a series, centred on its left edge's height.
-fn sample(canvas: &mut Canvas, looks: &Looks, label: &str, style: Style, left: Point) {
-    let look = looks.look(label, style);
+fn sample(canvas: &mut Canvas, series_styles: &SeriesStyles, label: &str, style: Style, left: Point) {
+    let look = series_styles.look(label, style);
     let ends = [left, (left.0 + KEY, left.1)];
     let centre = (left.0 + 0.5 * KEY, left.1);
     let line = |width| Stroke { colour: look.colour, width, dash: look.dash };

@@ -6,10 +6,10 @@
 
 use super::canvas::{Anchor, Canvas, Font, Point, Rect, Stroke};
 use super::data;
-use super::look::{Look, hatch};
 use super::marks::{Frame, Trace};
 use super::plan::{BAR, BAR_GAP, ColourPlan, NORMAL, SMALL, TICK_GAP};
 use super::scale::{Extent, Kind};
+use super::series_style::{SeriesStyle, hatch};
 use crate::figure::{Panel, Series, Style};
 use std::collections::BTreeMap;
 
@@ -86,7 +86,7 @@ pub(super) fn draw(
     canvas: &mut Canvas,
     frame: &Frame,
     Grid { columns, rows }: &Grid,
-    (series, look): (&Series, Look),
+    (series, look): (&Series, SeriesStyle),
     extent: Option<&Extent>,
     trace: &mut Trace,
 ) {
@@ -126,7 +126,7 @@ pub(super) fn draw(
 }
 
 /// The look of a cell without a value.
-pub(super) fn missing(canvas: &mut Canvas, rect: Rect, look: Look) {
+pub(super) fn missing(canvas: &mut Canvas, rect: Rect, look: SeriesStyle) {
     let kind = &MISSING[look.variant % MISSING.len()];
     canvas.cells(&[rect], kind.fill);
     let mut lines = Vec::new();

@@ -2,8 +2,8 @@
 
 use super::canvas::{Canvas, Point, Rect, Stroke};
 use super::data::{self, Datum};
-use super::look::Look;
 use super::scale::Extent;
+use super::series_style::SeriesStyle;
 use crate::figure::{Series, Style};
 
 /// Radius of a marker.
@@ -74,7 +74,7 @@ impl Trace {
 }
 
 /// Draws a series of any style but bars, boxes and maps.
-pub(super) fn draw(canvas: &mut Canvas, frame: &Frame, series: &Series, look: Look, trace: &mut Trace) {
+pub(super) fn draw(canvas: &mut Canvas, frame: &Frame, series: &Series, look: SeriesStyle, trace: &mut Trace) {
     let (points, _) = data::points(series, frame.x.kind, frame.y.kind);
     let places: Vec<Option<Point>> = points.iter().map(|d| d.as_ref().map(|d| frame.place(d))).collect();
     let stroke = |width| Stroke { colour: look.colour, width, dash: look.dash };
@@ -131,7 +131,7 @@ pub(super) const STROKE: [f64; 2] = [1.2, 2.6];
 
 /// The area between the ends of the error bars, cut at the frame; a gap in the
 /// points is one in the band.
-fn band(canvas: &mut Canvas, frame: &Frame, points: &[Option<Datum>], look: Look, trace: &mut Trace) {
+fn band(canvas: &mut Canvas, frame: &Frame, points: &[Option<Datum>], look: SeriesStyle, trace: &mut Trace) {
     for run in points.split(Option::is_none) {
         let end = |d: &Datum, y: f64| {
             let place = (frame.px(d.x), frame.py(y));
@@ -151,7 +151,7 @@ fn band(canvas: &mut Canvas, frame: &Frame, points: &[Option<Datum>], look: Look
 }
 
 /// Pieces from each even point to the one after it.
-fn strokes(canvas: &mut Canvas, frame: &Frame, places: &[Option<Point>], look: Look, trace: &mut Trace) {
+fn strokes(canvas: &mut Canvas, frame: &Frame, places: &[Option<Point>], look: SeriesStyle, trace: &mut Trace) {
     let mut pieces: Vec<Vec<Point>> = Vec::new();
     for pair in places.chunks_exact(2) {
         if let [Some(a), Some(b)] = pair

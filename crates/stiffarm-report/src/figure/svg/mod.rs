@@ -12,13 +12,13 @@ mod data;
 mod drawing;
 mod hits;
 mod legend;
-mod look;
 mod map;
 mod marks;
 mod palette;
 mod panel;
 mod plan;
 mod scale;
+mod series_style;
 mod shared;
 mod shown;
 mod text;
@@ -32,8 +32,8 @@ pub use shown::{ShownFigure, ShownPanel, shown_figure};
 pub use canvas::escape;
 use canvas::{Anchor, Canvas, Font, Rect, num};
 use legend::Legend;
-use look::Looks;
 use plan::{LEADING, Plan, Shown};
+use series_style::SeriesStyles;
 
 use crate::figure::layout::{self, Layout, Size};
 use crate::figure::{Figure, Panel};
@@ -115,7 +115,7 @@ fn render(figure: &Figure, layout: Option<&Layout>) -> String {
         (None, 2) => 800.0,
         (None, n) => 320.0 * n as f64,
     };
-    let looks = Looks::of(figure);
+    let styles = SeriesStyles::of(figure);
     let title = match layout {
         Some(layout) if !layout.title => Vec::new(),
         _ => text::wrap(&figure.title, text::BOLD * HEADING, width - 2.0 * MARGIN, 3),
@@ -147,13 +147,13 @@ fn render(figure: &Figure, layout: Option<&Layout>) -> String {
         canvas.text(at, line, None, Font::new(HEADING, Anchor::Middle).bold());
     }
     for ((panel, plan), place) in figure.panels.iter().zip(&grid.plans).zip(&grid.places) {
-        panel::draw(&mut canvas, panel, plan, &looks, place.area, place.left);
+        panel::draw(&mut canvas, panel, plan, &styles, place.area, place.left);
     }
     if figure.panels.is_empty() {
         let at = (0.5 * width, top + 30.0);
         canvas.text(at, "no data", None, Font::new(plan::NORMAL, Anchor::Middle));
     }
-    legend.draw(&mut canvas, &looks, legend_top);
+    legend.draw(&mut canvas, &styles, legend_top);
     canvas.raw("</g>");
     canvas.raw("</svg>");
     canvas.finish()

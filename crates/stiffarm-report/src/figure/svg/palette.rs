@@ -52,7 +52,7 @@ fn fixed(label: &str) -> Option<usize> {
         Some((before, _)) => before.trim_end(),
         None => name,
     };
-    if let Some((_, i)) = KNOWN.iter().find(|(known, _)| known.eq_ignore_ascii_case(plain)) {
+    if let Some((_, i)) = KNOWN.iter().find(|(word, _)| word.eq_ignore_ascii_case(plain)) {
         return Some(*i);
     }
     let stem = plain.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -85,18 +85,18 @@ impl Places {
         // Name, whether it is that of bars, and its fixed place.
         let mut names: Vec<(&str, bool, Option<usize>)> = Vec::new();
         for series in coloured {
-            let own = name(&series.label);
+            let name_of_series = name(&series.label);
             let is_bar = series.style == Style::Bars;
-            match names.iter_mut().find(|(n, ..)| *n == own) {
+            match names.iter_mut().find(|(n, ..)| *n == name_of_series) {
                 Some((_, bar, _)) => *bar |= is_bar,
-                None => names.push((own, is_bar, fixed(&series.label))),
+                None => names.push((name_of_series, is_bar, fixed(&series.label))),
             }
         }
         let is_only_bar = names.iter().filter(|(_, bar, _)| *bar).count() == 1;
         let mut taken: Vec<usize> = names.iter().filter_map(|(.., place)| *place).collect();
-        let places = names.iter().map(|(own, bar, place)| {
+        let places = names.iter().map(|(name, bar, place)| {
             let place = place.unwrap_or_else(|| {
-                let wanted = hashed(own);
+                let wanted = hashed(name);
                 let turn = (0..PALETTE.len()).map(|i| (wanted + i) % PALETTE.len());
                 // Black areas weigh more than all others: they come last.
                 let (last, first): (Vec<usize>, Vec<usize>) = turn.partition(|i| *bar && *i == BLACK);
@@ -105,12 +105,12 @@ impl Places {
                 taken.push(free);
                 free
             });
-            ((*own).to_owned(), place)
+            ((*name).to_owned(), place)
         });
         let places = places.collect();
         let mut lone = names.iter().filter(|(_, bar, place)| *bar && place.is_none());
         let lone = lone.next().filter(|_| is_only_bar);
-        Self { names: places, plain: lone.map(|(own, ..)| (*own).to_owned()) }
+        Self { names: places, plain: lone.map(|(name, ..)| (*name).to_owned()) }
     }
 
     /// Whether this is the label of the only bars: nothing must tell them from others.
@@ -119,10 +119,10 @@ impl Places {
     }
 
     pub(super) fn get(&self, label: &str) -> usize {
-        let own = name(label);
-        let found = self.names.iter().find(|(n, _)| n == own);
+        let name_of_series = name(label);
+        let entry = self.names.iter().find(|(n, _)| n == name_of_series);
         let usual = || fixed(label).unwrap_or_else(|| hashed(label));
-        found.map_or_else(usual, |(_, place)| *place)
+        entry.map_or_else(usual, |(_, place)| *place)
     }
 }
 

@@ -3,11 +3,11 @@
 use super::areas;
 use super::canvas::{Anchor, Canvas, Font, Point, Rect, Stroke};
 use super::hits;
-use super::look::Looks;
 use super::map;
 use super::marks::{self, Frame, Trace};
 use super::plan::{LEADING, NORMAL, Plan, SLANT, SMALL, TICK_GAP, TITLE_GAP, has_areas};
 use super::scale::Kind;
+use super::series_style::SeriesStyles;
 use super::text;
 use super::ticks;
 use crate::figure::{Panel, Style};
@@ -19,7 +19,7 @@ const TICK: f64 = 4.0;
 
 /// Draws a panel whose plot area is `area`; `left` is the left edge of the
 /// room for its vertical labels.
-pub(super) fn draw(canvas: &mut Canvas, panel: &Panel, plan: &Plan, looks: &Looks, area: Rect, left: f64) {
+pub(super) fn draw(canvas: &mut Canvas, panel: &Panel, plan: &Plan, styles: &SeriesStyles, area: Rect, left: f64) {
     let frame = Frame { area, x: plan.x, y: plan.y };
     grid(canvas, &frame, panel, plan);
     let mut trace = Trace::default();
@@ -36,13 +36,13 @@ pub(super) fn draw(canvas: &mut Canvas, panel: &Panel, plan: &Plan, looks: &Look
     let cells = map::Grid::of(&frame, panel);
     for layer in layers {
         if layer.contains(&Style::Bars) {
-            areas::draw(canvas, &frame, panel, looks, &mut trace);
+            areas::draw(canvas, &frame, panel, styles, &mut trace);
             // Markers on the edge lie above the frame, bars stand on it.
             canvas.rect(area, "none", 1.0, Stroke::solid(FRAME, 0.9));
             continue;
         }
         for series in panel.series.iter().filter(|s| layer.contains(&s.style)) {
-            let look = looks.look(&series.label, series.style);
+            let look = styles.look(&series.label, series.style);
             canvas.begin(&series.label);
             if series.style == Style::Map {
                 let extent = plan.colour.as_ref().map(|colour| &colour.extent);

@@ -206,13 +206,13 @@ pub(super) fn has_areas(panel: &Panel) -> bool {
 fn x_ticks(extent: &Extent, width: f64) -> Vec<Tick> {
     let mut most = (width / 36.0).max(2.0) as usize;
     loop {
-        let found = ticks::ticks(extent, most);
-        let fits = found.windows(2).all(|pair| {
+        let candidates = ticks::ticks(extent, most);
+        let fits = candidates.windows(2).all(|pair| {
             let distance = (extent.fraction(pair[1].value) - extent.fraction(pair[0].value)) * width;
             distance >= 0.5 * (pair[0].width(SMALL) + pair[1].width(SMALL)) + 7.0
         });
         if fits || most <= 1 {
-            return found;
+            return candidates;
         }
         most -= 1;
     }

@@ -151,12 +151,12 @@ fn round_log(value: f64, up: bool) -> f64 {
     let power = 10_f64.powf(value.log10().floor());
     let mantissa = value / power;
     let steps = [1.0, 2.0, 5.0, 10.0];
-    let found = if up {
+    let step = if up {
         steps.iter().copied().find(|s| *s >= mantissa)
     } else {
         steps.iter().rev().copied().find(|s| *s <= mantissa)
     };
-    power * found.unwrap_or(if up { 10.0 } else { 0.5 })
+    power * step.unwrap_or(if up { 10.0 } else { 0.5 })
 }
 
 #[cfg(test)]
@@ -169,10 +169,10 @@ mod tests {
             [&[], &[0.0], &[5e-324], &[1e150, -1e150], &[7.0, 7.0], &[1.0, 1.0 + 1e-15], &[1e-150], &[1e150]];
         for axis in [Axis::linear("", ""), Axis::log("", "")] {
             for values in cases {
-                let kept: Vec<f64> = values.iter().copied().filter(|v| Kind::of(&axis).accepts(*v)).collect();
-                let e = Extent::choose(&axis, &kept, false);
+                let accepted: Vec<f64> = values.iter().copied().filter(|v| Kind::of(&axis).accepts(*v)).collect();
+                let e = Extent::choose(&axis, &accepted, false);
                 assert!(e.lo < e.hi && e.fraction(e.hi) == 1.0, "{values:?}: {e:?}");
-                for v in kept {
+                for v in accepted {
                     assert!((0.0..=1.0).contains(&e.fraction(v)), "{v} in {e:?}");
                 }
             }

@@ -8,13 +8,13 @@ use crate::figure::{Axis, Figure, Panel};
 /// stands side by side can be compared by eye. Panels whose axes do not mean the
 /// same, and axes with names or with an extent of their own, stay as they are.
 pub fn share_axes(figures: &mut [Figure]) {
-    let panels = figures.iter().map(|figure| figure.panels.len());
-    for place in 0..panels.min().unwrap_or(0) {
-        let own: Vec<&Panel> = figures.iter().map(|f| &f.panels[place]).collect();
-        let covered: Vec<Coverage> = own.iter().map(|panel| Coverage::of(panel)).collect();
+    let counts = figures.iter().map(|figure| figure.panels.len());
+    for place in 0..counts.min().unwrap_or(0) {
+        let panels: Vec<&Panel> = figures.iter().map(|f| &f.panels[place]).collect();
+        let covered: Vec<Coverage> = panels.iter().map(|panel| Coverage::of(panel)).collect();
         let bars = covered.iter().any(|covered| covered.bars);
-        let x = shared(own.iter().map(|p| &p.x), covered.iter().map(|c| &c.x), false);
-        let y = shared(own.iter().map(|p| &p.y), covered.iter().map(|c| &c.y), bars);
+        let x = shared(panels.iter().map(|p| &p.x), covered.iter().map(|c| &c.x), false);
+        let y = shared(panels.iter().map(|p| &p.y), covered.iter().map(|c| &c.y), bars);
         for figure in figures.iter_mut() {
             let panel = &mut figure.panels[place];
             panel.x.range = x.or(panel.x.range);

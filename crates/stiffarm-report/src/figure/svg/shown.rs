@@ -1,13 +1,13 @@
 //! What the renderer decides of a figure from its data alone, so that another renderer of the same figure decides
 //! nothing a second time: colours, signs beside the colour, and extents of axes.
 
-use super::look::Looks;
 use super::plan::{ColourPlan, natural};
 use super::scale::Extent;
+use super::series_style::SeriesStyles;
 use crate::figure::{Figure, Panel};
 use serde::Serialize;
 
-/// A figure with the looks of its series and the extents of its axes, for another renderer.
+/// A figure with the styles of its series and the extents of its axes, for another renderer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ShownFigure<'a> {
     /// The figure.
@@ -34,12 +34,12 @@ pub struct ShownPanel {
 
 /// A figure with all that is decided of it.
 pub fn shown_figure(figure: &Figure) -> ShownFigure<'_> {
-    let looks = Looks::of(figure);
+    let styles = SeriesStyles::of(figure);
     let ends = |extent: &Extent| [extent.lo, extent.hi];
     let shown = |panel: &Panel| {
         let (x, y, covered) = natural(panel);
         let series = panel.series.iter().map(|series| {
-            let look = looks.look(&series.label, series.style);
+            let look = styles.look(&series.label, series.style);
             (look.colour, look.dash, look.variant)
         });
         ShownPanel {

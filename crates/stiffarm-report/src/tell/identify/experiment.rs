@@ -22,11 +22,9 @@ pub(super) fn states(identified: &Identified) -> Option<Section> {
     );
     let mut row = |name: &str, pooled: Option<&PooledStates>, is_length: bool| {
         let Some(pooled) = pooled else { return };
-        let shown = |number: Number| {
-            if is_length { Text::from(number.mm().decimals(4)) } else { Text::from(number.percent().significant(2)) }
-        };
-        let chance = Number::new(pooled.p_value);
-        let chance = chance.percent().bare().significant(2);
+        let shown =
+            |number: Number| Text::from(number.of(if is_length { Quantity::LENGTH } else { Quantity::PERCENT }));
+        let chance = Number::new(pooled.p_value).of(Quantity::PERCENT.bare());
         table.row(name, [shown(Number::new(pooled.value)), shown(Number::new(pooled.standard_error)), chance.into()]);
     };
     row("offset at zero load (lost motion)", states.offset.as_ref(), true);

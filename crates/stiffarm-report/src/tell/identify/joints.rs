@@ -3,7 +3,7 @@
 use crate::identified::StiffnessRow;
 use crate::level::level;
 use crate::tell::{DataTable, Given, Number, Outcome, Quantity, Text};
-use stiffarm::estimate::identify::{Estimates, JointEstimate, NO_LONGER, Verdict, WELL_KNOWN};
+use stiffarm::estimate::identify::{Estimates, JointEstimate, LARGEST_HALF_WIDTH, Verdict, WELL_KNOWN_HALF_WIDTH};
 use stiffarm::estimate::systematic::{JointUncertainty, SystematicErrors};
 use stiffarm::findings::{list, visible};
 
@@ -88,7 +88,7 @@ impl<'a> Joints<'a> {
     /// The table to read first.
     pub fn key(&self) -> DataTable {
         let with = self.systematic_errors.is_some();
-        let limit = format!("of at most {:.0} %", 100.0 * WELL_KNOWN);
+        let limit = format!("of at most {:.0} %", 100.0 * WELL_KNOWN_HALF_WIDTH);
         let meant = match (self.unusable, with) {
             (true, _) => "from the data as they are".to_string(),
             (false, true) => format!("known means a total ± {limit}"),
@@ -111,7 +111,7 @@ impl<'a> Joints<'a> {
         DataTable::of(caption, "joint", self.row_names())
             .numbers("k", Quantity::STIFFNESS, |j| Some(Number::new(self.all()[j].stiffness)))
             .numbers(total, Quantity::PERCENT, |j| {
-                let half = self.all()[j].half_width.filter(|half| *half < NO_LONGER);
+                let half = self.all()[j].half_width.filter(|half| *half < LARGEST_HALF_WIDTH);
                 half.filter(|_| usable(j)).map(|_| self.total(j))
             })
             .numbers("± readings", Quantity::PERCENT, |j| part(j, |uncertainty| uncertainty.statistical))

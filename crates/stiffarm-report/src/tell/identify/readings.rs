@@ -94,7 +94,7 @@ fn checks(readings: &Reduced) -> DataTable {
         "What the readings say of the measurement itself",
         ["check", "found [mm]", "by noise alone [mm]", "what it means"],
     );
-    let mm = |length: f64| Text::from(Number::new(length).mm().bare().decimals(4));
+    let mm = |length: f64| Text::from(Number::new(length).of(Quantity::LENGTH.bare()));
     let reduction = &readings.reduction;
     if let Some(registration) = &reduction.registration {
         let left: Vec<String> =

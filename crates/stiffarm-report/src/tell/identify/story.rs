@@ -9,7 +9,7 @@ use crate::order::in_order;
 use crate::tell::{Number, Quantity, Text};
 use stiffarm::ask::identify::{Identified, IdentifiedOptions};
 use stiffarm::estimate::diagnose::{Agreement, Diagnosis, OutlierKind};
-use stiffarm::estimate::identify::{NoiseSource, Verdict, WELL_KNOWN, Weights};
+use stiffarm::estimate::identify::{NoiseSource, Verdict, WELL_KNOWN_HALF_WIDTH, Weights};
 use stiffarm::findings::{Finding, Severity, list, visible};
 
 /// Joints without a ± whose bounds are said, and not left to the table.
@@ -63,7 +63,7 @@ pub(super) fn conclusion(options: &IdentifiedOptions, joints: &Joints<'_>, ident
         freed => format!(" With it these readings gave {}.", visible(&list(freed))),
     };
     let text = residual(certainty.words(freed), options, identified);
-    let mm = |length: Option<f64>| Number::new(length).mm().decimals(3);
+    let mm = |length: Option<f64>| Number::new(length).of(Quantity::LENGTH);
     match identified.elastic.as_ref().filter(|elastic| elastic.is_better()) {
         Some(elastic) => text
             .words(" A posture that took no part is missed by ")
@@ -109,7 +109,7 @@ pub(super) fn certainty(joints: &Joints<'_>) -> Text {
     };
     let weak = joints.of(|verdict| verdict == Verdict::Weak);
     if !weak.is_empty() {
-        text = text.words(format!(" Weak, above ± {:.0} %: {}.", 100.0 * WELL_KNOWN, joints.names(&weak)));
+        text = text.words(format!(" Weak, above ± {:.0} %: {}.", 100.0 * WELL_KNOWN_HALF_WIDTH, joints.names(&weak)));
     }
     let wide = joints.of(is_wide);
     if wide.len() > MOST_NAMED {
@@ -318,6 +318,6 @@ pub(super) fn next(options: &IdentifiedOptions, joints: &Joints<'_>, identified:
 
 /// The angles of the next posture.
 pub(super) fn angles(text: Text, angles: &[f64]) -> Text {
-    let angles = angles.iter().map(|q| Number::degrees(*q).decimals(2));
+    let angles = angles.iter().map(|q| Number::degrees(*q).of(Quantity::ANGLE.bare()));
     text.words("(").numbers(angles).words(")°")
 }

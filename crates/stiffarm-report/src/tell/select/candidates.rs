@@ -2,14 +2,14 @@
 
 use super::super::postures::{FEW, name_of, posture_table};
 use super::super::worth::{Worth, index_number, worth_sections};
-use crate::tell::{Block, DataTable, Given, Number, Section, Telling, Text, Told, counted, with_stopped};
-use stiffarm::ask::select::{Asked, Chosen};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, counted, with_stopped};
+use stiffarm::ask::select::{Chosen, SelectResultOptions};
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::{Result, Termination};
 
-impl Telling<Asked> for Chosen {
-    fn told(&self, options: &Asked, context: &Given<'_>) -> Result<Told> {
+impl Telling<SelectResultOptions> for Chosen {
+    fn told(&self, options: &SelectResultOptions, context: &Given<'_>) -> Result<Told> {
         let mut chosen = self.clone();
         chosen.selection.evaluation.name = "chosen postures".to_string();
         let selection = &chosen.selection;
@@ -29,7 +29,7 @@ impl Telling<Asked> for Chosen {
                 .words(format!(" No choice of as many candidates can be {side} "))
                 .number(index_number(index, selection.bound))
                 .words(": this one reaches ")
-                .number(Number::new(selection.efficiency).percent().decimals(1))
+                .number(Number::new(selection.efficiency).of(Quantity::SHARE))
                 .words(" of what is possible.");
         }
         if !selection.forbidden.is_empty() {

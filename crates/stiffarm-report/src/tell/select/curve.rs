@@ -2,9 +2,7 @@
 
 use super::super::worth::{index_number, index_quantity};
 use crate::selection::{CountPoint, count_figure};
-use crate::tell::{
-    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, counted, with_stopped,
-};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, counted, with_stopped};
 use stiffarm::Result;
 use stiffarm::ask::select::{Curve, CurveSize};
 use stiffarm::findings::visible;
@@ -54,7 +52,6 @@ impl<O> Telling<O> for Curve {
             }
         };
         let rows = sizes.iter().map(|size| size.point.postures.to_string());
-        let share = Quantity::new("%", 100.0, Form::Decimals(1));
         let mut key = DataTable::of("Best plan found for each number of postures", "postures", rows).numbers(
             &index.in_words(),
             index_quantity(index),
@@ -65,9 +62,9 @@ impl<O> Telling<O> for Curve {
             key = key.numbers("expected error", errors, |s| Some(Number::new(sizes[s].point.expected_error)));
         }
         let key = key
-            .numbers("one more gains", share, |s| Some(Number::new(sizes[s].gain)))
+            .numbers("one more gains", Quantity::SHARE, |s| Some(Number::new(sizes[s].gain)))
             .numbers("no plan below", index_quantity(index), |s| Some(Number::new(sizes[s].bound)))
-            .numbers("of what is possible", share, |s| Some(Number::new(sizes[s].efficiency)));
+            .numbers("of what is possible", Quantity::SHARE, |s| Some(Number::new(sizes[s].efficiency)));
         let points = sizes.iter().map(|size| CountPoint {
             postures: size.point.postures,
             value: size.point.value,

@@ -5,7 +5,7 @@ use super::super::worth::index_quantity;
 use crate::selection::sensitivity_figure;
 use crate::tell::{Block, DataTable, Number, Quantity, Section, Text, shown};
 use stiffarm::Termination;
-use stiffarm::ask::select::{Asked, Plan};
+use stiffarm::ask::select::{Plan, SelectResultOptions};
 use stiffarm::findings::{list, visible};
 use stiffarm::plan::select::{LimitPrice, Sensitivity, Spread, WORTH_CHANGING};
 
@@ -72,9 +72,9 @@ pub(super) fn price_table(plan: &Plan, prices: &[LimitPrice]) -> DataTable {
 }
 
 /// The load that was chosen together with the postures, as lines of the cell file.
-pub(super) fn load_section(options: &Asked, plan: &Plan) -> Option<Section> {
+pub(super) fn load_section(options: &SelectResultOptions, plan: &Plan) -> Option<Section> {
     let load = plan.selection.load.as_ref()?;
-    let select_options = &options.asked;
+    let select_options = &options.select;
     // A tenth of a millimetre is finer than anybody rigs a rope.
     let point = |m: [f64; 3]| {
         let digits = m.map(|m| coarse(m).digits());

@@ -3,7 +3,7 @@
 use super::super::postures::name_of;
 use super::super::worth::{index_number, index_quantity};
 use crate::selection::worth_figure;
-use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, shown};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, shown};
 use stiffarm::Result;
 use stiffarm::ask::select::DropResult;
 use stiffarm::findings::list;
@@ -43,10 +43,9 @@ impl<O> Telling<O> for DropResult {
         let rows = worth.iter();
         let rows = rows.map(|value| name_of(&result.posture_names, value.posture));
         let without = format!("{} without it", index.in_words());
-        let loss = Quantity::new("%", 100.0, Form::Decimals(2));
         let key = DataTable::of("What is lost without one posture, the least first", "posture", rows)
             .numbers(&without, index_quantity(index), |v| Some(Number::new(worth[v].value)))
-            .numbers("loss", loss, |v| Some(Number::new(worth[v].loss)))
+            .numbers("loss", Quantity::DEVIATION, |v| Some(Number::new(worth[v].loss)))
             .words("verdict", |v| match worth[v].loss {
                 _ if dropped.dropped.contains(&worth[v].posture) => Text::default().strong("leave out"),
                 None => "needed: a joint is undetermined without it".into(),

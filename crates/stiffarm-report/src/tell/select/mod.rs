@@ -11,17 +11,17 @@ mod story;
 use crate::tell::{Told, WithCell, of_saved};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
-use stiffarm::ask::select::{Asked, Chosen, Curve, DropResult, Mode, Plan, SpaceFillingPlan};
+use stiffarm::ask::select::{Chosen, Curve, DropResult, Mode, Plan, SelectResultOptions, SpaceFillingPlan};
 use stiffarm::{Code, Error, Result};
 
 /// What a result says of `select`.
 pub(super) fn summary(with: &WithCell<'_>) -> Result<Told> {
     match Mode::deserialize(&with.saved.json["options"]["mode"]) {
-        Ok(Mode::Global | Mode::From | Mode::Add) => of_saved::<Plan, Asked>(with),
+        Ok(Mode::Global | Mode::From | Mode::Add) => of_saved::<Plan, SelectResultOptions>(with),
         Ok(Mode::Drop) => of_saved::<DropResult, IgnoredAny>(with),
         Ok(Mode::Curve) => of_saved::<Curve, IgnoredAny>(with),
-        Ok(Mode::SpaceFilling) => of_saved::<SpaceFillingPlan, Asked>(with),
-        Ok(Mode::Candidates) => of_saved::<Chosen, Asked>(with),
+        Ok(Mode::SpaceFilling) => of_saved::<SpaceFillingPlan, SelectResultOptions>(with),
+        Ok(Mode::Candidates) => of_saved::<Chosen, SelectResultOptions>(with),
         Err(_) => {
             let message = "This result of `select` does not say how it was made.";
             Err(Error::new(Code::ResultFile, message).file(&with.saved.name).key("options.mode"))

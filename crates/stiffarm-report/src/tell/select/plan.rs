@@ -5,15 +5,15 @@ use super::super::worth::{UNSURE, Worth, is_beyond_first_order, joint_table, wor
 use super::{details, story};
 use crate::selection::{convergence_figure, price_figure};
 use crate::tell::{Block, Given, Section, Telling, Told, with_stopped};
-use stiffarm::ask::select::{Asked, Plan};
+use stiffarm::ask::select::{Plan, SelectResultOptions};
 use stiffarm::findings::Finding;
 use stiffarm::model::elastic::ElasticSource;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::Index;
 use stiffarm::{Result, Termination};
 
-impl Telling<Asked> for Plan {
-    fn told(&self, options: &Asked, context: &Given<'_>) -> Result<Told> {
+impl Telling<SelectResultOptions> for Plan {
+    fn told(&self, options: &SelectResultOptions, context: &Given<'_>) -> Result<Told> {
         let mut plan = self.clone();
         plan.evaluation.name =
             if plan.given_names.is_empty() { "the plan".to_string() } else { "given and new".to_string() };
@@ -65,8 +65,8 @@ impl Telling<Asked> for Plan {
             (true, _) => format!("Plan of {}", story::counted(&plan)),
         };
         let optional_parts = [
-            ("sensitivity", options.asked.sensitivity, plan.sensitivity.is_some()),
-            ("prices", options.asked.prices, plan.prices.is_some()),
+            ("sensitivity", options.select.sensitivity, plan.sensitivity.is_some()),
+            ("prices", options.select.prices, plan.prices.is_some()),
         ];
         // What was asked for and is not there, with nothing that says why.
         let left_out = optional_parts.into_iter().filter(|(_, wanted, there)| *wanted && !there);
@@ -153,7 +153,7 @@ fn search_section(plan: &Plan) -> Option<Section> {
     Some(if doubtful { section.in_summary() } else { section })
 }
 
-fn limit_section(options: &Asked, context: &Given<'_>, plan: &Plan) -> Option<Section> {
+fn limit_section(options: &SelectResultOptions, context: &Given<'_>, plan: &Plan) -> Option<Section> {
     let mut blocks = Vec::new();
     let priced = plan.prices.as_ref().filter(|prices| !prices.is_empty());
     if let Some(prices) = priced {
@@ -163,7 +163,7 @@ fn limit_section(options: &Asked, context: &Given<'_>, plan: &Plan) -> Option<Se
             "Each row is a search of its own; a difference of a few tenths of a per cent may be its luck.".into(),
         ));
     }
-    if plan.prices.is_none() && options.asked.prices {
+    if plan.prices.is_none() && options.select.prices {
         blocks.push(Block::Text("What each limit costs is not known: the search was stopped before.".into()));
     }
     let limits = &plan.selection.limits;

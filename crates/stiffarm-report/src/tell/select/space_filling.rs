@@ -1,15 +1,15 @@
 //! `--space-filling`: postures that cover the joint space evenly, as a baseline.
 
-use super::super::postures::{near_singular, posture_table, room, route_section};
+use super::super::postures::{near_singular, posture_table, route_section};
 use super::super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
-use crate::tell::{Block, Given, Number, Telling, Text, Told, counted, shown, with_stopped};
-use stiffarm::ask::select::{Asked, SpaceFillingPlan};
+use crate::tell::{Block, Given, Number, Quantity, Telling, Text, Told, counted, shown, with_stopped};
+use stiffarm::ask::select::{SelectResultOptions, SpaceFillingPlan};
 use stiffarm::findings::list;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::{Result, Termination};
 
-impl Telling<Asked> for SpaceFillingPlan {
-    fn told(&self, options: &Asked, context: &Given<'_>) -> Result<Told> {
+impl Telling<SelectResultOptions> for SpaceFillingPlan {
+    fn told(&self, options: &SelectResultOptions, context: &Given<'_>) -> Result<Told> {
         let result = self;
         let evaluation = &result.evaluation;
         let mut done = Text::new(format!(
@@ -24,7 +24,7 @@ impl Telling<Asked> for SpaceFillingPlan {
         }
         done = done.words(".");
         if let Some(margin) = result.smallest_margin_m {
-            let margin = room(Number::new(margin));
+            let margin = Number::new(margin).of(Quantity::PLACE);
             done = done.words(" The smallest margin to the cell's limits is ").number(margin).words(".");
         }
         if result.termination == Termination::Interrupted {
@@ -37,7 +37,7 @@ impl Telling<Asked> for SpaceFillingPlan {
             let text = Text::new(
                 "The joint stiffness can be expected with a relative standard error (RMS over the joints) of ",
             )
-            .number(Number::new(error).percent().significant(3))
+            .number(Number::new(error).of(Quantity::PERCENT.digits(3)))
             .words(".");
             text.then(least_sure(evaluation, &result.joints))
         } else {

@@ -1,9 +1,9 @@
 //! The story of a plan in three sentences.
 
 use super::super::worth::{index_number, is_beyond_first_order, least_sure};
-use crate::tell::{Given, Number, Text};
+use crate::tell::{Given, Number, Quantity, Text};
 use stiffarm::Termination;
-use stiffarm::ask::select::{Asked, InTime, Mode, Plan};
+use stiffarm::ask::select::{InTime, Mode, Plan, SelectResultOptions};
 use stiffarm::findings::{Severity, codes, minutes, visible};
 use stiffarm::model::cell::MeasuringTime;
 use stiffarm::plan::index::Index;
@@ -13,7 +13,7 @@ use stiffarm::plan::select::different;
 const WORTH_SEARCHING: f64 = 0.9;
 
 /// What was done, what came out, what to do next.
-pub(super) fn verdict(options: &Asked, context: &Given<'_>, plan: &Plan) -> [Text; 3] {
+pub(super) fn verdict(options: &SelectResultOptions, context: &Given<'_>, plan: &Plan) -> [Text; 3] {
     [done(options, plan), conclusion(context, plan), next(plan)]
 }
 
@@ -35,7 +35,7 @@ fn on_limits(plan: &Plan) -> String {
     findings.map(|f| format!(" {}", visible(&f.sentence))).collect()
 }
 
-fn done(options: &Asked, plan: &Plan) -> Text {
+fn done(options: &SelectResultOptions, plan: &Plan) -> Text {
     let count = plan.selection.group.len();
     let were = if count == 1 { "was" } else { "were" };
     if options.mode == Mode::From {
@@ -146,7 +146,7 @@ fn conclusion(context: &Given<'_>, plan: &Plan) -> Text {
             text.words(".")
         } else {
             text.words(": this one reaches ")
-                .number(Number::new(efficiency).percent().decimals(1))
+                .number(Number::new(efficiency).of(Quantity::SHARE))
                 .words(" of what is possible.")
         };
     }

@@ -1,20 +1,17 @@
 //! `simulate --elastic`: an arm that gives way beyond its joint axes.
 
-use super::{DEVIATION, cell_section, stopped};
+use super::{cell_section, stopped};
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::order::places;
-use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, with_stopped};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, with_stopped};
 use stiffarm::Result;
 use stiffarm::estimate::simulate::{ElasticGroup, ElasticLevel, ElasticModelOutcome, ElasticSimulation};
 use stiffarm::findings::visible;
 use stiffarm::model::elastic::ElasticClass;
 use stiffarm::model::posture::PostureGroup;
 
-/// Shares, from a fraction.
-const SHARE: Quantity = Quantity::new("%", 100.0, Form::Decimals(1));
-
-/// A number of runs.
-const COUNT: Quantity = Quantity::new("", 1.0, Form::Decimals(0));
+/// Errors of predicted deflections, from m.
+const PREDICTED: Quantity = Quantity::LENGTH.digits(3);
 
 impl<O> Telling<O> for ElasticSimulation {
     fn told(&self, _options: &O, context: &Given<'_>) -> Result<Told> {
@@ -79,7 +76,7 @@ fn conclusion(result: &ElasticSimulation, best: Option<(&ElasticGroup, &ElasticL
     let Some((group, level)) = best else {
         return Text::new("There are no runs.");
     };
-    let mm = |length: f64| Number::new(length).mm().significant(3);
+    let mm = |length: f64| Number::new(length).of(PREDICTED);
     let from = match result.groups.len() {
         1 => "From ",
         _ => "From the best group, ",
@@ -104,7 +101,7 @@ fn conclusion(result: &ElasticSimulation, best: Option<(&ElasticGroup, &ElasticL
 fn held(level: &ElasticLevel) -> Text {
     let share = |model: &ElasticModelOutcome| {
         let share = Number::computed(model.mean_interval_share()?);
-        Some(share.of(SHARE))
+        Some(share.of(Quantity::SHARE))
     };
     let mixed = level.mixed.as_ref().and_then(share);
     let (Some(axes), Some(mixed)) = (share(&level.axes), mixed) else {
@@ -149,9 +146,14 @@ fn rows(result: &ElasticSimulation) -> impl Iterator<Item = (String, &ElasticLev
     })
 }
 
+/// What every elastic simulation says of its groups: errors of predictions, and how often bands and intervals hold.
+pub(in crate::tell) fn tables(result: &ElasticSimulation) -> [DataTable; 2] {
+    [errors(result), shares(result)]
+}
+
 fn errors(result: &ElasticSimulation) -> DataTable {
     let rows: Vec<(String, &ElasticLevel)> = rows(result).collect();
-    let mm = |length: f64| Number::new(length).of(Quantity::LENGTH.digits(3).bare());
+    let mm = |length: f64| Number::new(length).of(PREDICTED.bare());
     let both = |model: &ElasticModelOutcome| {
         let error = mm(model.prediction_standard_error_m);
         Text::from(mm(model.prediction_rms_m)).words(" ").number(error.significant(2).plus_minus())
@@ -184,13 +186,15 @@ fn shares(result: &ElasticSimulation) -> DataTable {
         rows.iter().map(|row| row.0.clone()),
     );
     for (name, of) in models {
-        table = table.numbers(&format!("bands: {name}"), SHARE, |row| of(rows[row].1)?.band_share.map(Number::new));
+        table = table
+            .numbers(&format!("bands: {name}"), Quantity::SHARE, |row| of(rows[row].1)?.band_share.map(Number::new));
     }
     for (name, of) in models {
-        table = table
-            .numbers(&format!("k: {name}"), SHARE, |row| of(rows[row].1)?.mean_interval_share().map(Number::computed));
+        table = table.numbers(&format!("k: {name}"), Quantity::SHARE, |row| {
+            of(rows[row].1)?.mean_interval_share().map(Number::computed)
+        });
     }
-    table.numbers("runs without mixed model", COUNT, |row| {
+    table.numbers("runs without mixed model", Quantity::COUNT, |row| {
         let without = rows[row].1.without_mixed;
         (without > 0).then(|| Number::count(without))
     })
@@ -205,9 +209,11 @@ fn joints(names: &[String], level: &ElasticLevel) -> DataTable {
     for (model, outcome) in models {
         let Some(outcome) = outcome else { continue };
         table = table
-            .numbers(&format!("{model}: median"), DEVIATION, |j| Some(Number::new(outcome.median_deviation[j])))
-            .numbers(&format!("{model}: mean"), DEVIATION, |j| Some(Number::new(outcome.mean_deviation[j])))
-            .numbers(&format!("{model}: k holds"), SHARE, |j| outcome.interval_share[j].map(Number::new));
+            .numbers(&format!("{model}: median"), Quantity::DEVIATION, |j| {
+                Some(Number::new(outcome.median_deviation[j]))
+            })
+            .numbers(&format!("{model}: mean"), Quantity::DEVIATION, |j| Some(Number::new(outcome.mean_deviation[j])))
+            .numbers(&format!("{model}: k holds"), Quantity::SHARE, |j| outcome.interval_share[j].map(Number::new));
     }
     table
 }

@@ -2,10 +2,12 @@
 
 mod elastic;
 
+pub(super) use elastic::tables as elastic_tables;
+
 use super::worth::UNSURE;
 use crate::selection::deviation_by_noise_figure;
 use crate::tell::{
-    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, WithCell, of_saved, with_stopped,
+    Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, WithCell, of_saved, with_stopped,
 };
 use serde::de::IgnoredAny;
 use stiffarm::Result;
@@ -16,9 +18,6 @@ use stiffarm::model::posture::PostureGroup;
 
 /// Most groups of which the table has the closed form beside the runs.
 const SIDE_BY_SIDE: usize = 3;
-
-/// Deviations, from a fraction.
-const DEVIATION: Quantity = Quantity::new("%", 100.0, Form::Decimals(2));
 
 /// What a result says of `simulate`.
 pub(super) fn summary(with: &WithCell<'_>) -> Result<Told> {
@@ -141,7 +140,7 @@ fn conclusion(has_errors: bool, joints: &[String], shown: &[Shown<'_>], best: Op
     };
     let (joint, _) = worst(best);
     let (deviation, error) = typical(best.level, joint);
-    let percent = |value: f64| Number::new(value).percent().significant(3);
+    let percent = |value: f64| Number::new(value).of(Quantity::DEVIATION);
     let mut text = match shown.len() {
         1 => Text::new("The stiffness that comes out worst, of "),
         _ => Text::default().strong(best.name.clone()).words(" does best: the stiffness that comes out worst, of "),
@@ -150,7 +149,7 @@ fn conclusion(has_errors: bool, joints: &[String], shown: &[Shown<'_>], best: Op
     text = text.words(", deviates from the truth by ").number(percent(deviation));
     text = match error {
         None => text.words(" (median)"),
-        Some(error) => text.words(" ").number(percent(error).significant(2).plus_minus()).words(" on average"),
+        Some(error) => text.words(" ").number(percent(error).plus_minus()).words(" on average"),
     };
     text = text.words(if (best.level.variance_factor - 1.0).abs() < 1e-12 {
         " at the cell's own noise".to_string()
@@ -205,7 +204,7 @@ fn key(has_errors: bool, joints: &[String], shown: &[Shown<'_>]) -> DataTable {
     let names = names.chain([Text::default().strong("mean")]);
     let mut table = DataTable::of(caption, "joint", names);
     for group in shown {
-        let number = |value: f64| Number::new(value).of(DEVIATION.bare());
+        let number = |value: f64| Number::new(value).of(Quantity::DEVIATION.bare());
         table = table.words(format!("{} [%]", group.name), |row| {
             if row == joints.len() {
                 return if is_beyond(group.level) { Text::default() } else { mean(&group.level.mean_deviation).into() };
@@ -232,7 +231,7 @@ fn key(has_errors: bool, joints: &[String], shown: &[Shown<'_>]) -> DataTable {
 
 fn mean(values: &[f64]) -> Number {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
-    Number::computed(mean).of(DEVIATION.bare())
+    Number::computed(mean).of(Quantity::DEVIATION.bare())
 }
 
 /// Every level of a group.
@@ -253,7 +252,7 @@ fn levels(context: &Given<'_>, joints: &[String], group: &GroupSimulation) -> Da
         .numbers("noise", Quantity::LENGTH, |row| Some(Number::computed(noise? * level(row).variance_factor.sqrt())));
     for (j, joint) in joints.iter().enumerate() {
         table = table.words(joint.clone(), |row| {
-            let number = |all: &[f64]| Number::new(all[j]).of(DEVIATION.bare());
+            let number = |all: &[f64]| Number::new(all[j]).of(Quantity::DEVIATION.bare());
             let text = Text::from(number(kinds[row % count].1(level(row))));
             match row % count {
                 0 => text.words(" ").number(number(&level(row).standard_error).plus_minus()),

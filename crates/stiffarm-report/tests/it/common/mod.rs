@@ -1,4 +1,4 @@
-//! What several subjects share.
+//! Cells, results and pages that several subjects share.
 
 use serde_json::{Value, json};
 use std::collections::HashSet;
@@ -63,9 +63,9 @@ pub fn exchange(readings: &mut ReadingTable) {
 pub fn identified(cell: &Cell, measured: &Measured) -> Value {
     let fit = Fit::new(cell, measured, &IdentifyOptions::default()).unwrap();
     let control = Control { stop: Some(&|| true), ..Control::default() };
-    let mut found = Identified::new(&fit, &IdentifiedOptions::default(), control).unwrap();
-    (found.profile, found.not_computed) = (None, Vec::new());
-    json!(found)
+    let mut identified = Identified::new(&fit, &IdentifiedOptions::default(), control).unwrap();
+    (identified.profile, identified.not_computed) = (None, Vec::new());
+    json!(identified)
 }
 
 /// What `identify` makes of good readings of the default cell.
@@ -89,6 +89,11 @@ pub fn saved_with(command: &str, options: Value, result: Value) -> SavedResult {
         "options": options, "result": result
     });
     SavedResult::of(&envelope, "result").unwrap()
+}
+
+/// The three sentences of a verdict, a line each.
+pub fn story(verdict: &[Text; 3]) -> String {
+    verdict.each_ref().map(Text::plain).join("\n")
 }
 
 /// How many numbers of the page are those of the file; every one stands there, to the last bit.

@@ -1,9 +1,9 @@
-//! Pages of saved results.
+//! Pages of saved results hold their numbers, figures and scenes.
 
 mod groups;
 mod plans;
 
-use crate::common::{numbers_of_the_file, saved_with};
+use crate::common::{self, numbers_of_the_file, saved_with};
 use serde_json::{Value, json};
 use stiffarm::estimate::simulate::ModelErrors;
 use stiffarm::model::cell::Cell;
@@ -29,10 +29,14 @@ fn page(saved: &SavedResult, cell: Option<&Cell>) -> Page {
     page
 }
 
-/// The three sentences of the story.
-fn story(page: &Page) -> [String; 3] {
-    let [done, came, next] = &page.parts[0].verdict;
-    [done.plain(), came.plain(), next.plain()]
+/// The three sentences of the story, a line each.
+fn story(page: &Page) -> String {
+    common::story(&page.parts[0].verdict)
+}
+
+/// Scenes in the markup of the page.
+fn scenes(page: &Page) -> usize {
+    html(page).matches("<div class=\"scene\"").count()
 }
 
 /// The figures of the page by their names.

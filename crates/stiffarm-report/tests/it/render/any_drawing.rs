@@ -1,4 +1,4 @@
-//! Drawings of any content.
+//! Drawings of any content are drawn as sound SVG.
 
 use super::*;
 use stiffarm_report::figure::drawing::{Drawing, KeyEntry, Label, Mark, Note, Sample, Shape, Tone, View};

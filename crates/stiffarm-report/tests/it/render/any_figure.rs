@@ -1,4 +1,4 @@
-//! Figures of any content.
+//! Figures of any content are drawn as sound SVG.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Pictures for papers and for screens.
+//! A picture has the layout of its medium: sizes on paper, what can be clicked on a screen.
 
 use super::{number, panel, texts};
 use roxmltree::{Document, Node};

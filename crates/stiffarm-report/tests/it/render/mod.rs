@@ -1,4 +1,4 @@
-//! Properties every rendered figure has, whatever its data.
+//! Every rendered figure is sound SVG with all its text inside, whatever its data.
 
 mod any_drawing;
 mod any_figure;
@@ -217,9 +217,9 @@ fn a_landmark_looks_like_no_data() {
         strokes.collect()
     };
     let used = strokes(&data);
-    let own: Vec<String> = strokes(&both).into_iter().filter(|s| !used.contains(s)).collect();
+    let landmark: Vec<String> = strokes(&both).into_iter().filter(|s| !used.contains(s)).collect();
     // Square and cross, in the panel and in the legend.
-    assert_eq!(own, vec!["#4a4a4a"; 4]);
+    assert_eq!(landmark, vec!["#4a4a4a"; 4]);
     assert!(!data.contains("#4a4a4a"));
 }
 
@@ -244,8 +244,8 @@ fn bands_are_areas_and_strokes_are_pieces() {
     check(&svg);
     let document = Document::parse(&svg).unwrap();
     let path = |wanted: &dyn Fn(&Node) -> bool| {
-        let mut found = document.descendants().filter(|n| n.has_tag_name("path") && wanted(n));
-        found.next().unwrap().attribute("d").unwrap().to_string()
+        let mut paths = document.descendants().filter(|n| n.has_tag_name("path") && wanted(n));
+        paths.next().unwrap().attribute("d").unwrap().to_string()
     };
     let area = path(&|n| n.attribute("fill-opacity").is_some());
     assert_eq!((area.matches('L').count(), area.matches('M').count()), (5, 1));

@@ -1,4 +1,4 @@
-//! Maps in a panel.
+//! A map in a panel covers it with cells of equal size, coloured by their values.
 
 use super::*;
 
@@ -51,8 +51,8 @@ fn a_map_covers_its_panel_with_cells_of_equal_size() {
     let total: f64 = sizes.iter().sum();
     let mut shares: Vec<f64> = sizes.iter().map(|s| 40.0 * s / total).collect();
     shares.sort_by(f64::total_cmp);
-    for (found, expected) in shares.iter().zip([1.0, 16.0, 23.0]) {
-        assert!((found - expected).abs() < 0.05, "{shares:?}");
+    for (share, expected) in shares.iter().zip([1.0, 16.0, 23.0]) {
+        assert!((share - expected).abs() < 0.05, "{shares:?}");
     }
     // Cells of one colour in a row are one rectangle: 2 whole rows of 1, the row with the gap as 2.
     let mut counts: Vec<usize> = looks.iter().map(Vec::len).collect();

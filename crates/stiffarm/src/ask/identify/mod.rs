@@ -1,6 +1,6 @@
 //! All that `identify` says of a measurement: estimates, and how far to trust them.
 
-mod examined;
+mod examination;
 
 use crate::ask::fit::FitOptions;
 use crate::ask::rules::{NotWith, changed_options, refuse};
@@ -18,7 +18,7 @@ use crate::estimate::identify::{
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::next_posture::{NextPosture, next_posture};
 use crate::estimate::saved::{Sealed, SeenLoad, flange_of, once};
-use crate::estimate::setup::{self, Freed};
+use crate::estimate::setup::{self, FreedQuantity};
 use crate::estimate::systematic::SystematicErrors;
 use crate::findings::Finding;
 use crate::measure::Measured;
@@ -27,7 +27,7 @@ use crate::measure::screening::Screening;
 use crate::model::robot::Robot;
 use crate::numerics::control::Control;
 use crate::plan::select::GlobalOptions;
-use examined::{Examined, unless_stopped, widened};
+use examination::{Examination, unless_stopped, widened};
 use serde::{Deserialize, Serialize};
 
 /// Rounds of the search for the next posture: one posture is soon found.
@@ -129,7 +129,7 @@ pub struct Identified {
     pub readings: Option<Reduced>,
     /// What was identified of the set-up beside the stiffness, on purpose.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub freed: Vec<Freed>,
+    pub freed: Vec<FreedQuantity>,
     /// What is suspicious about the scales of a table of displacements; for raw readings
     /// it stands in `readings`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -255,8 +255,8 @@ impl Identified {
             None => None,
         };
         let examined = match options.brief {
-            true => Examined::default(),
-            false => Examined::new(fit, mixed.as_ref(), freed.is_empty(), &mut left_out)?,
+            true => Examination::default(),
+            false => Examination::new(fit, mixed.as_ref(), freed.is_empty(), &mut left_out)?,
         };
         let of_axes = mixed.is_some().then(|| {
             let axis_joints = axes.estimates.joints.clone();

@@ -1,6 +1,6 @@
 //! The best postures out of a list.
 
-use super::kinds::{Asked, Mode, Planned};
+use super::kinds::{Mode, Planned, SelectResultOptions};
 use super::options::{SelectInputs, SelectOptions};
 use crate::error::Result;
 use crate::estimate::forecast::add_forecast;
@@ -83,7 +83,7 @@ pub fn plan_candidates(
     };
     Ok(Planned {
         result,
-        options: Asked::new(Mode::Candidates, options, &cell),
+        options: SelectResultOptions::new(Mode::Candidates, options, &cell),
         seed: Some(options.seed()),
         cell,
         postures,

@@ -1,7 +1,7 @@
 //! The best value for each number of postures, and what one more gains.
 
 use super::bounds::{FEWEST_PREDICTING, unless_failed};
-use super::kinds::{Asked, Mode, Planned, Stage};
+use super::kinds::{Mode, Planned, SelectResultOptions, Stage};
 use super::options::{SelectInputs, SelectOptions};
 use crate::error::{Code, Result};
 use crate::findings::Finding;
@@ -86,7 +86,7 @@ pub fn plan_curve(
     };
     Ok(Planned {
         result,
-        options: Asked::new(Mode::Curve, options, &cell),
+        options: SelectResultOptions::new(Mode::Curve, options, &cell),
         seed: Some(options.seed()),
         cell,
         postures: Vec::new(),

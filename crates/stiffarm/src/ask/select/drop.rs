@@ -1,6 +1,6 @@
 //! Which given postures are least worth their measuring time.
 
-use super::kinds::{Asked, Mode, Planned};
+use super::kinds::{Mode, Planned, SelectResultOptions};
 use super::options::{SelectInputs, SelectOptions};
 use crate::error::{Code, Result};
 use crate::findings::Finding;
@@ -54,5 +54,5 @@ pub fn plan_drop(
         dropped,
         findings,
     };
-    Ok(Planned { result, options: Asked::new(Mode::Drop, options, &cell), seed: None, cell, postures })
+    Ok(Planned { result, options: SelectResultOptions::new(Mode::Drop, options, &cell), seed: None, cell, postures })
 }

@@ -62,7 +62,7 @@ pub(super) fn in_time(
     }
     let options = GlobalOptions { rounds: Some(global.rounds.unwrap_or(ROUNDS).min(ROUNDS)), ..global.clone() };
     let model = (ways.len() > 1).then(|| PredictionModel::of_cell(&cell)).transpose()?;
-    let mut candidates: Vec<(InTime, Way)> = Vec::new();
+    let mut candidates: Vec<(InTime, Loading)> = Vec::new();
     for way in ways {
         let (Some(model), load) = (&model, &way.cell.setup.load) else {
             continue;
@@ -100,7 +100,7 @@ pub(super) fn in_time(
 }
 
 /// A way to load the arm.
-struct Way {
+struct Loading {
     /// The cell under these loads alone.
     cell: Cell,
     further_mass_kg: Option<f64>,
@@ -108,11 +108,11 @@ struct Way {
 
 /// The ways to load the arm that determine what all loads of the cell determine: choices of its load cases, in their
 /// order; or its only load, alone and with a weight as heavy as it pulls.
-fn ways(cell: &Cell) -> Vec<Way> {
+fn ways(cell: &Cell) -> Vec<Loading> {
     let under = |load: Load, further_mass_kg: Option<f64>| {
         let mut cell = cell.clone();
         cell.setup.load = load;
-        Way { cell, further_mass_kg }
+        Loading { cell, further_mass_kg }
     };
     let cases = cell.setup.load.cases();
     let count = cases.len();
@@ -124,7 +124,7 @@ fn ways(cell: &Cell) -> Vec<Way> {
         alone.chain((2..=count).map(|up_to| (0..up_to).collect())).collect()
     };
     let chosen = |choice: &Vec<usize>| -> Vec<LoadCase> { choice.iter().map(|i| cases[*i].clone()).collect() };
-    let mut ways: Vec<Way> = choices.iter().map(|choice| under(Load::Cases(chosen(choice)), None)).collect();
+    let mut ways: Vec<Loading> = choices.iter().map(|choice| under(Load::Cases(chosen(choice)), None)).collect();
     if cases.is_empty() {
         ways.push(under(cell.setup.load.clone(), None));
         let pull = match &cell.setup.load {

@@ -31,19 +31,19 @@ pub enum Mode {
 /// Options of a result: what was asked, and what else it depends on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "Options"))]
-pub struct Asked {
+pub struct SelectResultOptions {
     /// How it was made.
     pub mode: Mode,
     /// What was asked.
     #[serde(flatten)]
-    pub asked: SelectOptions,
+    pub select: SelectOptions,
     /// L of Eq. (20) \[m\].
     pub characteristic_length_m: Option<f64>,
 }
 
-impl Asked {
+impl SelectResultOptions {
     pub(super) fn new(mode: Mode, options: &SelectOptions, cell: &Cell) -> Self {
-        Asked { mode, asked: options.clone(), characteristic_length_m: cell.characteristic_length }
+        SelectResultOptions { mode, select: options.clone(), characteristic_length_m: cell.characteristic_length }
     }
 }
 
@@ -53,7 +53,7 @@ pub struct Planned<R> {
     /// The result.
     pub result: R,
     /// Options that the result depends on.
-    pub options: Asked,
+    pub options: SelectResultOptions,
     /// Seed of the random numbers, where there are any.
     pub seed: Option<u64>,
     /// The cell that the result holds for: with its characteristic length, where it has one, and with the load

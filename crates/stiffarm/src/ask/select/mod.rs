@@ -29,7 +29,7 @@ pub use candidates::{Chosen, plan_candidates};
 pub use curve::{Curve, CurveSize, plan_curve};
 pub use drop::{DropResult, plan_drop};
 pub use in_time::InTime;
-pub use kinds::{Asked, Mode, Planned, Stage};
+pub use kinds::{Mode, Planned, SelectResultOptions, Stage};
 pub use options::{NOT_WITH, SelectInputs, SelectOptions};
 pub use plan::plan;
 pub use result::Plan;

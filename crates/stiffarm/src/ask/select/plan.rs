@@ -3,7 +3,7 @@
 use super::bounds::Bounds;
 use super::driven::driven;
 use super::in_time::in_time;
-use super::kinds::{Asked, Mode, Planned, Stage};
+use super::kinds::{Mode, Planned, SelectResultOptions, Stage};
 use super::options::{SelectInputs, SelectOptions};
 use super::result::Plan;
 use crate::error::Result;
@@ -150,7 +150,7 @@ pub fn plan(
         (false, false) => Mode::Add,
     };
     Ok(Planned {
-        options: Asked::new(mode, options, &cell),
+        options: SelectResultOptions::new(mode, options, &cell),
         seed: (initial.is_none() || options.sensitivity).then(|| options.seed()),
         result,
         cell,

@@ -1,7 +1,7 @@
 //! Postures that cover the joint space evenly, as a baseline.
 
 use super::driven::driven;
-use super::kinds::{Asked, Mode, Planned};
+use super::kinds::{Mode, Planned, SelectResultOptions};
 use super::options::{SelectInputs, SelectOptions};
 use crate::error::Result;
 use crate::findings::Finding;
@@ -81,7 +81,7 @@ pub fn plan_space_filling(
     };
     Ok(Planned {
         result,
-        options: Asked::new(Mode::SpaceFilling, options, &cell),
+        options: SelectResultOptions::new(Mode::SpaceFilling, options, &cell),
         seed: Some(options.seed()),
         cell,
         postures,

@@ -8,7 +8,7 @@ use crate::model::cell::Cell;
 use serde::{Deserialize, Serialize};
 
 /// Residuals this many times the noise come from the model.
-const MODEL: f64 = 2.0;
+const MODEL_RATIO: f64 = 2.0;
 
 /// Below this share of all residuals, what the points of a posture do not share
 /// is worth a sentence of its own.
@@ -108,7 +108,7 @@ impl NoiseTest {
             Agreement::Larger => {
                 let meaning = if single {
                     "the parts that do not fit make them so, the rest agrees with the noise"
-                } else if self.ratio >= MODEL {
+                } else if self.ratio >= MODEL_RATIO {
                     "the model, not the tracker, limits the result"
                 } else {
                     "something beyond the stated noise is in the data, or the noise is stated too small"

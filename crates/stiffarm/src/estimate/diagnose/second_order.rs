@@ -10,7 +10,7 @@ use crate::numerics::jobs::in_order_watched;
 use serde::{Deserialize, Serialize};
 
 /// Share of the displacement above which the linear model is not enough.
-const SHARE: f64 = 0.02;
+const NONLINEAR_SHARE: f64 = 0.02;
 
 /// What the linear model leaves out at one posture and load.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -88,7 +88,7 @@ pub(super) fn finding(shares: &[SecondOrderShare], sigma: f64) -> Option<Finding
     let largest = |of: fn(&SecondOrderShare) -> f64| shares.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
     let correction = largest(|s| s.correction_m)?;
     let equilibrium = largest(|s| s.linearisation_m)?;
-    let matters = equilibrium.linearisation_m > sigma && equilibrium.linearisation_share > SHARE;
+    let matters = equilibrium.linearisation_m > sigma && equilibrium.linearisation_share > NONLINEAR_SHARE;
     let (severity, verdict) = if matters {
         (Severity::Caution, "predict with the equilibrium there")
     } else {

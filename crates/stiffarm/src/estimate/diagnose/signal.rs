@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Correlation of two estimates above which they are named.
 const CORRELATED: f64 = 0.9;
 /// Relative standard error above which a joint counts as barely determined.
-const BARELY: f64 = 0.2;
+const BARELY_DETERMINED_ERROR: f64 = 0.2;
 /// A joint is weakly loaded below this share of the median torque.
 const WEAK_TORQUE: f64 = 0.5;
 
@@ -73,7 +73,7 @@ pub(super) fn findings(signals: &[JointSignal], residual: f64, agreement: Option
     let mut out: Vec<Finding> = unloaded(signals).collect();
     for signal in signals {
         let weak = signal.to_residual.is_some_and(|ratio| ratio < 1.0)
-            && signal.relative_error.is_none_or(|error| error > BARELY);
+            && signal.relative_error.is_none_or(|error| error > BARELY_DETERMINED_ERROR);
         let Some(moved) = signal.displacement_rms_m.filter(|_| weak) else {
             continue;
         };

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// The RMS must fall by this share for a term to be recommended.
 const WORTHWHILE: f64 = 0.1;
 /// 1 − cosine of two columns below which two terms act alike.
-const SAME: f64 = 1e-9;
+const SAME_COLUMN: f64 = 1e-9;
 
 /// One extra term, tried alone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -77,7 +77,7 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
     let column = |i: usize| columns.column(i);
     let same = |i: usize, j: usize| {
         let product = column(i).norm() * column(j).norm();
-        column(i).dot(&column(j)).abs() >= (1.0 - SAME) * product
+        column(i).dot(&column(j)).abs() >= (1.0 - SAME_COLUMN) * product
     };
     let is_fitted = |i: usize| options.extra.contains(&terms[i]);
     let tried: Vec<usize> = (0..terms.len())

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 /// Load states whose joint torques point alike, up to sign, share what the
 /// model misses; below this |cosine| they are taken as different loads.
-const ALIKE: f64 = 0.9;
+pub(crate) const ALIKE_TORQUE_COSINE: f64 = 0.9;
 
 /// Covariance of the rows of one posture in units of σ²: B + ZZᵀ. B falls into
 /// parts that are independent of each other, so that many points cost no more
@@ -367,7 +367,7 @@ pub(super) fn shared(measured: &[MeasuredPosture], states: &[usize], torques: &[
     for &s in &order {
         let class = leaders.iter().position(|&l| {
             let product = torques[l].norm() * torques[s].norm();
-            product <= 0.0 || (torques[l].dot(&torques[s])).abs() > ALIKE * product
+            product <= 0.0 || (torques[l].dot(&torques[s])).abs() > ALIKE_TORQUE_COSINE * product
         });
         place[s] = match class {
             Some(class) => {

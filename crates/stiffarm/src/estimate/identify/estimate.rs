@@ -7,9 +7,9 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use std::ops::Range;
 
 /// Up to this half width (fraction of k) the stiffness of a joint is known well.
-pub const WELL_KNOWN: f64 = 0.1;
+pub const WELL_KNOWN_HALF_WIDTH: f64 = 0.1;
 /// From this half width on (fraction of k) there is no ±: 1/H is far from linear there.
-pub const NO_LONGER: f64 = 0.5;
+pub const LARGEST_HALF_WIDTH: f64 = 0.5;
 
 /// What an estimate says about its joint, by the errors that its interval holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -129,8 +129,8 @@ impl JointEstimate {
         self.verdict = match (self.interval, self.half_width) {
             ([None, _], _) => self.verdict,
             ([_, None], _) => Verdict::LowerBoundOnly,
-            (_, Some(half)) if half <= WELL_KNOWN => Verdict::Determined,
-            (_, Some(half)) if half < NO_LONGER => Verdict::Weak,
+            (_, Some(half)) if half <= WELL_KNOWN_HALF_WIDTH => Verdict::Determined,
+            (_, Some(half)) if half < LARGEST_HALF_WIDTH => Verdict::Weak,
             _ => Verdict::HardlyKnown,
         };
     }

@@ -2,7 +2,7 @@
 //! each posture moves the estimates.
 
 use super::assumptions::Assumptions;
-use super::others::Others;
+use super::leave_out_solver::LeaveOutSolver;
 use super::rms;
 use super::solve::{Prepared, Solution};
 use super::system::MeasuredSystem;
@@ -68,7 +68,7 @@ pub(super) fn folds(
             .hint(format!("give a number of folds from 2 to the number of postures, {count}")));
     }
     let numbers: Vec<usize> = (0..folds).collect();
-    let others = Others::new(prepared, white, assumed);
+    let others = LeaveOutSolver::new(prepared, white, assumed);
     in_order_watched(&numbers, "leaving postures out", control, |(_, fold)| {
         let left_out: Vec<usize> = (*fold..count).step_by(folds).collect();
         if let Some(others) = &others
@@ -112,6 +112,9 @@ pub(super) fn fold_without(
     let solution = prepared.solve_white(&white, assumed)?;
     Ok(Fold { left_out, solution })
 }
+
+/// Residuals below this share of the displacements are rounding.
+pub(crate) const RESIDUAL_ROUNDING: f64 = 1e-11;
 
 /// Norm below which a column of Ψ is rounding.
 pub(crate) fn rounding(system: &MeasuredSystem) -> f64 {

@@ -11,7 +11,7 @@ const SUSPICIOUS_RATIO: f64 = 100.0;
 const SUSPICIOUS_STIFFNESS: [f64; 2] = [1e3, 1e8];
 
 /// Relative standard error above which a stiffness says nothing of a unit.
-const KNOWN: f64 = 0.5;
+const LARGEST_TELLING_ERROR: f64 = 0.5;
 
 /// A finding when the stiffness of the joints as a whole is far from the prior,
 /// or, without one, from that of any industrial robot. Joints that the data
@@ -23,7 +23,7 @@ pub fn implausible_scale(cell: &Cell, result: &Identification) -> Option<Finding
         let Some(k) = joint.stiffness else { continue };
         let collinear = result.estimates.collinear.iter();
         let error = joint.readings_standard_error.map_or(0.0, |e| e / k.abs());
-        if error > KNOWN || collinear.flat_map(|s| &s.unknowns).any(|n| *n == joint.name) {
+        if error > LARGEST_TELLING_ERROR || collinear.flat_map(|s| &s.unknowns).any(|n| *n == joint.name) {
             continue;
         }
         ratios.push(ratio(cell, j, k));

@@ -32,7 +32,7 @@ const DIFFERS: f64 = 0.1;
 /// Steps outward, in half-widths of the main interval, to find an end.
 const STEP: f64 = 0.25;
 /// Half-widths beyond which the profile counts as open.
-const FAR: f64 = 64.0;
+const OPEN_PROFILE_WIDTHS: f64 = 64.0;
 /// Relative accuracy of an end.
 const TOLERANCE: f64 = 1e-12;
 
@@ -150,7 +150,7 @@ fn ends(fit: &Fit, criterion: &Restricted<'_>, j: usize, error: f64, t: f64) -> 
     let end = |sign: f64| -> Option<f64> {
         let mut inside = (lowest.0, -level);
         let mut reach = STEP;
-        while reach <= FAR {
+        while reach <= OPEN_PROFILE_WIDTHS {
             let place = lowest.0 + sign * reach * half;
             let outside = (place, above(place));
             if outside.1 >= 0.0 {

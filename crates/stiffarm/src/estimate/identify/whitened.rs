@@ -84,7 +84,7 @@ fn not_positive() -> Error {
 
 /// Whitened rows of one posture.
 #[derive(Debug, Clone)]
-struct Shared {
+struct WhitenedBlock {
     rows: Range<usize>,
     by: Arc<Whitening>,
 }
@@ -94,7 +94,7 @@ struct Shared {
 #[derive(Debug, Clone)]
 pub struct Whitened {
     psi: DMatrix<f64>,
-    blocks: Vec<Shared>,
+    blocks: Vec<WhitenedBlock>,
     /// Factor of the whitened Ψ without shifts.
     factor: Factor,
     /// Orthonormal basis of its columns, rows × rank.
@@ -123,13 +123,13 @@ impl Whitened {
                 }
                 psi.rows_mut(from, count).copy_from(&rows);
             }
-            blocks.push(Shared { rows: block.rows.clone(), by: Arc::new(by) });
+            blocks.push(WhitenedBlock { rows: block.rows.clone(), by: Arc::new(by) });
         }
         Whitened::of(psi, blocks)
     }
 
     /// Rows that are white already.
-    fn of(psi: DMatrix<f64>, blocks: Vec<Shared>) -> Result<Self> {
+    fn of(psi: DMatrix<f64>, blocks: Vec<WhitenedBlock>) -> Result<Self> {
         let factor = Factor::new(&psi)?;
         let basis = factor.basis(psi.nrows());
         let seen = blocks.iter().map(|b| basis.rows(b.rows.start, b.rows.len()).tr_mul(&b.by.directions)).collect();
@@ -163,7 +163,7 @@ impl Whitened {
             let (from, count) = (block.rows.start, block.rows.len());
             psi.rows_mut(at, count).copy_from(&self.psi.rows(from, count));
             delta.rows_mut(at, count).copy_from(&white.rows(from, count));
-            blocks.push(Shared { rows: at..at + count, by: block.by.clone() });
+            blocks.push(WhitenedBlock { rows: at..at + count, by: block.by.clone() });
             at += count;
         }
         Ok((Whitened::of(psi, blocks)?, delta))

@@ -31,7 +31,7 @@ use std::ops::Range;
 /// factor of e either way first order in it means nothing.
 const MOST_DOUBT: f64 = 1.0;
 /// Sweeps after which eigenvalues are given up; a matrix of five rows takes ten.
-const MOST_SWEEPS: usize = 1000;
+pub(super) const MOST_SWEEPS: usize = 1000;
 /// Eigenvalues of the scaled information below this are rounding.
 const RANK: f64 = 1e-10;
 

@@ -10,7 +10,7 @@
 //! −2 ln L_R = ν ln(s²) + ln|V| + ln|A| up to a constant, where ν s² = eᵀV⁻¹e − cᵀA⁻¹c
 //! are the squares that are left on ν = rows − rank Ψ degrees of freedom.
 
-use super::sums::{Alike, Rows};
+use super::sums::{EqualDirections, Rows};
 use crate::model::elastic::ElasticClass;
 use crate::numerics::information::cholesky::Cholesky;
 use nalgebra::{DMatrix, DVector};
@@ -119,7 +119,7 @@ pub(super) struct Likelihood<'a> {
     rows: &'a Rows,
     left_out: &'a [usize],
     plain: DMatrix<f64>,
-    alike: Option<Alike>,
+    alike: Option<EqualDirections>,
 }
 
 impl<'a> Likelihood<'a> {

@@ -15,15 +15,15 @@
 //! the place of the origin hardly matters.
 
 mod doubt;
-mod found;
 mod likelihood;
 mod means;
 mod model;
 mod never_loaded;
 mod reproduced;
+mod residual_maker;
 mod result;
 mod search;
-mod seen;
+mod sized_model;
 mod sums;
 mod unlike;
 
@@ -34,8 +34,8 @@ pub(crate) mod internals {
 
 pub(crate) use never_loaded::never_loaded;
 pub(crate) use reproduced::Reproduced;
+pub(crate) use residual_maker::ResidualMaker;
 pub use result::{ElasticElement, ElasticSize, GeneralSpring, MixedResult};
-pub(crate) use seen::Seen;
 pub(crate) use unlike::WorkRows;
 
 use crate::error::{Code, Error, Result};
@@ -48,10 +48,10 @@ use crate::model::load::Load;
 use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::numerics::information::scale_columns;
 use crate::numerics::jobs::in_order_watched;
-use found::{Choice, Found, fit_choice, likeliest, means, white};
 use likelihood::Sizes;
 use means::scattered;
 use nalgebra::{DMatrix, DVector};
+use sized_model::{Choice, SizedModel, fit_choice, likeliest, means, white};
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 use sums::Rows;
@@ -88,7 +88,7 @@ pub(crate) struct MixedFold {
 }
 
 /// What some postures alone give.
-pub(crate) struct Alone {
+pub(crate) struct SubsetFit {
     /// Compliance of the joint axes; `None` where the postures do not determine all.
     pub(crate) axes: Option<DVector<f64>>,
     /// The mixed model; `None` where the postures do not carry it.
@@ -154,7 +154,7 @@ impl MixedFit {
         let (axes, gamma) = (&solution.values, solution.gamma);
         let (sizing, model) = likeliest(fit, &white, axes, gamma, &[], near)?;
         let compliance = model.compliance(fit, &[]).ok_or_else(|| too_few("the equations are singular"))?;
-        let Found { effects, rows, sizes, values } = model;
+        let SizedModel { effects, rows, sizes, values } = model;
         Ok(MixedFit {
             reproduced: OnceLock::new(),
             response: OnceLock::new(),
@@ -295,11 +295,11 @@ impl MixedFit {
     ///
     /// # Errors
     /// A fit that fails.
-    pub(crate) fn alone(&self, chosen: &[usize]) -> Result<Alone> {
+    pub(crate) fn alone(&self, chosen: &[usize]) -> Result<SubsetFit> {
         let all = self.rows.posture_count();
         let left_out: Vec<usize> = (0..all).filter(|b| chosen.binary_search(b).is_err()).collect();
         let plain = self.fit.fold_without(left_out)?;
-        let mut out = Alone { axes: None, mixed: None };
+        let mut out = SubsetFit { axes: None, mixed: None };
         if plain.solution.undetermined != self.rows.idle {
             return Ok(out);
         }

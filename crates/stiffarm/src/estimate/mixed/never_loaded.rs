@@ -8,6 +8,7 @@
 //! to the variance of s x. What a further load leaves is the covariance after its rows, C − C Xᵀ(V + X C Xᵀ)⁻¹X C, the
 //! sizes held: it needs no reading.
 
+use super::doubt::MOST_SWEEPS;
 use super::means::scattered;
 use super::unlike::{WorkRows, further_loads, loaded, never_turned};
 use crate::error::Result;
@@ -19,27 +20,23 @@ use crate::model::cell::Cell;
 use crate::model::elastic::ElasticClass;
 use crate::model::load::Wrench;
 use crate::model::observation::{PostureTerms, Setup, places};
+use crate::model::posture::is_same_posture;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Share of a direction's prior variance that is left where readings told nothing of it.
-const UNTOLD: f64 = 0.5;
+const UNTOLD_VARIANCE: f64 = 0.5;
 /// Share of an error's variance from such directions beyond which they rule it.
-const RULES: f64 = 0.5;
+const RULING_SHARE: f64 = 0.5;
 /// Errors below this share of the deflections are no reason to measure again.
-const LARGE: f64 = 0.01;
+const LARGE_ERROR_SHARE: f64 = 0.01;
 /// Share of the error that a further load has to take away to be worth a word.
-const HELPS: f64 = 0.25;
-/// A weight is simpler to hang than another load is to make: others have to leave less than this share of what it
-/// leaves.
-const SIMPLER: f64 = 0.8;
+const HELPING_SHARE: f64 = 0.25;
+/// A weight is simpler to hang than another load is to make: others have to leave less than this share of what it leaves.
+const SIMPLER_SHARE: f64 = 0.8;
 /// Places that are named at most.
 const MOST_PLACES: usize = 2;
 /// A second place is named where it has this share of the first.
-const AS_MUCH: f64 = 0.5;
-/// Sweeps after which eigenvalues are given up.
-const MOST_SWEEPS: usize = 1000;
-/// Angles nearer to each other are those of one posture \[rad\].
-const SAME: f64 = 1e-3;
+const SECOND_PLACE_SHARE: f64 = 0.5;
 
 /// What the sentence says in numbers, RMS over the points \[m\].
 struct NeverLoaded {
@@ -47,8 +44,8 @@ struct NeverLoaded {
     error: f64,
     /// The part of it from directions that no reading has loaded.
     untold: f64,
-    /// What each further load in the measured postures would leave, the best of them first; in words.
-    left: Vec<(String, f64)>,
+    /// The further load in the measured postures that is worth most, in words, and what it would leave.
+    best: Option<(String, f64)>,
     /// Where most of it is, in words.
     places: Vec<String>,
 }
@@ -69,8 +66,8 @@ pub(crate) fn never_loaded(cell: &Cell, saved: &Saved, work: &[WorkRows]) -> Res
     let Some(numbers) = numbers_of(cell, saved, (spread, doubt), work, &seen)? else {
         return Ok(never_turned(cell, saved, work, &seen));
     };
-    let remedy = match numbers.left.first() {
-        Some((load, left)) if *left < (1.0 - HELPS) * numbers.error => {
+    let remedy = match &numbers.best {
+        Some((load, left)) if *left < (1.0 - HELPING_SHARE) * numbers.error => {
             format!("{load} in the same postures would leave {}.", length(*left))
         }
         _ => "No one further load in the same postures would take much of that away: choose other postures, too."
@@ -110,28 +107,31 @@ fn numbers_of(
     let with = &rows * &spread.covariance;
     let untold = (&with * untold_directions(spread, doubt)).norm_squared();
     let error = with.dot(&rows) + other;
-    if untold <= RULES * error || error <= LARGE * LARGE * squares {
+    if untold <= RULING_SHARE * error || error <= LARGE_ERROR_SHARE * LARGE_ERROR_SHARE * squares {
         return Ok(None);
     }
     // Of a point: three rows each.
     let rms = |sum: f64| (3.0 * sum / count as f64).sqrt();
     let places = places_of(cell, predictor, spread, doubt, &with, work, seen);
-    let mut left = Vec::new();
-    for (load, setup) in further_loads(cell, saved.largest_force.unwrap_or_default()) {
+    let loads = further_loads(cell, saved.largest_force.unwrap_or_default()).into_iter();
+    let left = loads.map(|(load, setup)| {
         // A rope whose anchor is where it pulls is no load.
-        let Ok(after) = after(spread, &setup, predictor, &saved.loads) else {
-            continue;
-        };
-        let sum = (&rows * after).dot(&rows) + other;
-        left.push((load, rms(sum)));
+        let after = after(spread, &setup, predictor, &saved.loads).ok();
+        (load, after.map(|after| rms((&rows * after).dot(&rows) + other)))
+    });
+    Ok(Some(NeverLoaded { error: rms(error), untold: rms(untold), best: best(left), places }))
+}
+
+/// The further load that is worth most by what each leaves, the weight first; `None` leaves what is no load.
+fn best(mut left: impl Iterator<Item = (String, Option<f64>)>) -> Option<(String, f64)> {
+    let weight = left.next().and_then(|(load, left)| Some((load, left?)));
+    let others = left.filter_map(|(load, left)| Some((load, left?)));
+    let other = others.min_by(|a, b| a.1.total_cmp(&b.1));
+    match (weight, other) {
+        (Some(weight), Some(other)) if other.1 < SIMPLER_SHARE * weight.1 => Some(other),
+        (Some(weight), _) => Some(weight),
+        (None, other) => other,
     }
-    // The first is the weight.
-    if let Some(best) = (1..left.len()).min_by(|a, b| left[*a].1.total_cmp(&left[*b].1))
-        && left[best].1 < SIMPLER * left[0].1
-    {
-        left.swap(0, best);
-    }
-    Ok(Some(NeverLoaded { error: rms(error), untold: rms(untold), left, places }))
 }
 
 /// Columns d, each over the root of the variance of dᵀx, of the directions of which readings told less than half.
@@ -148,7 +148,7 @@ fn untold_directions(spread: &Spread, doubt: &SizeDoubt) -> DMatrix<f64> {
     let Some(eigen) = eigen.flatten() else {
         return DMatrix::zeros(n, 0);
     };
-    let untold = (0..n).filter(|i| eigen.eigenvalues[*i] > UNTOLD);
+    let untold = (0..n).filter(|i| eigen.eigenvalues[*i] > UNTOLD_VARIANCE);
     let columns = untold.map(|i| eigen.eigenvectors.column(i) / eigen.eigenvalues[i].sqrt());
     let mut columns = match columns.collect::<Vec<_>>() {
         none if none.is_empty() => return DMatrix::zeros(n, 0),
@@ -176,9 +176,8 @@ fn seen(cell: &Cell, loads: &[SeenLoad]) -> Result<Vec<PostureTerms>> {
 /// Covariance of the unknowns after each of the postures was measured under the load of `setup`.
 fn after(spread: &Spread, setup: &Setup, predictor: &IdentifiedCompliance, loads: &[SeenLoad]) -> Result<DMatrix<f64>> {
     let mut covariance = spread.covariance.clone();
-    let is_same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME);
     for (i, load) in loads.iter().enumerate() {
-        if loads[..i].iter().any(|other| is_same(&other.q, &load.q)) {
+        if loads[..i].iter().any(|other| is_same_posture(&other.q, &load.q)) {
             continue;
         }
         let terms = PostureTerms::new(setup, &load.q, None)?;
@@ -230,7 +229,7 @@ fn places_of(
         places(robot.joint_count()).map(|place| (place, explained(&|i| is_at(i, place)))).collect();
     all.sort_by(|a, b| b.1.total_cmp(&a.1));
     let few = all.iter().take(MOST_PLACES);
-    let named = few.filter(|(_, part)| *part > AS_MUCH * all[0].1);
+    let named = few.filter(|(_, part)| *part > SECOND_PLACE_SHARE * all[0].1);
     let mut out = Vec::new();
     for (place, _) in named {
         let of_shift = explained(&|i| is_at(i, *place) && class(i) == Some(shift));
@@ -242,4 +241,20 @@ fn places_of(
         out.push(format!("{name}{}", loaded(*place, of_shift > of_turn, work, seen)));
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::best;
+
+    #[test]
+    fn ropes_are_held_against_the_weight_alone() {
+        let of = |left: [Option<f64>; 3]| best(["weight", "first", "second"].map(String::from).into_iter().zip(left));
+        let named = |name: &str, left: f64| Some((name.to_string(), left));
+        assert_eq!(of([Some(3.0), Some(2.9), Some(2.5)]), named("weight", 3.0));
+        assert_eq!(of([Some(3.0), Some(2.9), Some(2.0)]), named("second", 2.0));
+        // Without a weight the rope that leaves least is the best, however little less it leaves.
+        assert_eq!(of([None, Some(2.9), Some(2.8)]), named("second", 2.8));
+        assert_eq!(of([None, None, None]), None);
+    }
 }

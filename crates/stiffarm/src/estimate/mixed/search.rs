@@ -16,18 +16,18 @@ const RATIO: [f64; 2] = [-14.0, 20.0];
 /// Steps end where −2 ln L_R would fall by less than this share of itself.
 const TOLERANCE: f64 = 1e-9;
 /// Differences of −2 ln L_R below this say nothing.
-const NOTHING: f64 = 1e-4;
+const SETTLED_LIKELIHOOD: f64 = 1e-4;
 /// A class of this curvature is something: −2 ln L_R would rise by about as much without it.
-const TOLD: f64 = 0.1;
+const TELLING_CURVATURE: f64 = 0.1;
 /// No step changes a logarithm by more.
-const FAR: f64 = 3.0;
+const LARGEST_STEP: f64 = 3.0;
 /// Least curvature that a step counts on: with a class that vanishes so do slope and curvature.
-const FLAT: f64 = 1e-4;
+const LEAST_CURVATURE: f64 = 1e-4;
 /// Steps at most, and times that one is halved.
 const STEPS: usize = 100;
 const HALVED: usize = 40;
 /// Share of what a step promises that it has to keep.
-const KEPT: f64 = 1e-4;
+const PROMISED_SHARE: f64 = 1e-4;
 
 impl Likelihood<'_> {
     /// The sizes of largest likelihood: from `near`, or from several starts. Classes that are `nothing` are left out.
@@ -60,7 +60,7 @@ impl Likelihood<'_> {
         let best = optima.min_by(|a, b| a.1.value.total_cmp(&b.1.value));
         best.map(|(x, at)| {
             let shared = search.shared();
-            let is_told = |c: usize| at.curvature[(shared + c, shared + c)] > TOLD;
+            let is_told = |c: usize| at.curvature[(shared + c, shared + c)] > TELLING_CURVATURE;
             self.without_nothing(search.sizes(&x), at.value, is_told)
         })
     }
@@ -75,7 +75,7 @@ impl Likelihood<'_> {
             let mut less = sizes.clone();
             less.classes[class] = 0.0;
             if let Some(solved) = self.solve(&less)
-                && solved.value <= value + NOTHING
+                && solved.value <= value + SETTLED_LIKELIHOOD
             {
                 value = solved.value;
                 sizes = less;
@@ -150,7 +150,7 @@ impl Search<'_, '_> {
             let better = (0..HALVED).find_map(|_| {
                 let place = self.within(&x + &step * share);
                 let next = self.likelihood.slopes(&self.sizes(&place));
-                let next = next.filter(|next| next.value < at.value - KEPT * share * promised);
+                let next = next.filter(|next| next.value < at.value - PROMISED_SHARE * share * promised);
                 share *= 0.5;
                 next.map(|next| (place, next))
             });
@@ -175,11 +175,11 @@ impl Search<'_, '_> {
             return Some(step);
         }
         let curvature = DMatrix::from_fn(free.len(), free.len(), |i, j| {
-            at.curvature[(free[i], free[j])] + if i == j { FLAT } else { 0.0 }
+            at.curvature[(free[i], free[j])] + if i == j { LEAST_CURVATURE } else { 0.0 }
         });
         let slope = DVector::from_fn(free.len(), |i, _| -at.gradient[free[i]]);
         let newton = curvature.cholesky()?.solve(&slope);
-        let shorter = (FAR / newton.amax()).min(1.0);
+        let shorter = (LARGEST_STEP / newton.amax()).min(1.0);
         for (i, value) in free.iter().zip(&newton) {
             step[*i] = value * shorter;
         }

@@ -39,7 +39,7 @@ pub(super) struct Rows {
 }
 
 /// The directions of some postures, all of one size.
-pub(super) struct Alike {
+pub(super) struct EqualDirections {
     size: f64,
     count: usize,
     /// Σ x xᵀ.
@@ -72,18 +72,18 @@ pub(super) struct RatioSums {
     pub(super) squares: f64,
 }
 
-/// What is known of random effects beside the readings: rows for them and what was read there, as sure as a
-/// displacement, and the variance ratio of the class that they belong to, the last.
-pub(super) struct Known {
+/// What is known of random effects beside the readings: rows for them and what was read there, as sure as a displacement,
+/// and the variance ratio of the class that they belong to, the last.
+pub(super) struct PriorRows {
     pub(super) rows: DMatrix<f64>,
     pub(super) read: DVector<f64>,
     pub(super) ratio: Option<f64>,
 }
 
-impl Known {
+impl PriorRows {
     /// Nothing of so many.
     pub(super) fn nothing(effects: usize) -> Self {
-        Known { rows: DMatrix::zeros(0, effects), read: DVector::zeros(0), ratio: None }
+        PriorRows { rows: DMatrix::zeros(0, effects), read: DVector::zeros(0), ratio: None }
     }
 }
 
@@ -150,7 +150,7 @@ impl Rows {
         &self,
         scales: impl Iterator<Item = f64> + Clone,
         means: &[Range<usize>],
-        prior: &Known,
+        prior: &PriorRows,
     ) -> Self {
         let fixed = self.fixed;
         let means: Vec<_> = means.iter().map(|mean| fixed + mean.start..fixed + mean.end).collect();
@@ -257,7 +257,7 @@ impl Rows {
     }
 
     /// The directions of all postures but `left_out`, where all are of one size.
-    pub(super) fn alike(&self, left_out: &[usize]) -> Option<Alike> {
+    pub(super) fn alike(&self, left_out: &[usize]) -> Option<EqualDirections> {
         let mut gram = self.alike.clone()?;
         let mut count = self.directions.len();
         for (k, (posture, _)) in self.directions.iter().enumerate() {
@@ -268,12 +268,18 @@ impl Rows {
             }
         }
         let size = self.directions[0].1;
-        Some(Alike { size, count, gram })
+        Some(EqualDirections { size, count, gram })
     }
 
     /// The sums of all postures but `left_out`, of which `plain` are those without
     /// shifts and `alike` their directions, at the ratio `gamma` of the two variances.
-    pub(super) fn at(&self, gamma: f64, left_out: &[usize], plain: &DMatrix<f64>, alike: Option<&Alike>) -> Sums {
+    pub(super) fn at(
+        &self,
+        gamma: f64,
+        left_out: &[usize],
+        plain: &DMatrix<f64>,
+        alike: Option<&EqualDirections>,
+    ) -> Sums {
         let mut out = Sums {
             gram: plain.clone(),
             logarithms: 0.0,
@@ -330,7 +336,7 @@ impl Rows {
         gamma: f64,
         left_out: &[usize],
         solution: &DVector<f64>,
-        alike: Option<&Alike>,
+        alike: Option<&EqualDirections>,
         whitened: &dyn Fn(&DMatrix<f64>) -> DMatrix<f64>,
         inverse: &dyn Fn() -> DMatrix<f64>,
     ) -> ByRatio {

@@ -7,17 +7,18 @@ use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::model::load::Load;
 use crate::model::observation::{PostureTerms, Setup, link_axes, on_first_axis};
+use crate::units::{m_to_mm, rounded};
 use nalgebra::{DMatrix, Matrix3, Rotation3, UnitVector3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
 /// A load was never applied where the work applies so many times what the readings did.
-const NEVER: f64 = 3.0;
+const NEVER_LOADED_RATIO: f64 = 3.0;
 /// So many times as much is not at all.
-const NOT_AT_ALL: f64 = 10.0;
+const NOT_LOADED_RATIO: f64 = 10.0;
 /// Share of the load at a place from which on its direction matters.
-const NOTABLE: f64 = 0.2;
+const NOTABLE_SHARE: f64 = 0.2;
 /// Along an axis within this cosine.
-const ALONG: f64 = 0.9;
+const ALONG_COSINE: f64 = 0.9;
 
 /// A point of a prediction.
 pub(crate) struct WorkRows {
@@ -46,7 +47,7 @@ pub(super) fn further_loads(cell: &Cell, magnitude: f64) -> Vec<(String, Setup)>
         for quarters in 1..4 {
             let turn = Rotation3::from_axis_angle(&axis, f64::from(quarters) * FRAC_PI_2);
             let anchor = origin + turn * (anchor - origin);
-            let [x, y, z] = anchor.map(|v| (1e3 * v).round() + 0.0).into();
+            let [x, y, z] = anchor.map(|v| rounded(m_to_mm(v), 0)).into();
             let words = format!("The rope from an anchor at [{x}, {y}, {z}] mm");
             let load = Load::Rope { anchor, magnitude };
             let setup = Setup { load, ..cell.setup.clone() };
@@ -59,11 +60,11 @@ pub(super) fn further_loads(cell: &Cell, magnitude: f64) -> Vec<(String, Setup)>
 /// What a place carries at work and what it carried in the readings, in words; nothing where these do not differ much.
 pub(super) fn loaded(place: Option<usize>, by_force: bool, work: &[WorkRows], seen: &[PostureTerms]) -> String {
     let work = work.iter().map(|point| &point.terms);
-    let Some(unlike) = Unlike::new(place, by_force, work, seen.iter()) else {
+    let Some(unlike) = LoadDifference::new(place, by_force, work, seen.iter()) else {
         return String::new();
     };
-    let Unlike { now, then, .. } = unlike;
-    if now < NEVER * then {
+    let LoadDifference { now, then, .. } = unlike;
+    if now < NEVER_LOADED_RATIO * then {
         return String::new();
     }
     let (verb, preposition, unit) = match by_force {
@@ -79,9 +80,9 @@ pub(super) fn loaded(place: Option<usize>, by_force: bool, work: &[WorkRows], se
 /// what it gives there from elsewhere, and its bands cannot know better.
 pub(super) fn never_turned(cell: &Cell, saved: &Saved, work: &[WorkRows], seen: &[PostureTerms]) -> Option<Finding> {
     let at_work = || work.iter().map(|point| &point.terms);
-    let unlike = Unlike::new(None, false, at_work(), seen.iter())?;
-    let Unlike { now, then, all, .. } = unlike;
-    if now <= NOT_AT_ALL * then || now < NOTABLE * all {
+    let unlike = LoadDifference::new(None, false, at_work(), seen.iter())?;
+    let LoadDifference { now, then, all, .. } = unlike;
+    if now <= NOT_LOADED_RATIO * then || now < NOTABLE_SHARE * all {
         return None;
     }
     let mut remedy = String::new();
@@ -92,7 +93,7 @@ pub(super) fn never_turned(cell: &Cell, saved: &Saved, work: &[WorkRows], seen: 
             continue;
         };
         let turned = unlike.size_of(&terms);
-        if NEVER * turned > now {
+        if NEVER_LOADED_RATIO * turned > now {
             remedy = format!(" {load} in the same postures would turn it with {turned:.0} N·m.");
             break;
         }
@@ -106,7 +107,7 @@ pub(super) fn never_turned(cell: &Cell, saved: &Saved, work: &[WorkRows], seen: 
 }
 
 /// The axis in which loads at a place at work differ most from those of the readings, RMS \[N or N·m\].
-struct Unlike {
+struct LoadDifference {
     by_force: bool,
     place: Option<usize>,
     /// In axes of the place.
@@ -117,7 +118,7 @@ struct Unlike {
     all: f64,
 }
 
-impl Unlike {
+impl LoadDifference {
     /// `None` without any load.
     fn new<'a>(
         place: Option<usize>,
@@ -134,7 +135,7 @@ impl Unlike {
         let most = eigen.eigenvectors.column(eigen.eigenvalues.imax());
         let direction = (inverse.transpose() * most).try_normalize(0.0)?;
         let along = |m: &Matrix3<f64>| direction.dot(&(m * direction)).max(0.0).sqrt();
-        Some(Unlike {
+        Some(LoadDifference {
             by_force,
             place,
             direction,
@@ -153,7 +154,7 @@ impl Unlike {
     /// The axis in words; of a joint `None` where it is none of its own.
     fn axis(&self, place: Option<usize>) -> Option<String> {
         let most = self.direction.map(f64::abs).imax();
-        let is_along = self.direction[most].abs() > ALONG;
+        let is_along = self.direction[most].abs() > ALONG_COSINE;
         match place {
             None if is_along => Some(["x", "y", "z"][most].to_string()),
             None => {

@@ -18,7 +18,7 @@ const ONE_DIRECTION: f64 = 0.7;
 const MEETING: f64 = 0.15;
 /// Lines are parallel where their common point is this badly determined: the
 /// smallest eigenvalue of the mean of I − u uᵀ.
-const PARALLEL: f64 = 0.02;
+const PARALLEL_EIGENVALUE: f64 = 0.02;
 
 /// The load assumed where the cell's is measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -85,7 +85,7 @@ fn common_anchor(lines: &[(Vector3<f64>, Vector3<f64>)]) -> Option<(Vector3<f64>
         moment += across * point;
     }
     let (sizes, _) = symmetric_eigen(DMatrix::from_iterator(3, 3, normal.iter().copied()))?;
-    if sizes[0] < PARALLEL * lines.len() as f64 {
+    if sizes[0] < PARALLEL_EIGENVALUE * lines.len() as f64 {
         return None;
     }
     let anchor = normal.cholesky()?.solve(&moment);

@@ -92,7 +92,7 @@ pub fn next_posture(fit: &Fit, options: &GlobalOptions, control: Control<'_>) ->
         cell.setup.load = load;
         assumed = Some(description);
     }
-    let information = Known::new(fit, &cell)?;
+    let information = FitInformation::new(fit, &cell)?;
     let relative = |factor: &Factor| -> Vec<Option<f64>> {
         let errors = factor.standard_errors();
         let of_springs = errors.iter().zip(&stiffness);
@@ -130,7 +130,7 @@ pub fn next_posture(fit: &Fit, options: &GlobalOptions, control: Control<'_>) ->
 }
 
 /// What a fit knows, and what one more posture measured like the others adds.
-struct Known {
+struct FitInformation {
     /// Rows with the information of the fit, in units of 1/σ².
     seen: DMatrix<f64>,
     /// σ: a standard error per unit of information \[m\].
@@ -144,7 +144,7 @@ struct Known {
     extra: Vec<crate::model::observation::ExtraTerm>,
 }
 
-impl Known {
+impl FitInformation {
     /// `cell` has the load that is assumed at the new posture.
     fn new(fit: &Fit, cell: &Cell) -> Result<Self> {
         let (system, solution) = (fit.system(), fit.solution());
@@ -161,7 +161,7 @@ impl Known {
             .filter(|scale| *scale > 0.0);
         let block = typical(system)?;
         let plain = fit.options().estimator == Estimator::Ordinary;
-        Ok(Known {
+        Ok(FitInformation {
             seen: factor.seen(),
             sigma: scale.map_or_else(|| fit.cell().noise.displacement_std(), f64::sqrt),
             root: root(fit, cell, block, solution.gamma, plain)?,

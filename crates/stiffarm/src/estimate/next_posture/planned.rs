@@ -1,6 +1,6 @@
 //! What planned postures are expected to bring, one after the other.
 
-use super::{Known, load, share, stiffness, typical};
+use super::{FitInformation, load, share, stiffness, typical};
 use crate::error::Result;
 use crate::estimate::identify::Fit;
 use crate::model::load::{Load, Wrench};
@@ -33,7 +33,7 @@ pub fn planned_errors<Q: AsRef<[f64]>>(fit: &Fit, planned: &[Q]) -> Result<Plann
     if cell.setup.load == Load::Measured {
         cell.setup.load = load::assumed_load(&cell, fit.postures())?.0;
     }
-    let mut information = Known::new(fit, &cell)?;
+    let mut information = FitInformation::new(fit, &cell)?;
     let relative = |factor: &Factor, sigma: f64| -> Vec<Option<f64>> {
         let errors = factor.standard_errors();
         let of_springs = errors.iter().zip(&stiffness);

@@ -5,8 +5,8 @@
 //! what remains of each is how the wrench changes, six closed numbers.
 
 use super::facts::Quantity;
-use super::place::{Place, Valued};
-use super::stated::Stated;
+use super::stated::StatedExperiment;
+use super::value::{QuantityAtValue, QuantityValue};
 use crate::error::Result;
 use crate::estimate::identify::known_displacement;
 use crate::model::instruments::Mount;
@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
 
 /// The answers of all postures to what may change, with the unknowns at some values.
 pub(crate) struct Answers<'a> {
-    stated: &'a Stated<'a>,
+    stated: &'a StatedExperiment<'a>,
     extra: &'a [ExtraTerm],
     values: DVector<f64>,
     /// One of each measured posture that has terms.
@@ -38,7 +38,7 @@ impl<'a> Answers<'a> {
     ///
     /// # Errors
     /// A state that is under none of the loads.
-    pub fn new(stated: &'a Stated<'a>, extra: &'a [ExtraTerm], values: DVector<f64>) -> Result<Self> {
+    pub fn new(stated: &'a StatedExperiment<'a>, extra: &'a [ExtraTerm], values: DVector<f64>) -> Result<Self> {
         let mut out = Answers { stated, extra, values, postures: Vec::new() };
         let springs = out.values.len() - extra.len();
         let mut linear = out.values.clone();
@@ -75,8 +75,8 @@ impl<'a> Answers<'a> {
     /// Change of what the readings show with quantities at these values, rows as in the system.
     ///
     /// # Errors
-    /// As [`Stated::changed`].
-    pub fn shift(&self, values: &[Valued]) -> Result<DVector<f64>> {
+    /// As [`StatedExperiment::changed`].
+    pub fn shift(&self, values: &[QuantityAtValue]) -> Result<DVector<f64>> {
         let (stated, system) = (self.stated, self.stated.system);
         let setup = stated.setup(values);
         let mut out = DVector::zeros(system.delta.len());
@@ -120,7 +120,7 @@ impl<'a> Answers<'a> {
         shown: &mut DVector<f64>,
         m: usize,
         terms: &PostureTerms,
-        (quantity, place): (Quantity, &Place),
+        (quantity, place): (Quantity, &QuantityValue),
     ) -> Result<()> {
         for (term, size) in self.stated.elements(m, quantity, place)? {
             *shown += term.column(terms) * size;
@@ -160,7 +160,7 @@ impl<'a> Answers<'a> {
     ///
     /// # Errors
     /// As [`shift`](Self::shift).
-    pub fn slope(&self, values: &[Valued], which: usize, k: usize) -> Result<DVector<f64>> {
+    pub fn slope(&self, values: &[QuantityAtValue], which: usize, k: usize) -> Result<DVector<f64>> {
         let (quantity, place) = &values[which];
         if let Some(simple) = self.simple_slope(values, *quantity, k) {
             return simple;
@@ -183,23 +183,23 @@ impl<'a> Answers<'a> {
     }
 
     /// Where the change is in proportion to the number: of an element, or a shift, by itself.
-    fn simple_slope(&self, values: &[Valued], quantity: Quantity, k: usize) -> Option<Result<DVector<f64>>> {
+    fn simple_slope(&self, values: &[QuantityAtValue], quantity: Quantity, k: usize) -> Option<Result<DVector<f64>>> {
         let is_alone = values.len() == 1;
         let is_simple = quantity == Quantity::Shift || quantity.terms(k).is_some() || quantity == Quantity::Sensor;
         (is_alone && is_simple).then(|| {
             let count = values[0].1.values.len();
-            self.shift(&[(quantity, Place::off(count, k, 1.0))])
+            self.shift(&[(quantity, QuantityValue::off(count, k, 1.0))])
         })
     }
 }
 
 /// What tests hold the answers against.
 pub(crate) mod internals {
-    use super::{Answers, Stated};
+    use super::{Answers, StatedExperiment};
     use crate::error::Result;
     use crate::estimate::identify::{Experiment, Fit};
     use crate::estimate::quantity::facts::Quantity;
-    use crate::estimate::quantity::place::Place;
+    use crate::estimate::quantity::value::QuantityValue;
     use nalgebra::DVector;
 
     /// Name, default standard uncertainty and its unit of each quantity.
@@ -211,7 +211,7 @@ pub(crate) mod internals {
     }
 
     /// One number of a quantity off: what changes by the answers to unit wrenches, and in a cell that has it there.
-    pub struct Way {
+    pub struct QuantityResponse {
         /// Name of the quantity and of its number.
         pub name: String,
         /// By the answers.
@@ -228,8 +228,8 @@ pub(crate) mod internals {
     ///
     /// # Errors
     /// As `Answers::new`.
-    pub fn both_ways(fit: &Fit) -> Result<Vec<Way>> {
-        let stated = Stated::of(fit);
+    pub fn both_ways(fit: &Fit) -> Result<Vec<QuantityResponse>> {
+        let stated = StatedExperiment::of(fit);
         let (system, values) = (fit.system(), &fit.solution().values);
         let answers = Answers::new(&stated, &system.extra, values.clone())?;
         let mut out = Vec::new();
@@ -240,7 +240,7 @@ pub(crate) mod internals {
             }
             let names = quantity.parts(stated.cell());
             for (k, name) in names.iter().enumerate().take(quantity.dimension(names.len())) {
-                let at = |size: f64| vec![(quantity, Place::off(names.len(), k, size))];
+                let at = |size: f64| vec![(quantity, QuantityValue::off(names.len(), k, size))];
                 let missed = |size: f64| -> Result<DVector<f64>> {
                     let (cell, measured) = stated.changed(&at(size))?;
                     let other = Experiment::of(cell, measured)?;
@@ -248,7 +248,7 @@ pub(crate) mod internals {
                     Ok(&other.psi * values - &other.delta)
                 };
                 let (step, far) = (quantity.step(), 50.0 * quantity.step());
-                out.push(Way {
+                out.push(QuantityResponse {
                     name: format!("{} {name}", quantity.name()),
                     answer: answers.shift(&at(far))?,
                     cell: missed(far)? - missed(0.0)?,

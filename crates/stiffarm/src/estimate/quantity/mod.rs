@@ -4,5 +4,5 @@
 
 pub(crate) mod answer;
 pub(crate) mod facts;
-pub(crate) mod place;
 pub(crate) mod stated;
+pub(crate) mod value;

@@ -1,7 +1,7 @@
 //! Measurements with what the cell states of them, and with any of its quantities at another value.
 
 use super::facts::Quantity;
-use super::place::{Place, Valued};
+use super::value::{QuantityAtValue, QuantityValue};
 use crate::error::Result;
 use crate::estimate::identify::{Experiment, Fit, MeasuredSystem};
 use crate::measure::Measured;
@@ -14,7 +14,7 @@ use crate::model::observation::{ExtraTerm, PostureTerms, Setup};
 use nalgebra::{Matrix3, Vector3};
 
 /// A wrench is the load's own where it is off by at most this share: 1 − cosine of its direction is below 10⁻⁹.
-const OWN: f64 = 4.5e-5;
+const LOAD_TOLERANCE: f64 = 4.5e-5;
 
 /// Where the wrench of a posture comes from, and so what moves it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,17 +28,17 @@ enum Origin {
 }
 
 /// Measurements, with what makes their wrenches.
-pub(crate) struct Stated<'a> {
+pub(crate) struct StatedExperiment<'a> {
     pub fit: &'a Fit,
     pub experiment: &'a Experiment,
     pub system: &'a MeasuredSystem,
     origins: Vec<Origin>,
 }
 
-impl<'a> Stated<'a> {
+impl<'a> StatedExperiment<'a> {
     /// Those behind `fit`.
     pub fn of(fit: &'a Fit) -> Self {
-        Stated::new(fit, fit.experiment(), fit.system())
+        StatedExperiment::new(fit, fit.experiment(), fit.system())
     }
 
     /// Those of `experiment`, whose rows are those of `system`, in the cell of `fit`.
@@ -58,12 +58,12 @@ impl<'a> Stated<'a> {
                 let factor = load_wrench.force.dot(&wrench.force) / load_wrench.force.norm_squared();
                 let off = (wrench.force - load_wrench.force * factor).norm()
                     + (wrench.moment - load_wrench.moment * factor).norm();
-                (off <= OWN * wrench.force.norm()).then_some(factor)
+                (off <= LOAD_TOLERANCE * wrench.force.norm()).then_some(factor)
             });
             load_factor.map_or(Origin::Force, Origin::Own)
         };
         let postures = experiment.postures().iter().enumerate();
-        Stated { fit, experiment, system, origins: postures.map(origin).collect() }
+        StatedExperiment { fit, experiment, system, origins: postures.map(origin).collect() }
     }
 
     pub fn cell(&self) -> &'a Cell {
@@ -130,7 +130,7 @@ impl<'a> Stated<'a> {
     }
 
     /// The set-up with quantities at these values.
-    pub fn setup(&self, values: &[Valued]) -> Setup {
+    pub fn setup(&self, values: &[QuantityAtValue]) -> Setup {
         let mut setup = self.cell().setup.clone();
         for (quantity, place) in values {
             change_setup(&mut setup, *quantity, place);
@@ -142,7 +142,7 @@ impl<'a> Stated<'a> {
     ///
     /// # Errors
     /// A load that has no direction there.
-    pub fn changed(&self, values: &[Valued]) -> Result<(Cell, Measured)> {
+    pub fn changed(&self, values: &[QuantityAtValue]) -> Result<(Cell, Measured)> {
         let mut cell = self.cell().clone();
         cell.setup = self.setup(values);
         let postures = 0..self.origins.len();
@@ -161,7 +161,7 @@ impl<'a> Stated<'a> {
     ///
     /// # Errors
     /// As [`changed`](Self::changed).
-    pub fn posture(&self, setup: &Setup, m: usize, values: &[Valued]) -> Result<MeasuredPosture> {
+    pub fn posture(&self, setup: &Setup, m: usize, values: &[QuantityAtValue]) -> Result<MeasuredPosture> {
         let mut posture = self.experiment.postures()[m].clone();
         let Some(terms) = self.experiment.terms(m) else {
             return Ok(posture);
@@ -190,7 +190,7 @@ impl<'a> Stated<'a> {
     ///
     /// # Errors
     /// Angles whose load has no sides.
-    pub fn elements(&self, m: usize, quantity: Quantity, place: &Place) -> Result<Vec<(ExtraTerm, f64)>> {
+    pub fn elements(&self, m: usize, quantity: Quantity, place: &QuantityValue) -> Result<Vec<(ExtraTerm, f64)>> {
         let mut out = Vec::new();
         for (i, size) in place.values.iter().enumerate() {
             let Some(term) = quantity.terms(i) else {
@@ -224,7 +224,12 @@ impl<'a> Stated<'a> {
     ///
     /// # Errors
     /// A state that is under none of the loads.
-    pub fn wrench(&self, setup: &Setup, m: usize, values: &[Valued]) -> Result<Option<(Wrench, Vector3<f64>)>> {
+    pub fn wrench(
+        &self,
+        setup: &Setup,
+        m: usize,
+        values: &[QuantityAtValue],
+    ) -> Result<Option<(Wrench, Vector3<f64>)>> {
         let posture = &self.experiment.postures()[m];
         let Some(terms) = self.experiment.terms(m) else {
             return Ok(None);
@@ -298,7 +303,7 @@ pub(crate) fn anchor(cell: &Cell, i: usize) -> Vector3<f64> {
 }
 
 /// Direction of gravity where the quantity has this value.
-pub(crate) fn gravity(stated: &Vector3<f64>, place: &Place) -> Vector3<f64> {
+pub(crate) fn gravity(stated: &Vector3<f64>, place: &QuantityValue) -> Vector3<f64> {
     let along = place.turn * stated;
     let least = along.iamin();
     let across = along.cross(&Vector3::ith(least, 1.0)).normalize();
@@ -306,7 +311,7 @@ pub(crate) fn gravity(stated: &Vector3<f64>, place: &Place) -> Vector3<f64> {
     (along + moved).normalize()
 }
 
-fn change_setup(setup: &mut Setup, quantity: Quantity, place: &Place) {
+fn change_setup(setup: &mut Setup, quantity: Quantity, place: &QuantityValue) {
     let loads: Vec<&mut Load> = match &mut setup.load {
         Load::Cases(cases) => cases.iter_mut().map(|case| &mut case.load).collect(),
         one => vec![one],
@@ -346,7 +351,7 @@ fn change_setup(setup: &mut Setup, quantity: Quantity, place: &Place) {
     }
 }
 
-fn change_angles(q: &mut [f64], values: &[Valued]) {
+fn change_angles(q: &mut [f64], values: &[QuantityAtValue]) {
     for (quantity, place) in values {
         match quantity {
             Quantity::Angle(j) => q[*j] = place.turn[(0, 0)] * q[*j] + place.values[0],

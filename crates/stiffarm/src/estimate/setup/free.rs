@@ -1,23 +1,21 @@
 //! Quantities of the set-up that are identified on purpose, together with the stiffness.
 
-use super::freed::At;
-use super::{Freed, described, value};
+use super::freed::{QuantityFit, SETTLED_LIKELIHOOD};
+use super::{FreedQuantity, described, value};
 use crate::error::{Code, Error, Result, did_you_mean};
 use crate::estimate::elastic::ElasticChoice;
 use crate::estimate::identify::Fit;
 use crate::estimate::quantity::facts::Quantity;
-use crate::estimate::quantity::place::{Place, Valued};
-use crate::estimate::quantity::stated::Stated;
+use crate::estimate::quantity::stated::StatedExperiment;
+use crate::estimate::quantity::value::{QuantityAtValue, QuantityValue};
 use crate::measure::Measured;
 use nalgebra::Matrix3;
 
 /// Most searches beside the springs beyond the axes: each is one step of least squares.
 const SEARCHES: usize = 8;
-/// Change of −2 ln L that ends them.
-const STILL: f64 = 1e-2;
 /// A number whose standard error reaches this share of what a quantity can be is not told \[m; rad\], of a force \[N\].
-const UNTOLD: f64 = 0.3;
-const UNTOLD_FORCE: f64 = 1e3;
+const UNTOLD_ERROR: f64 = 0.3;
+const UNTOLD_FORCE_ERROR: f64 = 1e3;
 
 /// The fit where the readings want the quantities that its options name in `free`, and these with their errors: found
 /// by least squares beside the compliances, and beside springs beyond the axes where `elastic` grants these. The errors
@@ -25,26 +23,26 @@ const UNTOLD_FORCE: f64 = 1e3;
 ///
 /// # Errors
 /// A name that there is not, or twice; a quantity on which these readings do not depend, or that they cannot tell.
-pub fn free(fit: &Fit, elastic: ElasticChoice) -> Result<Option<(Fit, Vec<Freed>)>> {
+pub fn free(fit: &Fit, elastic: ElasticChoice) -> Result<Option<(Fit, Vec<FreedQuantity>)>> {
     let names = &fit.options().free;
     if names.is_empty() {
         return Ok(None);
     }
-    let stated = Stated::of(fit);
+    let stated = StatedExperiment::of(fit);
     let start = wanted(&stated, names)?;
-    let before = At::new(start.clone(), fit.clone(), false, None)?;
+    let before = QuantityFit::new(start.clone(), fit.clone(), false, None)?;
     let mut at = stated.refined(before);
     let is_mixed = elastic == ElasticChoice::Mixed;
     let mut all = value(fit, None);
     if is_mixed {
-        let granted = At::new(start, fit.clone(), true, None)?;
+        let granted = QuantityFit::new(start, fit.clone(), true, None)?;
         all = granted.value;
-        at = At::new(at.values, at.fit, true, granted.mixed.as_deref())?;
+        at = QuantityFit::new(at.values, at.fit, true, granted.mixed.as_deref())?;
         for _ in 0..SEARCHES {
             let next = stated.refined(at.clone());
             let fall = at.value - next.value;
             at = next;
-            if fall < STILL {
+            if fall < SETTLED_LIKELIHOOD {
                 break;
             }
         }
@@ -52,8 +50,8 @@ pub fn free(fit: &Fit, elastic: ElasticChoice) -> Result<Option<(Fit, Vec<Freed>
     let freed = described(&stated, &at, all);
     for ((quantity, _), freed_quantity) in at.values.iter().zip(&freed) {
         let most = match quantity.facts().unit {
-            "N" => UNTOLD_FORCE,
-            _ => UNTOLD,
+            "N" => UNTOLD_FORCE_ERROR,
+            _ => UNTOLD_ERROR,
         };
         let is_told = |error: &Option<f64>| error.is_some_and(|error| error < most);
         if !freed_quantity.standard_error.iter().all(is_told) {
@@ -69,11 +67,11 @@ pub fn free(fit: &Fit, elastic: ElasticChoice) -> Result<Option<(Fit, Vec<Freed>
 }
 
 /// What the names mean here, as stated.
-fn wanted(stated: &Stated<'_>, names: &[String]) -> Result<Vec<Valued>> {
+fn wanted(stated: &StatedExperiment<'_>, names: &[String]) -> Result<Vec<QuantityAtValue>> {
     let cell = stated.cell();
     let here = stated.quantities();
     let joints = cell.setup.robot.joint_count();
-    let mut out: Vec<Valued> = Vec::new();
+    let mut out: Vec<QuantityAtValue> = Vec::new();
     for (i, name) in names.iter().enumerate() {
         let refused = |code, message: String| Error::new(code, message).key("free");
         if names[..i].contains(name) {
@@ -100,7 +98,7 @@ fn wanted(stated: &Stated<'_>, names: &[String]) -> Result<Vec<Valued>> {
         let from = out.len();
         out.extend(quantities.map(|quantity| {
             let count = quantity.dimension(joints);
-            (*quantity, Place::new(Matrix3::identity(), vec![0.0; count]))
+            (*quantity, QuantityValue::new(Matrix3::identity(), vec![0.0; count]))
         }));
         if out.len() == from {
             let free_names: Vec<&str> =

@@ -5,8 +5,8 @@ use crate::estimate::elastic::carried_near;
 use crate::estimate::identify::{Fit, Response};
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::quantity::answer::Answers;
-use crate::estimate::quantity::place::Valued;
-use crate::estimate::quantity::stated::Stated;
+use crate::estimate::quantity::stated::StatedExperiment;
+use crate::estimate::quantity::value::QuantityAtValue;
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -15,13 +15,13 @@ use std::sync::Arc;
 /// model with springs beyond them, which begins where the axes end.
 const AXES: (usize, usize) = (15, 4);
 const MIXED: (usize, usize) = (1, 2);
-/// Change of −2 ln L that ends the search.
-const STILL: f64 = 1e-2;
+/// Change of −2 ln L that ends a search.
+pub(super) const SETTLED_LIKELIHOOD: f64 = 1e-2;
 
 /// The experiment fitted with quantities at some values.
 #[derive(Clone)]
-pub(super) struct At {
-    pub values: Vec<Valued>,
+pub(super) struct QuantityFit {
+    pub values: Vec<QuantityAtValue>,
     pub fit: Fit,
     /// Springs beyond the axes, where they are granted.
     pub mixed: Option<Arc<MixedFit>>,
@@ -69,20 +69,20 @@ impl Step {
     }
 }
 
-impl At {
+impl QuantityFit {
     /// How many numbers are free.
     pub(super) fn numbers(&self) -> usize {
         self.values.iter().map(|(_, place)| place.values.len()).sum()
     }
 
-    /// The fit as it is, with springs beyond the axes where the readings carry these and `is_mixed` grants them, looked
-    /// for near those of `near`.
-    pub(super) fn new(values: Vec<Valued>, fit: Fit, is_mixed: bool, near: Option<&MixedFit>) -> Result<Self> {
+    /// The fit as it is, with springs beyond the axes where the readings carry these and `is_mixed` grants them, looked for
+    /// near those of `near`.
+    pub(super) fn new(values: Vec<QuantityAtValue>, fit: Fit, is_mixed: bool, near: Option<&MixedFit>) -> Result<Self> {
         let mixed = match is_mixed {
             true => carried_near(&fit, near)?.ok(),
             false => None,
         };
-        Ok(At { values, value: value(&fit, mixed.as_ref()), mixed: mixed.map(Arc::new), fit })
+        Ok(QuantityFit { values, value: value(&fit, mixed.as_ref()), mixed: mixed.map(Arc::new), fit })
     }
 }
 
@@ -99,7 +99,7 @@ pub(super) struct Linear<'a> {
 
 impl<'a> Linear<'a> {
     /// Of the axes alone, or with springs beyond them.
-    pub(super) fn new(stated: &'a Stated<'a>, fit: &'a Fit, mixed: Option<&'a MixedFit>) -> Option<Self> {
+    pub(super) fn new(stated: &'a StatedExperiment<'a>, fit: &'a Fit, mixed: Option<&'a MixedFit>) -> Option<Self> {
         let (response, values) = match mixed {
             Some(mixed) => (mixed.response().ok()?, &mixed.compliance().values),
             None => (Arc::new(Response::new(fit).ok()?), &fit.solution().values),
@@ -118,17 +118,22 @@ impl<'a> Linear<'a> {
     }
 }
 
-impl Stated<'_> {
+impl StatedExperiment<'_> {
     /// The fit with quantities at these values; `None` where it cannot be had.
-    pub(super) fn at(&self, values: Vec<Valued>, is_mixed: bool, near: Option<&MixedFit>) -> Option<At> {
+    pub(super) fn at(
+        &self,
+        values: Vec<QuantityAtValue>,
+        is_mixed: bool,
+        near: Option<&MixedFit>,
+    ) -> Option<QuantityFit> {
         let (cell, measured) = self.changed(&values).ok()?;
         let fit = Fit::new(&cell, measured, self.fit.options()).ok()?;
-        let at = At::new(values, fit, is_mixed, near).ok()?;
+        let at = QuantityFit::new(values, fit, is_mixed, near).ok()?;
         at.value.is_finite().then_some(at)
     }
 
     /// One step of least squares from `values`, where the fit is `linear`.
-    fn step(&self, values: &[Valued], linear: &Linear<'_>) -> Option<Step> {
+    fn step(&self, values: &[QuantityAtValue], linear: &Linear<'_>) -> Option<Step> {
         let response = &linear.response;
         let mut columns = Vec::new();
         for (which, (_, place)) in values.iter().enumerate() {
@@ -156,25 +161,24 @@ impl Stated<'_> {
         Some(Step { errors: DVector::from_iterator(count, errors), change, squares: [before, before - after] })
     }
 
-    fn step_of(&self, at: &At) -> Option<Step> {
+    fn step_of(&self, at: &QuantityFit) -> Option<Step> {
         let linear = Linear::new(self, &at.fit, at.mixed.as_deref())?;
         self.step(&at.values, &linear)
     }
 
-    /// By how much −2 ln L of a fit with everything as stated would fall with the quantity freed, by the derivatives
-    /// there.
-    pub(super) fn score(&self, stated: &Valued, linear: &Linear<'_>) -> f64 {
+    /// By how much −2 ln L of a fit with everything as stated would fall with the quantity freed, by the derivatives there.
+    pub(super) fn score(&self, stated: &QuantityAtValue, linear: &Linear<'_>) -> f64 {
         let step = self.step(std::slice::from_ref(stated), linear);
         step.map_or(0.0, |step| step.gain(linear.fit))
     }
 
     /// By how much it would fall with one more step from `at`.
-    pub(super) fn gain(&self, at: &At) -> f64 {
+    pub(super) fn gain(&self, at: &QuantityFit) -> f64 {
         self.step_of(at).map_or(0.0, |step| step.gain(&at.fit))
     }
 
     /// The values that suit the readings best near `start`.
-    pub(super) fn refined(&self, start: At) -> At {
+    pub(super) fn refined(&self, start: QuantityFit) -> QuantityFit {
         let is_mixed = start.mixed.is_some();
         let (steps, shorter) = if is_mixed { MIXED } else { AXES };
         let mut at = start;
@@ -196,16 +200,16 @@ impl Stated<'_> {
             let Some(next) = better else { return at };
             let fall = at.value - next.value;
             at = next;
-            if fall < STILL {
+            if fall < SETTLED_LIKELIHOOD {
                 break;
             }
         }
         at
     }
 
-    /// Standard errors of the numbers of the quantities where they are, one after the other; `None` where the readings
-    /// do not tell one.
-    pub(super) fn errors(&self, at: &At) -> Vec<Option<f64>> {
+    /// Standard errors of the numbers of the quantities where they are, one after the other; `None` where the readings do
+    /// not tell one.
+    pub(super) fn errors(&self, at: &QuantityFit) -> Vec<Option<f64>> {
         let step = self.step_of(at);
         let errors = step.map(|step| step.errors);
         let one = |i: usize| Some(errors.as_ref()?[i]).filter(|error| error.is_finite());
@@ -214,7 +218,7 @@ impl Stated<'_> {
 }
 
 /// The share of a step that no quantity takes farther than it may.
-fn longest_share(values: &[Valued], change: &DVector<f64>) -> f64 {
+fn longest_share(values: &[QuantityAtValue], change: &DVector<f64>) -> f64 {
     let (mut share, mut from) = (1.0_f64, 0);
     for (quantity, place) in values {
         let count = place.values.len();
@@ -224,7 +228,7 @@ fn longest_share(values: &[Valued], change: &DVector<f64>) -> f64 {
     share
 }
 
-fn moved(values: &[Valued], change: &DVector<f64>, share: f64) -> Vec<Valued> {
+fn moved(values: &[QuantityAtValue], change: &DVector<f64>, share: f64) -> Vec<QuantityAtValue> {
     let mut out = values.to_vec();
     let mut from = 0;
     for (_, place) in &mut out {

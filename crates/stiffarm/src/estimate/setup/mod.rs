@@ -20,26 +20,26 @@ use crate::estimate::elastic::{FEWEST_POSTURES, carried};
 use crate::estimate::identify::{Fit, IdentifyOptions, rms};
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::quantity::facts::Quantity;
-use crate::estimate::quantity::place::Valued;
-use crate::estimate::quantity::stated::Stated;
+use crate::estimate::quantity::stated::StatedExperiment;
+use crate::estimate::quantity::value::QuantityAtValue;
 use crate::findings::Finding;
 use crate::numerics::jobs::in_order;
 use crate::numerics::order::sort_by_number;
-use freed::{At, Linear, below_zero, value};
+use freed::{Linear, QuantityFit, below_zero, value};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-/// Fall of −2 ln L from which a quantity is rejected, from which it is doubtful, and what each of its numbers adds:
-/// sound days of arms with springs beyond the axes, drift and shared shifts stay below.
-const REJECTED: f64 = 22.0;
-const DOUBTED: f64 = 10.0;
-const EACH: f64 = 4.0;
+/// Fall of −2 ln L from which a quantity is rejected, from which it is doubtful, and what each of its numbers adds: sound
+/// days of arms with springs beyond the axes, drift and shared shifts stay below.
+const REJECTING_LIKELIHOOD: f64 = 22.0;
+const DOUBTING_LIKELIHOOD: f64 = 10.0;
+const LIKELIHOOD_EACH: f64 = 4.0;
 /// Share of what the axes alone leave to which that falls where a quantity is wrong; where springs beyond the axes hide
 /// it, −2 ln L falls by so much.
-const CLEAR: f64 = 0.85;
-const ANYHOW: f64 = 60.0;
+const CLEAR_RESIDUAL_SHARE: f64 = 0.85;
+const CLEAR_LIKELIHOOD: f64 = 60.0;
 /// Fall of −2 ln L, by derivatives at the stated value, below which nothing is looked for.
-const WORTH: f64 = 15.0;
+const WORTH_SEARCHING: f64 = 15.0;
 /// Residuals this many times the expected noise hold more than noise.
 const MORE_THAN_NOISE: f64 = 1.3;
 /// Starts that are followed for each quantity.
@@ -47,14 +47,14 @@ const FOLLOWED: usize = 2;
 /// Quantities that are tried beside springs beyond the axes.
 const TRIED: usize = 3;
 /// Standard uncertainties, of cell and readings together, within which a quantity may lie.
-const WIDE: f64 = 3.0;
+const PLAUSIBLE_STDS: f64 = 3.0;
 /// Explanations whose −2 ln L lies within this of the best explain as well.
-const ALIKE: f64 = 10.0;
+const ALIKE_LIKELIHOOD_RATIO: f64 = 10.0;
 
 /// A quantity of the set-up that the readings want elsewhere.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Freed {
+pub struct FreedQuantity {
     /// Stable name: `anchor`, `loading-point`, `gravity`, `registration`, `force-beside`, `force-offset`, `sign`,
     /// `common-shift`, `sensor-axes`, `sensor-origin`, `sensor-in-base-axes`, `measuring-points`, `joint-angle`,
     /// `coupling`, `rows`, `base-tilt`, `lost-motion`.
@@ -82,7 +82,7 @@ pub struct Freed {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SetUp {
     /// What was freed beside springs beyond the axes, the likeliest first.
-    pub freed: Vec<Freed>,
+    pub freed: Vec<FreedQuantity>,
     /// What is rejected or doubtful, in a sentence.
     pub finding: Option<Finding>,
     /// How far off the quantity of the finding may be, as the readings ask for: the RMS of its numbers.
@@ -109,8 +109,8 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
     if fit.system().blocks.len() < FEWEST_POSTURES || identification.expected_std_m <= 0.0 || left <= 0.0 {
         return Ok(None);
     }
-    let is_more = left > MORE_THAN_NOISE * identification.expected_std_m || below_zero(&fit, None) > WORTH;
-    let stated = Stated::of(&fit);
+    let is_more = left > MORE_THAN_NOISE * identification.expected_std_m || below_zero(&fit, None) > WORTH_SEARCHING;
+    let stated = StatedExperiment::of(&fit);
     let Some(linear) = Linear::new(&stated, &fit, None) else {
         return Ok(None);
     };
@@ -122,8 +122,8 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
         fit.control().check()?;
         Ok(freed_alone(&stated, &linear, *quantity, is_more))
     })?;
-    let mut alone: Vec<At> = alone.into_iter().flatten().collect();
-    let price = |at: &At| at.value + EACH * at.numbers() as f64;
+    let mut alone: Vec<QuantityFit> = alone.into_iter().flatten().collect();
+    let price = |at: &QuantityFit| at.value + LIKELIHOOD_EACH * at.numbers() as f64;
     sort_by_number(&mut alone, price);
     alone.truncate(TRIED);
     // Springs beyond the axes granted on both sides.
@@ -142,13 +142,13 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
     let before = value(&fit, mixed);
     let mut beside = in_order(&alone, |(_, at)| {
         fit.control().check()?;
-        let at = At::new(at.values.clone(), at.fit.clone(), grants, mixed)?;
+        let at = QuantityFit::new(at.values.clone(), at.fit.clone(), grants, mixed)?;
         let hope = before - at.value + stated.gain(&at);
-        Ok(if hope > WORTH { stated.refined(at) } else { at })
+        Ok(if hope > WORTH_SEARCHING { stated.refined(at) } else { at })
     })?;
     sort_by_number(&mut beside, price);
     let described = beside.iter().flat_map(|at| described(&stated, at, before));
-    let freed: Vec<Freed> = described.collect();
+    let freed: Vec<FreedQuantity> = described.collect();
     let (best, first) = (&beside[0], &freed[0]);
     let quantity = best.values[0].0;
     let finding = match judged(&fit, best, first, grants)? {
@@ -160,7 +160,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
         Some(word) => {
             let others = freed.iter().zip(&beside).skip(1);
             let alike = others
-                .filter(|(other, _)| first.likelihood_ratio - other.likelihood_ratio < ALIKE)
+                .filter(|(other, _)| first.likelihood_ratio - other.likelihood_ratio < ALIKE_LIKELIHOOD_RATIO)
                 .map(|(_, at)| at.values[0].0);
             let alike: Vec<Quantity> = alike.collect();
             Some(words::finding(fit.cell(), quantity, first, &alike, &word))
@@ -185,15 +185,15 @@ enum Word {
 }
 
 /// What the readings say of the best quantity; `None` where they are not clearly likelier with it where they want it.
-fn judged(fit: &Fit, best: &At, first: &Freed, grants: bool) -> Result<Option<Word>> {
-    let each = EACH * best.numbers() as f64;
-    let is_strong = first.likelihood_ratio > REJECTED + each;
-    let least = each + if is_strong { REJECTED } else { DOUBTED };
+fn judged(fit: &Fit, best: &QuantityFit, first: &FreedQuantity, grants: bool) -> Result<Option<Word>> {
+    let each = LIKELIHOOD_EACH * best.numbers() as f64;
+    let is_strong = first.likelihood_ratio > REJECTING_LIKELIHOOD + each;
+    let least = each + if is_strong { REJECTING_LIKELIHOOD } else { DOUBTING_LIKELIHOOD };
     if first.likelihood_ratio <= least || is_within_stated(fit, &best.values[0], &first.standard_error) {
         return Ok(None);
     }
     let [all, left] = first.residual_rms_m;
-    let is_clear = left < CLEAR * all || first.likelihood_ratio > ANYHOW;
+    let is_clear = left < CLEAR_RESIDUAL_SHARE * all || first.likelihood_ratio > CLEAR_LIKELIHOOD;
     let (without, worst) = without_worst(fit, best, grants)?;
     Ok(Some(match (is_strong, is_clear) {
         _ if without <= 0.5 * least => Word::ByPosture(worst),
@@ -204,10 +204,10 @@ fn judged(fit: &Fit, best: &At, first: &Freed, grants: bool) -> Result<Option<Wo
 }
 
 /// What the readings ask for of each quantity at `at`, where −2 ln L was `before` with all as stated.
-fn described(stated: &Stated<'_>, at: &At, before: f64) -> Vec<Freed> {
+fn described(stated: &StatedExperiment<'_>, at: &QuantityFit, before: f64) -> Vec<FreedQuantity> {
     let (fit, cell) = (stated.fit, stated.cell());
     let mut errors = stated.errors(at).into_iter();
-    let one = |(quantity, place): &Valued| Freed {
+    let one = |(quantity, place): &QuantityAtValue| FreedQuantity {
         words: String::new(),
         name: quantity.name().to_string(),
         key: words::key(cell, *quantity),
@@ -217,7 +217,7 @@ fn described(stated: &Stated<'_>, at: &At, before: f64) -> Vec<Freed> {
         likelihood_ratio: before - at.value,
         residual_rms_m: [fit, &at.fit].map(|fit| rms(fit.residual().as_slice())),
     };
-    let mut freed: Vec<Freed> = at.values.iter().map(one).collect();
+    let mut freed: Vec<FreedQuantity> = at.values.iter().map(one).collect();
     for (freed_quantity, valued) in freed.iter_mut().zip(&at.values) {
         freed_quantity.words = words::wanted(cell, valued, freed_quantity);
     }
@@ -226,49 +226,54 @@ fn described(stated: &Stated<'_>, at: &At, before: f64) -> Vec<Freed> {
 
 /// A quantity freed beside the axes alone, whose fit with all as stated is `linear`; `None` where that is not worth a
 /// second look.
-fn freed_alone(stated: &Stated<'_>, linear: &Linear<'_>, quantity: Quantity, is_more: bool) -> Option<At> {
+fn freed_alone(
+    stated: &StatedExperiment<'_>,
+    linear: &Linear<'_>,
+    quantity: Quantity,
+    is_more: bool,
+) -> Option<QuantityFit> {
     let mut places = stated.starts(quantity).into_iter();
     let as_stated = vec![(quantity, places.next()?)];
     let score = stated.score(&as_stated[0], linear);
-    let as_stated = At::new(as_stated, stated.fit.clone(), false, None).ok()?;
+    let as_stated = QuantityFit::new(as_stated, stated.fit.clone(), false, None).ok()?;
     let before = as_stated.value;
-    let mut starts: Vec<At> = Vec::new();
+    let mut starts: Vec<QuantityFit> = Vec::new();
     if is_more {
         starts.extend(places.filter_map(|place| stated.at(vec![(quantity, place)], false, None)));
         starts.retain(|at| at.value < before);
         sort_by_number(&mut starts, |at| at.value);
         starts.truncate(FOLLOWED);
     }
-    starts.extend((score > WORTH).then_some(as_stated));
+    starts.extend((score > WORTH_SEARCHING).then_some(as_stated));
     let ends = starts.into_iter().map(|at| stated.refined(at));
     let best = ends.min_by(|a, b| a.value.total_cmp(&b.value))?;
-    (before - best.value > WORTH).then_some(best)
+    (before - best.value > WORTH_SEARCHING).then_some(best)
 }
 
-/// Leaves out what springs beyond the axes explain as well: what helps the axes alone by little, and by the derivatives
-/// of the mixed model helps that no more. The dear fits beside them are spared.
-fn leave_out_swallowed(stated: &Stated<'_>, mixed: &MixedFit, alone: &mut Vec<At>) {
+/// Leaves out what springs beyond the axes explain as well: what helps the axes alone by little, and by the derivatives of
+/// the mixed model helps that no more. The dear fits beside them are spared.
+fn leave_out_swallowed(stated: &StatedExperiment<'_>, mixed: &MixedFit, alone: &mut Vec<QuantityFit>) {
     let before = value(stated.fit, None);
     let mut linear = None;
     alone.retain(|at| {
         // Derivatives at the stated value know nothing of a sign or an exchange of axes, and little of what is far off
         // and leaves clearly less.
         let [all, left] = [stated.fit, &at.fit].map(|fit| rms(fit.residual().as_slice()));
-        let is_far = left < CLEAR * all || at.values[0].1.turn != Matrix3::identity();
-        if before - at.value > ANYHOW && is_far {
+        let is_far = left < CLEAR_RESIDUAL_SHARE * all || at.values[0].1.turn != Matrix3::identity();
+        if before - at.value > CLEAR_LIKELIHOOD && is_far {
             return true;
         }
         let quantity = at.values[0].0;
         let linear = linear.get_or_insert_with(|| Linear::new(stated, stated.fit, Some(mixed)));
         let first = stated.starts(quantity).into_iter().next();
         let both = linear.as_ref().zip(first);
-        both.is_none_or(|(linear, first)| stated.score(&(quantity, first), linear) > WORTH)
+        both.is_none_or(|(linear, first)| stated.score(&(quantity, first), linear) > WORTH_SEARCHING)
     });
 }
 
-/// Whether the quantity lies within what the cell states of it, or what is assumed: then the total ± has it. A force
-/// along the load is known as well as its scale.
-fn is_within_stated(fit: &Fit, (quantity, place): &Valued, errors: &[Option<f64>]) -> bool {
+/// Whether the quantity lies within what the cell states of it, or what is assumed: then the total ± has it. A force along
+/// the load is known as well as its scale.
+fn is_within_stated(fit: &Fit, (quantity, place): &QuantityAtValue, errors: &[Option<f64>]) -> bool {
     let uncertainty = &fit.cell().uncertainty;
     let size = match quantity {
         Quantity::Offset => {
@@ -282,11 +287,11 @@ fn is_within_stated(fit: &Fit, (quantity, place): &Valued, errors: &[Option<f64>
     let mut both = place.values.iter().zip(errors);
     size > 0.0
         && place.turn == Matrix3::identity()
-        && both.all(|(value, error)| value.abs() <= WIDE * size.hypot(error.unwrap_or(0.0)))
+        && both.all(|(value, error)| value.abs() <= PLAUSIBLE_STDS * size.hypot(error.unwrap_or(0.0)))
 }
 
 /// By how much −2 ln L falls without the posture that gains most, and its name: one bad posture is no set-up.
-fn without_worst(fit: &Fit, at: &At, grants: bool) -> Result<(f64, String)> {
+fn without_worst(fit: &Fit, at: &QuantityFit, grants: bool) -> Result<(f64, String)> {
     let squares = |fit: &Fit, block: usize| {
         let rows = fit.system().blocks[block].rows.clone();
         fit.residual().rows(rows.start, rows.len()).norm_squared()
@@ -299,7 +304,7 @@ fn without_worst(fit: &Fit, at: &At, grants: bool) -> Result<(f64, String)> {
     let value = |fit: &Fit| {
         let rows = fit.system().blocks[worst].rows.clone();
         match fit.filtered(|label| !rows.contains(&label.rows.start))? {
-            Some(fit) => Ok(At::new(at.values.clone(), fit, grants, at.mixed.as_deref())?.value),
+            Some(fit) => Ok(QuantityFit::new(at.values.clone(), fit, grants, at.mixed.as_deref())?.value),
             None => Ok(f64::INFINITY),
         }
     };

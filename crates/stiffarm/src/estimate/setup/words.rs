@@ -1,17 +1,15 @@
 //! What the readings ask of the set-up, in sentences.
 
-use super::{Freed, Word};
+use super::{FreedQuantity, Word};
 use crate::estimate::quantity::facts::{Numbers, Quantity};
-use crate::estimate::quantity::place::{Place, Valued};
 use crate::estimate::quantity::stated::{anchor, gravity, loading_point};
+use crate::estimate::quantity::value::{QuantityAtValue, QuantityValue};
 use crate::findings::{Finding, codes, length, list, visible};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
-use crate::units::{m_to_mm, rad_to_deg};
+use crate::units::{STANDARD_GRAVITY, m_to_mm, rad_to_deg};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
-/// Standard gravity \[m/s²\].
-const GRAVITY: f64 = 9.806_65;
 /// Standard errors of what is printed behind ±.
 const COVERAGE: f64 = 2.0;
 
@@ -63,7 +61,7 @@ fn down(cell: &Cell) -> Vector3<f64> {
 }
 
 /// What the readings ask for.
-pub(super) fn asked(cell: &Cell, quantity: Quantity, place: &Place) -> Vec<f64> {
+pub(super) fn asked(cell: &Cell, quantity: Quantity, place: &QuantityValue) -> Vec<f64> {
     let vector = |v: Vector3<f64>| v.iter().copied().collect();
     match quantity {
         Quantity::Anchor(i) => vector(anchor(cell, i) + place.vector()),
@@ -131,7 +129,7 @@ fn bare_mm(values: &[f64]) -> String {
 }
 
 /// What the readings ask for, in words.
-pub(super) fn wanted(cell: &Cell, (quantity, place): &Valued, freed: &Freed) -> String {
+pub(super) fn wanted(cell: &Cell, (quantity, place): &QuantityAtValue, freed: &FreedQuantity) -> String {
     let key = &freed.key;
     let errors = freed.standard_error.iter().map(|e| e.unwrap_or(0.0));
     let (values, errors): (_, &Vec<f64>) = (&freed.asked, &errors.collect());
@@ -158,7 +156,7 @@ pub(super) fn wanted(cell: &Cell, (quantity, place): &Valued, freed: &Freed) -> 
             let force = place.vector();
             let vertical = force.dot(cell.setup.robot.gravity_direction());
             let mass = if vertical > 0.9 * force.norm() {
-                format!(", the weight of {:.1} kg", vertical / GRAVITY)
+                format!(", the weight of {:.1} kg", vertical / STANDARD_GRAVITY)
             } else {
                 String::new()
             };
@@ -213,7 +211,13 @@ pub(super) fn wanted(cell: &Cell, (quantity, place): &Valued, freed: &Freed) -> 
 }
 
 /// The finding about the quantity that explains most.
-pub(super) fn finding(cell: &Cell, quantity: Quantity, freed: &Freed, alike: &[Quantity], word: &Word) -> Finding {
+pub(super) fn finding(
+    cell: &Cell,
+    quantity: Quantity,
+    freed: &FreedQuantity,
+    alike: &[Quantity],
+    word: &Word,
+) -> Finding {
     let wanted = match quantity {
         Quantity::Sign => "The points move against the stated load: the readings ask for its opposite sign".to_string(),
         _ => format!("The readings ask for {}", freed.words),

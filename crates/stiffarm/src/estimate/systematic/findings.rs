@@ -23,16 +23,16 @@ enum BaseSeen {
 
 /// What the readings are against which a source stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Seen {
+pub(super) struct ReadingReference {
     base: BaseSeen,
     /// True where every displacement is against a preload.
     against_preload: bool,
 }
 
-impl Seen {
+impl ReadingReference {
     /// Of these readings.
     pub fn of(measured: &Measured) -> Self {
-        Seen { base: BaseSeen::of(measured), against_preload: measured.is_against_preload() }
+        ReadingReference { base: BaseSeen::of(measured), against_preload: measured.is_against_preload() }
     }
 }
 
@@ -75,7 +75,7 @@ impl SystematicSource {
     }
 
     /// What would make it smaller.
-    fn remedy(&self, seen: Seen) -> &'static str {
+    fn remedy(&self, seen: ReadingReference) -> &'static str {
         match (self.name.as_str(), seen.base) {
             ("lost-motion", _) if seen.against_preload => {
                 "declare what the joints have as [uncertainty] lost_motion_arcmin; the preload keeps it out of k, and \
@@ -93,7 +93,7 @@ impl SystematicSource {
 }
 
 /// What matters.
-pub(super) fn findings(systematic: &SystematicErrors, seen: Seen) -> Vec<Finding> {
+pub(super) fn findings(systematic: &SystematicErrors, seen: ReadingReference) -> Vec<Finding> {
     let mut out = Vec::new();
     if let Some(force) = systematic.sources.first() {
         let assumed = if force.declared { "" } else { " (assumed)" };
@@ -155,7 +155,7 @@ pub(super) fn not_read_unloaded() -> Finding {
 }
 
 /// What the readings say of a size.
-fn seen_of(source: &SystematicSource, seen: Seen) -> Option<Finding> {
+fn seen_of(source: &SystematicSource, seen: ReadingReference) -> Option<Finding> {
     let remaining = source.remaining.filter(|_| !source.free)?;
     let (code, severity, message) = match remaining {
         left if left < BOUNDED => (
@@ -189,7 +189,7 @@ fn largest_for(systematic: &SystematicErrors, source: &SystematicSource) -> Vec<
 }
 
 /// Joints whose systematic errors are larger than the scatter of the readings.
-fn dominating(systematic: &SystematicErrors, seen: Seen) -> Option<Finding> {
+fn dominating(systematic: &SystematicErrors, seen: ReadingReference) -> Option<Finding> {
     let (mut names, mut sources) = (Vec::new(), Vec::new());
     for (j, name) in systematic.joints.iter().enumerate() {
         let (Some(common), Some(statistical)) = (systematic.combined[j], systematic.statistical[j]) else {

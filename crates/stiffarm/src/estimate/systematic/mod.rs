@@ -10,9 +10,9 @@
 //! besides (weights, the ratio of the two variances) is held. What the residuals
 //! say of the sizes is in `posterior.rs`.
 
-mod believed;
 mod findings;
 pub(crate) mod posterior;
+mod predicting_model;
 mod predictor;
 mod preload;
 mod sources;
@@ -24,8 +24,8 @@ use crate::estimate::identify::Fit;
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::quantity::facts::Quantity;
 use crate::findings::Finding;
-use believed::Believed;
 use nalgebra::DVector;
+use predicting_model::PredictingModel;
 use serde::{Deserialize, Serialize};
 use sources::{Part, Source, sources};
 pub use total::JointUncertainty;
@@ -174,8 +174,8 @@ pub(crate) fn systematic_errors_with(
     off: Option<(Quantity, f64)>,
 ) -> Result<SystematicErrors> {
     let mut believed = match mixed {
-        Some(mixed) => Believed::of_mixed(mixed)?,
-        None => Believed::of_fit(fit)?,
+        Some(mixed) => PredictingModel::of_mixed(mixed)?,
+        None => PredictingModel::of_fit(fit)?,
     };
     believed.off = off;
     errors_of(&believed)
@@ -188,10 +188,10 @@ pub(crate) fn systematic_errors_with(
 /// # Errors
 /// As [`systematic_errors`].
 pub(crate) fn expected_errors(fit: &Fit, values: &DVector<f64>, left: &DVector<f64>) -> Result<SystematicErrors> {
-    errors_of(&Believed::expected(fit, values, left)?)
+    errors_of(&PredictingModel::expected(fit, values, left)?)
 }
 
-fn errors_of(believed: &Believed<'_>) -> Result<SystematicErrors> {
+fn errors_of(believed: &PredictingModel<'_>) -> Result<SystematicErrors> {
     let fit = believed.fit;
     let springs = fit.system().springs;
     let sources = sources(believed, fit.experiment(), fit.system())?;
@@ -218,7 +218,7 @@ fn errors_of(believed: &Believed<'_>) -> Result<SystematicErrors> {
         statistical,
         findings: Vec::new(),
     };
-    systematic.findings = findings::findings(&systematic, findings::Seen::of(fit.measured()));
+    systematic.findings = findings::findings(&systematic, findings::ReadingReference::of(fit.measured()));
     if fit.cell().route.approach.is_some() {
         systematic.findings.push(findings::reached_from_load());
     }
@@ -229,7 +229,7 @@ fn errors_of(believed: &Believed<'_>) -> Result<SystematicErrors> {
 }
 
 /// One source, whose parts begin at `from` among all.
-fn describe(believed: &Believed<'_>, source: &Source, all: &posterior::Parts, from: usize) -> SystematicSource {
+fn describe(believed: &PredictingModel<'_>, source: &Source, all: &posterior::Parts, from: usize) -> SystematicSource {
     let count = believed.fit.system().springs;
     let part = |(i, part): (usize, &Part)| SystematicPart {
         name: part.name.clone(),
@@ -264,7 +264,7 @@ fn describe(believed: &Believed<'_>, source: &Source, all: &posterior::Parts, fr
 }
 
 /// k'/k − 1 of each joint when the joints' compliance changes by `change`.
-fn changes(believed: &Believed<'_>, change: &DVector<f64>) -> Vec<Option<f64>> {
+fn changes(believed: &PredictingModel<'_>, change: &DVector<f64>) -> Vec<Option<f64>> {
     (0..believed.fit.system().springs)
         .map(|j| {
             let h = believed.joints[j];
@@ -276,7 +276,12 @@ fn changes(believed: &Believed<'_>, change: &DVector<f64>) -> Vec<Option<f64>> {
 }
 
 /// √(R M Rᵀ) of joint `j` over its compliance, for the parts `which`.
-fn bounded(believed: &Believed<'_>, all: &posterior::Parts, which: std::ops::Range<usize>, j: usize) -> Option<f64> {
+fn bounded(
+    believed: &PredictingModel<'_>,
+    all: &posterior::Parts,
+    which: std::ops::Range<usize>,
+    j: usize,
+) -> Option<f64> {
     let (from, count) = (which.start, which.len());
     let row = all.joints.view((j, from), (1, count));
     let covariance = all.covariance.view((from, from), (count, count));
@@ -287,7 +292,7 @@ fn bounded(believed: &Believed<'_>, all: &posterior::Parts, which: std::ops::Ran
 }
 
 /// σ_H/H, to first order the relative standard error of k.
-fn relative_error(believed: &Believed<'_>, j: usize) -> Option<f64> {
+fn relative_error(believed: &PredictingModel<'_>, j: usize) -> Option<f64> {
     let error = believed.errors[j]?;
     let has_stiffness = believed.has_stiffness(j);
     has_stiffness.then(|| error / believed.joints[j])

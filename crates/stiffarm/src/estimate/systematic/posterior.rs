@@ -26,7 +26,7 @@
 //! Given w, A and b are w times as large, and the likelihood above times the density of w
 //! weighs once more. What is the common errors' and what is noise is so found together.
 
-use super::believed::Believed;
+use super::predicting_model::PredictingModel;
 use super::preload;
 use super::sources::Source;
 use crate::error::Result;
@@ -40,7 +40,7 @@ const NOISES: i32 = 6;
 const NOISE_WIDTH: f64 = 3.0;
 /// No displacement is exact beyond this fraction of all of them: the residuals
 /// of readings without noise are rounding, and say nothing.
-const EXACT: f64 = 1e-9;
+const EXACT_SHARE: f64 = 1e-9;
 
 /// All parts of all sources in one order.
 pub(super) struct Parts {
@@ -63,7 +63,7 @@ pub(super) struct Parts {
 ///
 /// # Errors
 /// A decomposition that fails; stopped.
-pub(super) fn parts(believed: &Believed<'_>, sources: &[Source]) -> Result<Parts> {
+pub(super) fn parts(believed: &PredictingModel<'_>, sources: &[Source]) -> Result<Parts> {
     let (fit, response) = (believed.fit, &believed.response);
     let shifts = sources.iter().flat_map(|source| &source.parts);
     let (mut changes, mut left) = (Vec::new(), Vec::new());
@@ -91,7 +91,7 @@ pub(super) fn parts(believed: &Believed<'_>, sources: &[Source]) -> Result<Parts
         covariance: DMatrix::identity(count, count),
     };
     let delta = &fit.system().delta;
-    let exact = EXACT * delta.norm() / (delta.len().max(1) as f64).sqrt();
+    let exact = EXACT_SHARE * delta.norm() / (delta.len().max(1) as f64).sqrt();
     let Some(sigma) = believed.sigma.map(|s| s.max(exact)) else {
         return Ok(out);
     };

@@ -1,7 +1,7 @@
 //! What the way from no load to a preload says of the common errors. A fit to displacements against the preload does
 //! not have it: lost motion, which is nearly all of it, would be taken for compliance there.
 
-use super::believed::Believed;
+use super::predicting_model::PredictingModel;
 use super::sources::{Source, sources};
 use crate::error::{Error, Result};
 use crate::estimate::identify::Experiment;
@@ -10,7 +10,7 @@ use crate::model::measurement::{MeasuredPosture, Role, row_count};
 use nalgebra::{DMatrix, DVector};
 
 /// The displacements of the fit's postures from no load to their preload.
-pub(super) fn ways(believed: &Believed<'_>) -> Vec<MeasuredPosture> {
+pub(super) fn ways(believed: &PredictingModel<'_>) -> Vec<MeasuredPosture> {
     let fit = believed.fit;
     let blocks = &fit.system().blocks;
     let all = fit.measured().against_unloaded.iter();
@@ -28,7 +28,7 @@ pub(super) fn ways(believed: &Believed<'_>) -> Vec<MeasuredPosture> {
 /// # Errors
 /// As [`sources`]; a covariance that is not positive definite.
 pub(super) fn rows(
-    believed: &Believed<'_>,
+    believed: &PredictingModel<'_>,
     named: &[Source],
     changes: &[DVector<f64>],
 ) -> Result<Option<(DMatrix<f64>, DVector<f64>)>> {

@@ -1,12 +1,12 @@
 //! The sources of common error: what each does to the displacements, one standard uncertainty of each of its numbers.
 
-use super::believed::Believed;
+use super::predicting_model::PredictingModel;
 use crate::error::Result;
 use crate::estimate::identify::{Experiment, MeasuredSystem};
 use crate::estimate::quantity::answer::Answers;
 use crate::estimate::quantity::facts::{self, Facts, Quantity};
-use crate::estimate::quantity::place::Place;
-use crate::estimate::quantity::stated::Stated;
+use crate::estimate::quantity::stated::StatedExperiment;
+use crate::estimate::quantity::value::QuantityValue;
 use crate::model::observation::ExtraTerm;
 use nalgebra::DVector;
 
@@ -39,12 +39,12 @@ pub(super) struct Part {
 /// The sources that matter for the measurements of `experiment`, whose rows are those of `system`; the force scale
 /// first.
 pub(super) fn sources(
-    believed: &Believed<'_>,
+    believed: &PredictingModel<'_>,
     experiment: &Experiment,
     system: &MeasuredSystem,
 ) -> Result<Vec<Source>> {
     let cell = believed.fit.cell();
-    let stated = Stated::new(believed.fit, experiment, system);
+    let stated = StatedExperiment::new(believed.fit, experiment, system);
     let answers = Answers::new(&stated, believed.extra, believed.values.clone())?;
     let tool = &cell.setup.tool;
     let unmodelled = tool.has_sensor && tool.series_compliance.is_none();
@@ -73,7 +73,7 @@ pub(super) fn sources(
             }
             parts.push(Part {
                 name,
-                shift: answers.shift(&[(quantity, Place::off(count, i, size))])?,
+                shift: answers.shift(&[(quantity, QuantityValue::off(count, i, size))])?,
                 at_work,
                 change: None,
             });

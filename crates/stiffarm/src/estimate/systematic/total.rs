@@ -1,7 +1,7 @@
 //! How sure each joint's stiffness is with everything together.
 
-use super::believed::Believed;
 use super::posterior::Parts;
+use super::predicting_model::PredictingModel;
 use super::{SystematicErrors, SystematicSource};
 use crate::error::Result;
 use crate::estimate::identify::{IntervalHolds, JointEstimate};
@@ -35,7 +35,7 @@ pub struct JointUncertainty {
 /// # Errors
 /// A quantile that cannot be computed.
 pub(super) fn uncertainty(
-    believed: &Believed<'_>,
+    believed: &PredictingModel<'_>,
     sources: &[SystematicSource],
     parts: &Parts,
 ) -> Result<Vec<JointUncertainty>> {

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Shares that differ from the confidence by this many standard deviations are named.
-const FAR: f64 = 3.0;
+const NAMED_DEVIATIONS: f64 = 3.0;
 
 /// How far one displacement may lie from its prediction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -139,7 +139,7 @@ pub(super) fn findings(result: &Validation) -> Vec<Finding> {
     let (p, inside) = (band.confidence, band.inside as f64 / band.components as f64);
     let scatter = (p * (1.0 - p) / independent).sqrt();
     let said = format!("{} of {} components lie inside their {:.0} % bands", band.inside, band.components, 100.0 * p);
-    if inside < p - FAR * scatter {
+    if inside < p - NAMED_DEVIATIONS * scatter {
         return vec![Finding::caution(
             codes::OUTSIDE_BANDS,
             "measurements",

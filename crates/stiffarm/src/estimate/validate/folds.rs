@@ -30,7 +30,7 @@ pub fn cross_validate(fit: &Fit, count: usize, tolerance_m: Option<f64>) -> Resu
     };
     let count = folds.len();
     let rounding = rounding(system);
-    let folds = folds.iter().map(|fold| Left {
+    let folds = folds.iter().map(|fold| FoldPrediction {
         out: &fold.left_out,
         predictor: Some(IdentifiedCompliance::from_solution(system, &fold.solution, confidence)),
         sees: Box::new(move |b| prediction_error(system, b, &fold.solution, rounding).is_some()),
@@ -50,7 +50,7 @@ pub fn cross_validate_mixed(mixed: &MixedFit, count: usize, tolerance_m: Option<
         None => mixed.folds_of(count)?,
     };
     let count = folds.len();
-    let folds = folds.iter().map(|fold| Left {
+    let folds = folds.iter().map(|fold| FoldPrediction {
         out: &fold.left_out,
         predictor: fold.compliance.clone(),
         sees: Box::new(|_| true),
@@ -59,7 +59,7 @@ pub fn cross_validate_mixed(mixed: &MixedFit, count: usize, tolerance_m: Option<
 }
 
 /// Postures nearer than this in every joint are one and the same to a validation \[rad\].
-const NEAR: f64 = 5.0 * std::f64::consts::PI / 180.0;
+const SAME_POSTURE_ANGLE: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
 /// The postures of each of `count` folds (indices of blocks), where some of them are so near each other that they have
 /// to be left out together.
@@ -74,7 +74,7 @@ fn together(fit: &Fit, count: usize) -> Result<Option<Vec<Vec<usize>>>> {
     };
     let is_near = |a: usize, b: usize| {
         let both = angles(a).zip(angles(b));
-        both.is_some_and(|(a, b)| a.iter().zip(b).all(|(a, b)| (a - b).abs() < NEAR))
+        both.is_some_and(|(a, b)| a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME_POSTURE_ANGLE))
     };
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for b in 0..system.blocks.len() {
@@ -104,7 +104,7 @@ fn together(fit: &Fit, count: usize) -> Result<Option<Vec<Vec<usize>>>> {
 }
 
 /// A fold with what predicts it.
-struct Left<'a> {
+struct FoldPrediction<'a> {
     /// The postures left out (indices of blocks).
     out: &'a [usize],
     predictor: Option<IdentifiedCompliance>,
@@ -116,7 +116,7 @@ fn gathered<'a>(
     fit: &Fit,
     system: &MeasuredSystem,
     count: usize,
-    folds: impl Iterator<Item = Left<'a>>,
+    folds: impl Iterator<Item = FoldPrediction<'a>>,
     tolerance_m: Option<f64>,
 ) -> Result<Validation> {
     check_tolerance(tolerance_m)?;

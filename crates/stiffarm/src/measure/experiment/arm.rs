@@ -9,11 +9,9 @@ use crate::model::load::{Load, Wrench};
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::posture::Posture;
 use crate::model::stiffness::equilibrium;
+use crate::units::STANDARD_GRAVITY;
 use nalgebra::{DMatrix, DVector, Isometry3, Translation3, UnitQuaternion, Vector3};
 use rand_chacha::ChaCha8Rng;
-
-/// Standard gravity \[m/s²\].
-const GRAVITY: f64 = 9.806_65;
 
 /// The arm in one posture and load state, base frame before its base moves.
 pub(super) struct Arm {
@@ -108,7 +106,7 @@ impl Arm {
                 let weight = options.tool_weight.filter(|_| sensor.mount == Mount::Flange);
                 let down = cell.setup.robot.gravity_direction();
                 let carried = weight.map(|w| {
-                    Wrench::force(down * (GRAVITY * w.mass_kg))
+                    Wrench::force(down * (STANDARD_GRAVITY * w.mass_kg))
                         .moved(&self.frames.point(&w.centre), &self.loading_point)
                 });
                 let mut felt = self.wrench;

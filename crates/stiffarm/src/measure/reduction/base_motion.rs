@@ -23,7 +23,7 @@ use std::collections::BTreeSet;
 /// on a line: a turn about that line could hardly be seen.
 const ON_A_LINE: f64 = 0.05;
 /// Motion above so many times its expected length is named.
-const CLEAR: f64 = 3.0;
+const NAMED_MOTION_RATIO: f64 = 3.0;
 /// E‖x‖ of 3 and of 6 standard normal numbers.
 const MEAN_LENGTH: [f64; 2] = [1.595_769, 2.349_964];
 /// Noise by the turn above so many times that of a displacement is named.
@@ -264,7 +264,7 @@ pub(super) fn findings(postures: &[PostureSeries<'_>], motions: &[BaseMotion], r
         ));
     }
     let largest = |of: fn(&BaseMotion) -> f64| motions.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
-    let clear = largest(|m| m.times_noise).filter(|m| m.times_noise > CLEAR);
+    let clear = largest(|m| m.times_noise).filter(|m| m.times_noise > NAMED_MOTION_RATIO);
     if let Some(most) = clear {
         let turn = if most.turn_removed {
             format!(" and turns by {:.3} mrad", Vector3::from(most.turn_rad).norm() * 1e3)

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 /// Seconds per hour.
 const HOUR: f64 = 3600.0;
 /// Drift so many times what noise gives asks for a look at its cause.
-const LARGE: f64 = 3.0;
+const LARGE_DRIFT_RATIO: f64 = 3.0;
 
 /// Drift within one posture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -162,7 +162,7 @@ pub(super) fn findings(postures: &[PostureSeries<'_>], drift: Option<&Drift>) ->
     let rate = rate.unwrap_or_default();
     let (severity, verdict) = match drift.significance {
         Some(p) if p < SIGNIFICANCE => (
-            if drift.rms_m > LARGE * drift.expected_rms_m { Severity::Caution } else { Severity::Note },
+            if drift.rms_m > LARGE_DRIFT_RATIO * drift.expected_rms_m { Severity::Caution } else { Severity::Note },
             ": the tracker, the robot or a stand drifts, or the arm does not come back (lost motion)",
         ),
         Some(_) => (Severity::Note, ": no more than noise"),

@@ -54,7 +54,7 @@ use std::collections::BTreeSet;
 /// Expanded uncertainties of 95 % are this many standard ones (JCGM 100:2008, 6.3.3).
 const COVERAGE: f64 = 2.0;
 /// Standard uncertainty that a tracker's reading has at least: files give a micrometre as 0.001 \[m\].
-const LEAST: f64 = 0.5e-6;
+const SMALLEST_STD: f64 = 0.5e-6;
 
 /// Options of a reduction.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -263,7 +263,7 @@ fn displacements(
 fn stated(state: &StateReadings, point: usize) -> Option<Vector3<f64>> {
     let of_point = state.readings.iter();
     let of_point = of_point.filter(|reading| reading.target == ReadingTarget::Point(point));
-    let variance = |std: f64| (std / COVERAGE).max(LEAST).powi(2);
+    let variance = |std: f64| (std / COVERAGE).max(SMALLEST_STD).powi(2);
     let each = of_point.map(|reading| reading.expanded.map(|expanded| expanded.map(variance)));
     let each: Vec<Vector3<f64>> = each.collect::<Option<_>>()?;
     (!each.is_empty()).then(|| each.iter().sum::<Vector3<f64>>() / each.len() as f64)

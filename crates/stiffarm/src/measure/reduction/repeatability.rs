@@ -12,7 +12,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 pub(super) const SIGNIFICANCE: f64 = 1e-3;
 /// Degrees of freedom from which the repeats, not the cell, say how large the
 /// noise of a reading is.
-const ENOUGH: usize = 12;
+const FEWEST_DEGREES: usize = 12;
 
 /// Standard deviation of a single reading, from the repeats.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -65,7 +65,7 @@ pub(super) fn repeatability(postures: &[PostureSeries<'_>]) -> Option<Repeatabil
 /// where there are enough, else the cell's.
 pub(super) fn reading_std(cell: &Cell, repeatability: Option<&Repeatability>) -> f64 {
     match repeatability {
-        Some(r) if r.degrees_of_freedom >= ENOUGH && r.identical_readings == 0 => r.std_m,
+        Some(r) if r.degrees_of_freedom >= FEWEST_DEGREES && r.identical_readings == 0 => r.std_m,
         _ => cell.noise.reading_variance.sqrt(),
     }
 }

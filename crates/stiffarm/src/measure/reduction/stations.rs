@@ -40,7 +40,7 @@ pub struct StationRegistration {
 }
 
 /// A station by itself.
-struct Alone {
+struct StationFit {
     base_from_tracker: Isometry3<f64>,
     pairs: Vec<Pair>,
     rms: f64,
@@ -89,7 +89,7 @@ pub(in crate::measure) fn in_one_frame(
     let most = names.iter().max_by_key(|name| of_station(name).len());
     let doubtful = all.iter().any(|station| station.rms > DOUBTFUL);
     let doubtful = most.filter(|_| doubtful).cloned();
-    let stated_for = |station: &Alone| stated_transform.filter(|t| fits(cell, t, &station.pairs, station.rms));
+    let stated_for = |station: &StationFit| stated_transform.filter(|t| fits(cell, t, &station.pairs, station.rms));
     let first = all.iter().position(|station| stated_for(station).is_some());
     let first = first.unwrap_or(0);
     let reference = &all[first];
@@ -125,7 +125,7 @@ pub(in crate::measure) fn in_one_frame(
     Ok(doubtful)
 }
 
-fn alone(cell: &Cell, series: &[PostureSeries<'_>]) -> Result<Alone> {
+fn alone(cell: &Cell, series: &[PostureSeries<'_>]) -> Result<StationFit> {
     let (base_from_tracker, pairs) = by_themselves(cell, series)?;
     let mut seen: BTreeMap<String, Vec<Vector3<f64>>> = BTreeMap::new();
     for (name, reflector) in series.iter().flat_map(|posture| &posture.base) {
@@ -135,7 +135,7 @@ fn alone(cell: &Cell, series: &[PostureSeries<'_>]) -> Result<Alone> {
     }
     let mean = |all: Vec<Vector3<f64>>| all.iter().sum::<Vector3<f64>>() / all.len() as f64;
     seen.retain(|_, all| !all.is_empty());
-    Ok(Alone {
+    Ok(StationFit {
         rms: rms(&base_from_tracker, &pairs),
         base_from_tracker,
         pairs,
@@ -147,8 +147,8 @@ fn alone(cell: &Cell, series: &[PostureSeries<'_>]) -> Result<Alone> {
 /// too few, or were moved in between.
 fn tied(
     cell: &Cell,
-    station: &Alone,
-    reference: &Alone,
+    station: &StationFit,
+    reference: &StationFit,
     base_from_reference: &Isometry3<f64>,
 ) -> Option<Isometry3<f64>> {
     let both = station.base.iter();

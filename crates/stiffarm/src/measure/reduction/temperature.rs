@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Growth of steel \[1/K\].
 const STEEL: f64 = 11.5e-6;
 /// A change within a posture of more than this is worth a look \[K\].
-const LARGE: f64 = 1.0;
+const LARGE_CHANGE_K: f64 = 1.0;
 
 /// The temperatures that were recorded.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -85,7 +85,7 @@ pub(super) fn finding(cell: &Cell, temperatures: &Temperatures) -> Finding {
     let drift = rate(common, error, "kelvin");
     let drift = drift.map(|rate| format!(" The drift between reference readings goes with it by {rate}."));
     let drift = drift.unwrap_or_default();
-    let (severity, advice) = if temperatures.largest_change_k > LARGE {
+    let (severity, advice) = if temperatures.largest_change_k > LARGE_CHANGE_K {
         (Severity::Caution, " Read the unloaded state right before and after the load.")
     } else {
         (Severity::Note, "")

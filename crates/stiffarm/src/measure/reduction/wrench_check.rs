@@ -21,7 +21,7 @@ const OFFSET: f64 = 2e-3;
 /// Moments that no point explains are named above this arm \[m\].
 const UNEXPLAINED_ARM: f64 = 5e-3;
 /// Forces count as parallel below this ratio of singular values.
-const PARALLEL: f64 = 1e-3;
+const PARALLEL_FORCES: f64 = 1e-3;
 /// Median angle between measured and expected force that is named \[rad\].
 const TURNED: f64 = 0.035;
 /// Angle of a single state that is named beside a good median \[rad\].
@@ -153,7 +153,7 @@ fn application_point(loads: &[(Frames, Wrench)]) -> Option<ApplicationPoint> {
         return None;
     }
     let Svd { u, values, v } = svd(arms.clone())?;
-    let rank = values.iter().filter(|s| **s > PARALLEL * values[0]).count();
+    let rank = values.iter().filter(|s| **s > PARALLEL_FORCES * values[0]).count();
     let mut offset = DVector::zeros(3);
     let mut inverse = DMatrix::zeros(3, 3);
     for k in 0..rank {

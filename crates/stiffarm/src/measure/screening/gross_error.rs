@@ -14,8 +14,8 @@ use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 
 /// Chance by which the right candidate is rejected, and a wrong one let pass.
-const REJECTED: f64 = 1e-3;
-const PASSED: f64 = 1e-6;
+const REJECTED_CHANCE: f64 = 1e-3;
+const PASSED_CHANCE: f64 = 1e-6;
 /// Surplus of unknowns' worth of rows below which the compliances are not fitted.
 const SURPLUS: usize = 6;
 /// Relative error of displacements by the prior.
@@ -26,7 +26,7 @@ const BELOW: f64 = 2.0;
 const ABOVE: f64 = 4.0;
 
 /// The point that strays, and by how much \[m\].
-type Named = (usize, f64);
+type StrayPoint = (usize, f64);
 
 /// Names the stray reading of each doubtful state, or all that it can be.
 pub(super) fn settle(work: &mut Work, frame: Option<&Frame>) {
@@ -38,7 +38,7 @@ pub(super) fn settle(work: &mut Work, frame: Option<&Frame>) {
     let shape = mean_shape(work);
     let motions = frame.map_or_else(Vec::new, |f| moves(work, &f.base_from_tracker));
     let motion = Motion::new(work, &motions);
-    let named: Vec<Option<Named>> = doubtful
+    let named: Vec<Option<StrayPoint>> = doubtful
         .iter()
         .map(|at| {
             let by_motion = motion.as_ref().and_then(|m| m.name(work, &motions, *at));
@@ -109,7 +109,7 @@ impl Motion {
     }
 
     /// The one candidate without which the others move as expected.
-    fn name(&self, work: &Work, motions: &[Move], at: (usize, usize)) -> Option<Named> {
+    fn name(&self, work: &Work, motions: &[Move], at: (usize, usize)) -> Option<StrayPoint> {
         let candidates = &work.sheet.at(at).doubtful;
         for one in motions.iter().filter(|m| m.is_of(at)) {
             if !work.sheet.at(one.other_than(at)).doubtful.is_empty() {
@@ -132,8 +132,8 @@ impl Motion {
             };
             let degrees = 3 * (one.points.len().saturating_sub(1));
             let right: Vec<usize> =
-                candidates.iter().copied().filter(|a| others(*a) <= exceeded_by(REJECTED, degrees)).collect();
-            let wrong = candidates.iter().filter(|a| others(**a) > exceeded_by(PASSED, degrees)).count();
+                candidates.iter().copied().filter(|a| others(*a) <= exceeded_by(REJECTED_CHANCE, degrees)).collect();
+            let wrong = candidates.iter().filter(|a| others(**a) > exceeded_by(PASSED_CHANCE, degrees)).count();
             if let [a] = right[..]
                 && wrong + 1 == candidates.len()
                 && let Some(i) = one.points.iter().position(|p| *p == a)
@@ -147,7 +147,7 @@ impl Motion {
 
 /// An unloaded state: the candidate without which the others lie where the
 /// kinematic model has them.
-fn by_position(work: &Work, at: (usize, usize)) -> Option<Named> {
+fn by_position(work: &Work, at: (usize, usize)) -> Option<StrayPoint> {
     let state = work.sheet.at(at);
     if state.role == Role::Loaded {
         return None;

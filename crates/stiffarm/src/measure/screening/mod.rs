@@ -49,12 +49,12 @@ use sheet::Sheet;
 use slip::Slip;
 
 /// A correction is believed when it divides the misfit by at least this.
-const BELIEVED: f64 = 5.0;
+const BELIEVED_RATIO: f64 = 5.0;
 /// Explanations whose misfit lies within this factor of the best explain alike.
-const ALIKE: f64 = 2.0;
+const ALIKE_MISFIT_RATIO: f64 = 2.0;
 /// A number that was fitted to the readings must divide the misfit by this much
 /// more than a cause that leaves nothing to fit.
-const FITTED: f64 = 3.0;
+const FITTED_RATIO: f64 = 3.0;
 
 /// Result of [`screen`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

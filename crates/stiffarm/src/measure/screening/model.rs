@@ -5,7 +5,7 @@ use super::frame::{self, Frame, PLAUSIBLE, fitted, item_pairs, items};
 use super::misfit::best_around;
 use super::slip::{Rule, Slip, Undo, settle};
 use super::units::of_angles;
-use super::{BELIEVED, Cause, Suspicion, Work, moved, tool};
+use super::{BELIEVED_RATIO, Cause, Suspicion, Work, moved, tool};
 use crate::measure::registration::axis_slips;
 use crate::numerics::arrangements::exchanges_first;
 use crate::units::{deg_to_rad, rad_to_deg};
@@ -61,7 +61,7 @@ fn check_given(work: &mut Work, stated_transform: Option<&Isometry3<f64>>, frame
     let good: Vec<_> =
         pairs.into_iter().zip(&frame.bad).filter(|(_, bad)| !**bad).flat_map(|(pairs, _)| pairs).collect();
     let (stated, level) = (frame::rms(stated_transform, &good), frame.level);
-    if stated > (BELIEVED * level).max(SUSPICIOUS) {
+    if stated > (BELIEVED_RATIO * level).max(SUSPICIOUS) {
         let turn = stated_transform.rotation.angle_to(&frame.base_from_tracker.rotation);
         let mut suspicion = Suspicion::new(Cause::GivenTransform).misfit(stated, level);
         suspicion.angles_deg = vec![rad_to_deg(turn)];
@@ -94,7 +94,7 @@ fn undo(work: &mut Work, stated_transform: Option<&Isometry3<f64>>, before: &Fra
     };
     let tried = |work: &Work, slip: &Slip| fitted(&work.without(slip), stated_transform);
     let explained = |frame: &Frame, before: &Frame| {
-        frame.trimmed * BELIEVED < before.trimmed.max(worst(before))
+        frame.trimmed * BELIEVED_RATIO < before.trimmed.max(worst(before))
             && frame.trimmed < PLAUSIBLE
             && 4 * frame.bad_count() <= frame.bad.len()
             && frame.bad_count() < before.bad_count().max(1)

@@ -13,12 +13,12 @@ use crate::numerics::information::Factor;
 use crate::numerics::sample::median;
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3};
 
-/// Displacements below this many standard deviations say nothing of their sign.
-const CLEAR: f64 = 10.0;
+/// Displacements below this many standard deviations say nothing.
+pub(super) const CLEAR_STDS: f64 = 10.0;
 /// Cosine between force and yield, and between displacement and expectation,
 /// that count as a sign.
 const YIELDS: f64 = 0.3;
-const ALONG: f64 = 0.6;
+const ALONG_COSINE: f64 = 0.6;
 /// Ratio to the prior's displacement, for all alike, that a unit explains.
 const UNIT: f64 = 30.0;
 /// Ratio to the others that one state's load explains: with and without prior.
@@ -193,7 +193,7 @@ pub(super) fn load_of(work: &Work, state: &super::sheet::State) -> Option<f64> {
 }
 
 /// One displacement as judged.
-struct Judged {
+struct JudgedDisplacement {
     at: (usize, usize),
     /// Along the load (1), against it (−1), or not clear (0).
     sign: i32,
@@ -223,26 +223,26 @@ pub(super) fn check(work: &mut Work, frame: Option<&super::frame::Frame>) {
     let Some(frame) = frame else { return };
     let motions = moves(work, &frame.base_from_tracker);
     let compliance = compliance(work);
-    let judged: Vec<Judged> = motions.iter().map(|m| judge(work, m, &compliance)).collect();
+    let judged: Vec<JudgedDisplacement> = motions.iter().map(|m| judge(work, m, &compliance)).collect();
     still(work, &judged);
     signs(work, &judged);
     sizes(work, &judged);
 }
 
-fn judge(work: &Work, one: &Move, compliance: &DVector<f64>) -> Judged {
+fn judge(work: &Work, one: &Move, compliance: &DVector<f64>) -> JudgedDisplacement {
     let expected = &one.block * compliance + &one.series_shift;
     let has_prior = work.cell.prior.is_some();
-    let clear = one.size() > CLEAR * one.std;
-    let expects = !has_prior || rms(&expected) > CLEAR * one.std;
+    let clear = one.size() > CLEAR_STDS * one.std;
+    let expects = !has_prior || rms(&expected) > CLEAR_STDS * one.std;
     let along = one.shift.dot(&expected) / (one.shift.norm() * expected.norm());
     let yields = one.yields().filter(|_| clear).unwrap_or(0.0);
     let along = if clear && expects && has_prior && along.is_finite() { along } else { 0.0 };
     let sign = match () {
-        () if yields < -YIELDS || along < -ALONG => -1,
-        () if yields > YIELDS || along > ALONG => 1,
+        () if yields < -YIELDS || along < -ALONG_COSINE => -1,
+        () if yields > YIELDS || along > ALONG_COSINE => 1,
         () => 0,
     };
-    Judged {
+    JudgedDisplacement {
         at: (one.posture, one.state),
         sign,
         ratio: ((expects || clear) && rms(&expected) > 0.0).then(|| one.size() / rms(&expected)),
@@ -251,7 +251,7 @@ fn judge(work: &Work, one: &Move, compliance: &DVector<f64>) -> Judged {
 }
 
 /// States in which nothing moved.
-fn still(work: &mut Work, judged: &[Judged]) {
+fn still(work: &mut Work, judged: &[JudgedDisplacement]) {
     let at: Vec<_> = judged.iter().filter(|j| j.still).map(|j| j.at).collect();
     if at.is_empty() {
         return;
@@ -264,7 +264,7 @@ fn still(work: &mut Work, judged: &[Judged]) {
 }
 
 /// Displacements against the load: of all states, or of single ones.
-fn signs(work: &mut Work, judged: &[Judged]) {
+fn signs(work: &mut Work, judged: &[JudgedDisplacement]) {
     let with = |sign: i32| -> Vec<(usize, usize)> { judged.iter().filter(|j| j.sign == sign).map(|j| j.at).collect() };
     let (against, along) = (with(-1), with(1));
     if against.is_empty() {
@@ -282,7 +282,7 @@ fn signs(work: &mut Work, judged: &[Judged]) {
 }
 
 /// Displacements of another size than expected: of all states, or of single ones.
-fn sizes(work: &mut Work, judged: &[Judged]) {
+fn sizes(work: &mut Work, judged: &[JudgedDisplacement]) {
     let ratios: Vec<f64> = judged.iter().filter_map(|j| j.ratio).collect();
     if ratios.is_empty() {
         return;

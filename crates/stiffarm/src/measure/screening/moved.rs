@@ -6,7 +6,7 @@
 
 use super::frame::{Frame, PLAUSIBLE, fitted, item_pairs, items, rms, state_pairs};
 use super::misfit::give;
-use super::{BELIEVED, Cause, Suspicion, Work};
+use super::{BELIEVED_RATIO, Cause, Suspicion, Work};
 use crate::findings::list;
 use crate::measure::registration::{Agreement, Pair, moved, rigid_transform, robust};
 use crate::model::measurement::Role;
@@ -17,14 +17,20 @@ use nalgebra::Isometry3;
 const UNKNOWNS: usize = 6;
 const SURPLUS: usize = 6;
 /// Misfit below which a frame of its own does not matter to Ψ \[m\].
-const SMALL: f64 = 5e-4;
+const SMALL_MISFIT: f64 = 5e-4;
 /// Postures of the short runs that say how well the model can fit.
 const SHORT: usize = 3;
 /// A posture belongs to the run that it fits better by this factor.
-const BETTER: f64 = 2.0;
+const BETTER_RATIO: f64 = 2.0;
 /// When a posture is none of its run.
-const AGREEMENT: Agreement =
-    Agreement { factor: 10.0, floor: SMALL, floor_few: SMALL, many: 0, most: |count| count / 2 + 1, least: 1 };
+const AGREEMENT: Agreement = Agreement {
+    factor: 10.0,
+    floor: SMALL_MISFIT,
+    floor_few: SMALL_MISFIT,
+    many: 0,
+    most: |count| count / 2 + 1,
+    least: 1,
+};
 
 /// A run of items that one frame fits.
 struct Run {
@@ -110,7 +116,7 @@ impl Order {
     /// All items in runs; `None` where too many fit none.
     fn runs(&self) -> Option<Vec<Run>> {
         let count = self.at.len();
-        let allowed = (BELIEVED * self.level()?).clamp(SMALL, PLAUSIBLE);
+        let allowed = (BELIEVED_RATIO * self.level()?).clamp(SMALL_MISFIT, PLAUSIBLE);
         let (mut runs, mut strays, mut first) = (Vec::new(), 0, 0);
         while first < count {
             let ends = self.shortest(first).map_or(count + 1, |end| end)..=count;
@@ -141,7 +147,7 @@ impl Order {
             let better = |i: usize| {
                 let [before_rms, after_rms] =
                     [&*before, &*after].map(|run| rms(&run.base_from_tracker, &self.pairs[i]));
-                BETTER * after_rms < before_rms
+                BETTER_RATIO * after_rms < before_rms
             };
             let last_before = (before.first..before.end).rev().find(|i| !better(*i));
             let end = last_before.map_or(before.first, |i| i + 1);
@@ -182,12 +188,12 @@ impl Order {
             return false;
         };
         let total = self.pairs.iter().map(Vec::len).sum::<usize>() as f64;
-        one > total * (SMALL / BELIEVED).powi(2)
+        one > total * (SMALL_MISFIT / BELIEVED_RATIO).powi(2)
             && (1..count).any(|b| {
                 let both = square(0, b).zip(square(b, count));
                 self.is_enough(0, b)
                     && self.is_enough(b, count)
-                    && both.is_some_and(|(a, b)| (a + b) * BELIEVED.powi(2) < one)
+                    && both.is_some_and(|(a, b)| (a + b) * BELIEVED_RATIO.powi(2) < one)
             })
     }
 }
@@ -201,7 +207,7 @@ pub(super) fn explain(work: &mut Work, stated_transform: Option<&Isometry3<f64>>
     }
     let runs = order.runs()?;
     let [before, after] = order.misfits(&runs)?;
-    if before < (BELIEVED * after).max(SMALL) {
+    if before < (BELIEVED_RATIO * after).max(SMALL_MISFIT) {
         return None;
     }
     let of_states = runs_of_states(work, &order, &runs);
@@ -281,7 +287,7 @@ fn is_of(work: &Work, at: (usize, usize), runs: [&Run; 2], is_known: bool) -> bo
     let state = work.sheet.at(at);
     let pairs = state_pairs(&state.points, &work.predicted(&state.q));
     let [first, second] = runs.map(|run| rms(&run.base_from_tracker, &pairs));
-    let factor = if is_known { 1.0 } else { BELIEVED };
+    let factor = if is_known { 1.0 } else { BELIEVED_RATIO };
     state.role == Role::Loaded && second <= give(work, at.0) && factor * second < first
 }
 

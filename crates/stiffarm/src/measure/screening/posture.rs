@@ -3,7 +3,7 @@
 
 use super::frame::{Frame, fitted, items};
 use super::misfit::{best_around, gap, give, state_rms};
-use super::slip::{Place, Rule, Slip, Undo, settle};
+use super::slip::{Rule, Slip, StateIndex, Undo, settle};
 use super::states::mix_ups;
 use super::{Cause, Suspicion, Work, states};
 use crate::numerics::order::sort_by_number;
@@ -125,7 +125,7 @@ fn whole_posture(work: &mut Work, frame: &Frame, p: usize, suspects: &[usize]) -
         return None;
     }
     let states = 0..work.sheet.postures[p].states.len();
-    let places: Vec<Place> = states.map(|s| (p, s)).collect();
+    let places: Vec<StateIndex> = states.map(|s| (p, s)).collect();
     let most = frame.limit();
     let with = |slip: Slip| {
         let after = slip.left(work, transform, reference);

@@ -21,7 +21,7 @@ const REACHES: usize = 3;
 /// Chance of a false alarm over all states together.
 const FALSE_ALARM: f64 = 1e-3;
 /// Standard deviations below which a distance is never worth a word.
-const WORTH: f64 = 5.0;
+const LEAST_STDS: f64 = 5.0;
 /// Distance from the drawing that is worth a note, and that cannot be meant \[m\].
 const DRAWING: [f64; 2] = [3e-4, 5e-3];
 /// Share of the states that disagree beyond which the tool is to blame.
@@ -143,7 +143,7 @@ fn rigid_degrees(points: usize) -> usize {
 }
 
 /// A state whose shape disagrees.
-struct Odd {
+struct OddShape {
     at: (usize, usize),
     /// Points without which the rest fits.
     candidates: Vec<usize>,
@@ -198,7 +198,7 @@ pub(super) fn strays(work: &mut Work, last: bool) -> usize {
         let (squares, off) = misfit(state, None, scale);
         let std = state.std();
         let limit = exceeded_by(alarm, rigid_degrees(seen.len())) * allowance;
-        if squares <= limit || off < WORTH * std * scale / 2.0 {
+        if squares <= limit || off < LEAST_STDS * std * scale / 2.0 {
             continue;
         }
         // Mixed up names are a matter for the checks against the model.
@@ -212,14 +212,14 @@ pub(super) fn strays(work: &mut Work, last: bool) -> usize {
         }
         let rest = exceeded_by(alarm, rigid_degrees(seen.len() - 1)) * allowance;
         let fits = |a: &usize| misfit(state, Some(*a), scale).0 <= rest;
-        odd.push(Odd { at, candidates: seen.into_iter().filter(fits).collect(), off });
+        odd.push(OddShape { at, candidates: seen.into_iter().filter(fits).collect(), off });
     }
     report(work, &shape, &odd, last, states.len());
     states.len()
 }
 
-fn report(work: &mut Work, shape: &[Option<Vector3<f64>>], odd: &[Odd], last: bool, states: usize) {
-    let unexplained: Vec<&Odd> = odd.iter().filter(|o| o.candidates.is_empty()).collect();
+fn report(work: &mut Work, shape: &[Option<Vector3<f64>>], odd: &[OddShape], last: bool, states: usize) {
+    let unexplained: Vec<&OddShape> = odd.iter().filter(|o| o.candidates.is_empty()).collect();
     if last && !unexplained.is_empty() {
         let off = unexplained.iter().map(|o| o.off).fold(0.0, f64::max);
         let many = unexplained.len() >= 3 && unexplained.len() as f64 > UNSTEADY * states as f64;
@@ -283,7 +283,7 @@ pub(super) fn drawing(work: &mut Work, gross: bool) {
         off.fold(0.0, f64::max)
     };
     let off = worst(&pose, &all);
-    let noise = WORTH * work.sheet.typical_std();
+    let noise = LEAST_STDS * work.sheet.typical_std();
     let least = if gross { DRAWING[1] } else { DRAWING[0] };
     if off <= least.max(noise) {
         return;
@@ -293,7 +293,7 @@ pub(super) fn drawing(work: &mut Work, gross: bool) {
     for a in 0..tool.len() {
         let others = both(Some(a));
         if let (Some(pose), Some(point), true) = (fit(&others), shape[a], tool.len() > 3)
-            && worst(&pose, &others) < off / super::BELIEVED
+            && worst(&pose, &others) < off / super::BELIEVED_RATIO
         {
             let seen = moved(&pose.inverse(), &point);
             single.push((a, (tool[a].position - seen).norm(), seen));

@@ -13,9 +13,9 @@ use nalgebra::{Point3, Vector3};
 use std::collections::BTreeMap;
 
 /// Standard deviations by which a repeat must lie off to be called stray.
-const STRAY: f64 = 8.0;
+const STRAY_STDS: f64 = 8.0;
 /// Smallest distance of a repeat that is worth a word \[m\].
-const WORTH: f64 = 5e-5;
+const SMALLEST_STRAY: f64 = 5e-5;
 /// Stands in for a noise of zero \[m\].
 const SMALLEST_STD: f64 = 1e-7;
 
@@ -356,7 +356,7 @@ fn repeat_spread(series: &[PostureSeries<'_>]) -> f64 {
 
 /// Which repeats stray.
 #[derive(Default)]
-struct Strays {
+struct StrayRepeats {
     lines: Vec<usize>,
     /// Number of the repeat, counted from 1, where it is clear which one.
     repeat: Option<usize>,
@@ -364,18 +364,18 @@ struct Strays {
 }
 
 /// Keeps the repeats that agree. Of two that disagree neither is kept.
-fn sift<'a>(readings: &[&'a Reading], std: f64) -> (Vec<&'a Reading>, Strays) {
-    let limit = (STRAY * std).max(WORTH);
+fn sift<'a>(readings: &[&'a Reading], std: f64) -> (Vec<&'a Reading>, StrayRepeats) {
+    let limit = (STRAY_STDS * std).max(SMALLEST_STRAY);
     let lines = |of: &[&Reading]| of.iter().map(|r| r.line).filter(|l| *l > 0).collect();
     if let [first, second] = readings {
         let distance = (first.position - second.position).norm();
         if distance > limit * std::f64::consts::SQRT_2 {
-            let strays = Strays { lines: lines(readings), repeat: None, distance: Some(distance) };
+            let strays = StrayRepeats { lines: lines(readings), repeat: None, distance: Some(distance) };
             return (Vec::new(), strays);
         }
     }
     if readings.len() < 3 {
-        return (readings.to_vec(), Strays::default());
+        return (readings.to_vec(), StrayRepeats::default());
     }
     let middle = Vector3::from_fn(|i, _| median(&readings.iter().map(|r| r.position[i]).collect::<Vec<f64>>()));
     let off = |r: &Reading| (r.position - middle).norm();
@@ -383,6 +383,6 @@ fn sift<'a>(readings: &[&'a Reading], std: f64) -> (Vec<&'a Reading>, Strays) {
     let worst = strays.iter().map(|r| off(r)).reduce(f64::max);
     let agreeing = readings.iter().copied().filter(|r| off(r) <= limit).collect();
     let repeat = readings.iter().position(|r| off(r) > limit).map(|i| i + 1);
-    let strays = Strays { lines: lines(&strays), repeat: repeat.filter(|_| strays.len() == 1), distance: worst };
+    let strays = StrayRepeats { lines: lines(&strays), repeat: repeat.filter(|_| strays.len() == 1), distance: worst };
     (agreeing, strays)
 }

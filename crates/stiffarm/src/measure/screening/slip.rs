@@ -4,7 +4,7 @@
 use super::frame::{rms, state_pairs};
 use super::sheet::{Sheet, State};
 use super::units::Unit;
-use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, rigid, tool, words};
+use super::{ALIKE_MISFIT_RATIO, BELIEVED_RATIO, Cause, FITTED_RATIO, Suspicion, Work, rigid, tool, words};
 use crate::findings::each_once;
 use crate::model::cell::Cell;
 use crate::model::load::Load;
@@ -13,7 +13,7 @@ use crate::units::rad_to_deg;
 use nalgebra::{Isometry3, Matrix3};
 
 /// Posture and state of a row.
-pub(super) type Place = (usize, usize);
+pub(super) type StateIndex = (usize, usize);
 
 /// What undoes a slip: in rows of the table, then in the cell.
 #[derive(Debug, Clone)]
@@ -29,9 +29,9 @@ pub(super) enum Undo {
     /// A joint's angle as written, and as it is \[rad\].
     Angle(usize, [f64; 2]),
     /// Taken at the angles of another posture, by the row that stands for it \[rad\].
-    AnglesOf(Place, Vec<f64>),
+    AnglesOf(StateIndex, Vec<f64>),
     /// Likewise, and the other's rows belong here.
-    Exchange(Place, Vec<f64>),
+    Exchange(StateIndex, Vec<f64>),
     /// Load cases named in another order.
     Cases(Vec<usize>),
     /// Forces alone are this many times what is typed.
@@ -51,7 +51,7 @@ pub(super) enum Undo {
 pub(super) struct Slip {
     pub undo: Undo,
     /// The rows it is in; `None`: all, or the cell.
-    pub at: Option<Vec<Place>>,
+    pub at: Option<Vec<StateIndex>>,
     /// What speaks against it beforehand: slips that it takes at once, or how rare it is (logarithm).
     pub cost: f64,
 }
@@ -76,7 +76,7 @@ impl Slip {
     }
 
     /// The slip in these rows alone.
-    pub fn at(self, at: &[Place]) -> Self {
+    pub fn at(self, at: &[StateIndex]) -> Self {
         Slip { at: Some(at.to_vec()), ..self }
     }
 
@@ -201,7 +201,7 @@ impl Slip {
     }
 
     /// Misfit of one row with the slip undone in it; `None` without readings.
-    pub fn left(&self, work: &Work, transform: &Isometry3<f64>, at: Place) -> Option<f64> {
+    pub fn left(&self, work: &Work, transform: &Isometry3<f64>, at: StateIndex) -> Option<f64> {
         let mut state = work.sheet.at(at).clone();
         self.undo_in(&mut state, &work.cell);
         let pairs = state_pairs(&state.points, &work.predicted(&state.q));
@@ -312,13 +312,17 @@ pub(super) struct Rule {
 impl Rule {
     /// Where points are held against the kinematic model: believed by a fifth of `before`, and `most` at most.
     pub fn of_places(work: &Work, before: f64, most: f64) -> Self {
-        Rule { most: most.min(before / BELIEVED), alike: [ALIKE, FITTED * work.sheet.typical_std()], beside: 0.0 }
+        Rule {
+            most: most.min(before / BELIEVED_RATIO),
+            alike: [ALIKE_MISFIT_RATIO, FITTED_RATIO * work.sheet.typical_std()],
+            beside: 0.0,
+        }
     }
 }
 
 /// What was settled on.
 #[derive(Debug, Clone)]
-pub(super) struct Settled {
+pub(super) struct SettledSlip {
     pub slip: Slip,
     /// What undoing it leaves.
     pub after: f64,
@@ -326,16 +330,15 @@ pub(super) struct Settled {
     pub others: Vec<Slip>,
 }
 
-/// The likeliest of the slips that explain alike; beside each stands what undoing it leaves. `None` where no slip is
-/// believed.
-pub(super) fn settle(tried: impl IntoIterator<Item = (Slip, Option<f64>)>, rule: &Rule) -> Option<Settled> {
+/// The likeliest of the slips that explain alike; beside each stands what undoing it leaves. `None` where no slip is believed.
+pub(super) fn settle(tried: impl IntoIterator<Item = (Slip, Option<f64>)>, rule: &Rule) -> Option<SettledSlip> {
     let believed = tried.into_iter().filter_map(|(slip, after)| {
         let after = after.filter(|after| *after <= rule.most)?;
         Some((slip, after))
     });
     let mut believed: Vec<(Slip, f64)> = believed.collect();
     let weighed = |(slip, after): &(Slip, f64)| match slip.is_fitted() {
-        true => after * FITTED,
+        true => after * FITTED_RATIO,
         false => *after,
     };
     let best = believed.iter().map(weighed).reduce(f64::min)?;
@@ -346,10 +349,10 @@ pub(super) fn settle(tried: impl IntoIterator<Item = (Slip, Option<f64>)>, rule:
     let (slip, after) = all.next()?;
     let others = all.map(|(other, _)| other);
     let others = others.filter(|other| other.cost <= slip.cost + rule.beside);
-    Some(Settled { others: others.collect(), slip, after })
+    Some(SettledSlip { others: others.collect(), slip, after })
 }
 
-impl Settled {
+impl SettledSlip {
     /// What is said of it: the likeliest slip, and the others in words.
     pub fn suspicion(&self, work: &Work) -> Suspicion {
         let phrase = |slip: &Slip| words::cause(&work.cell, &slip.suspicion(work));

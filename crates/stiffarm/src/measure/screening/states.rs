@@ -4,7 +4,7 @@
 use super::frame::Frame;
 use super::misfit::{first_angles, gap, give, state_rms};
 use super::rigid::moved;
-use super::slip::{Place, Rule, Slip, Undo, name_states, settle};
+use super::slip::{Rule, Slip, StateIndex, Undo, name_states, settle};
 use super::{Cause, Suspicion, Work};
 use crate::numerics::arrangements::exchanges_first;
 use nalgebra::Isometry3;
@@ -14,8 +14,8 @@ use nalgebra::Isometry3;
 pub(super) fn mix_ups(
     work: &Work,
     transform: &Isometry3<f64>,
-    at: &[Place],
-    row: Place,
+    at: &[StateIndex],
+    row: StateIndex,
     most: f64,
     suspects: &[usize],
 ) -> Vec<Slip> {

@@ -14,7 +14,7 @@ const FOLLOWED: usize = 4;
 const STEPS: usize = 30;
 /// Step for a derivative by differences \[m, rad\], and change that ends the search.
 const DIFFERENCE: f64 = 1e-6;
-const STILL: f64 = 1e-9;
+const SETTLED_CHANGE: f64 = 1e-9;
 
 /// The motion of the measuring points on the flange that suits the unloaded readings best, from all quarter turns.
 pub(super) fn place(work: &Work) -> Option<Isometry3<f64>> {
@@ -68,7 +68,7 @@ pub(super) fn place(work: &Work) -> Option<Isometry3<f64>> {
             let Some((next, place)) = better else { break };
             let fall = value - next;
             (value, motion) = (next, place);
-            if fall < STILL * value {
+            if fall < SETTLED_CHANGE * value {
                 break;
             }
         }

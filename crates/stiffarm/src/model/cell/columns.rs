@@ -160,7 +160,7 @@ impl NamePattern {
     /// Every way to [`split`](Self::split) `name`, that one first: there are several where what
     /// stands between the parts is in them, too (`P1-up-250-left`).
     pub fn splits<'n>(&self, name: &'n str) -> Vec<Vec<&'n str>> {
-        let mut ways = Ways { left: MOST_STEPS, splits: Vec::new() };
+        let mut ways = NameSplits { left: MOST_STEPS, splits: Vec::new() };
         if let Some(rest) = name.strip_prefix(self.before.as_str()) {
             ways.follow(rest, &self.parts, &mut Vec::new());
         }
@@ -172,13 +172,13 @@ impl NamePattern {
 const MOST_STEPS: usize = 2000;
 
 /// The ways to split a name.
-struct Ways<'n> {
+struct NameSplits<'n> {
     /// Places that may still be tried.
     left: usize,
     splits: Vec<Vec<&'n str>>,
 }
 
-impl<'n> Ways<'n> {
+impl<'n> NameSplits<'n> {
     /// Finds those in which `rest` is the text of `parts`, behind the texts `before`.
     fn follow(&mut self, rest: &'n str, parts: &[(NamePart, String)], before: &mut Vec<&'n str>) {
         let Some(((part, behind), later)) = parts.split_first() else {

@@ -31,7 +31,7 @@ pub struct Limits {
 type Visitor<'a> = dyn FnMut(LimitKind, usize, f64, &dyn Fn(&mut [f64])) + 'a;
 
 /// A point that moves with the joints below `moved_by`.
-struct Subject {
+struct MovingPoint {
     point: Vector3<f64>,
     moved_by: usize,
 }
@@ -133,13 +133,13 @@ impl Limits {
         let flange = frames.flange().translation.vector;
         let points = iter::once(&terms.loading_point).chain(&terms.measuring_points);
         let points = points.chain([&flange]);
-        let mut subjects: Vec<Subject> = points.map(|p| Subject { point: *p, moved_by: n }).collect();
+        let mut subjects: Vec<MovingPoint> = points.map(|p| MovingPoint { point: *p, moved_by: n }).collect();
         let tool_points = subjects.len();
         // The wrist centre is moved by the joints before the one whose axis carries it.
-        subjects.push(Subject { point: frames.wrist_centre(), moved_by: n.saturating_sub(2) });
+        subjects.push(MovingPoint { point: frames.wrist_centre(), moved_by: n.saturating_sub(2) });
         let limits: Vec<PointLimit> = self.on_points().collect();
 
-        let direction = |subject: &Subject, along: Vector3<f64>| {
+        let direction = |subject: &MovingPoint, along: Vector3<f64>| {
             let (point, moved_by) = (subject.point, subject.moved_by);
             move |gradient: &mut [f64]| {
                 for (k, g) in gradient.iter_mut().enumerate() {

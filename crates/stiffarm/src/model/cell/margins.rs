@@ -6,7 +6,7 @@ use crate::model::scene::{Scene, Work};
 use std::borrow::Cow;
 
 /// A limit of points that is violated by more says all that [`Margins::least`] is asked \[m\].
-const CLEARLY: f64 = 1e-3;
+const CLEAR_VIOLATION: f64 = 1e-3;
 
 /// The limits of a cell, ready to be looked at posture by posture.
 #[derive(Debug, Clone)]
@@ -108,7 +108,7 @@ impl<'a> Margins<'a> {
         let none = Slopes::default();
         self.limits.evaluate(&self.setup, terms, &mut values, none);
         let mut least = values.iter().fold(f64::INFINITY, |l, v| l.min(*v));
-        if least < -CLEARLY {
+        if least < -CLEAR_VIOLATION {
             return least;
         }
         // Far shapes need not be told exactly.

@@ -25,7 +25,7 @@ pub(super) type Theta = [f64; 6];
 /// has no direction: the angle that it should give is free.
 const FREE: f64 = 1e-12;
 /// Sine of the angle between axes 1 and 2 from which on they count as parallel.
-const PARALLEL: f64 = 0.05;
+const PARALLEL_SINE: f64 = 0.05;
 /// Shortest link of the planar pair (of the arm's size).
 const SHORTEST_LINK: f64 = 1e-3;
 
@@ -88,7 +88,7 @@ impl ClosedForm {
         let parallel = |a: usize, b: usize| z[a].cross(&z[b]).norm() <= tolerance;
         let square = |a: usize, b: usize| z[a].dot(&z[b]).abs() <= tolerance;
         let meets = |p: &Vector3<f64>, i: usize| (p - o[i]).cross(&z[i]).norm() <= tolerance * size;
-        if !parallel(1, 2) || z[0].cross(&z[1]).norm() < PARALLEL || !square(4, 5) {
+        if !parallel(1, 2) || z[0].cross(&z[1]).norm() < PARALLEL_SINE || !square(4, 5) {
             return None;
         }
         let centre = meeting_point(&o[4], &z[4], &o[5], &z[5])?;
@@ -340,7 +340,7 @@ fn angle_about(axis: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> f
 fn meeting_point(o1: &Vector3<f64>, z1: &Vector3<f64>, o2: &Vector3<f64>, z2: &Vector3<f64>) -> Option<Vector3<f64>> {
     let normal = z1.cross(z2);
     let square = normal.norm_squared();
-    if square.is_nan() || square < PARALLEL * PARALLEL {
+    if square.is_nan() || square < PARALLEL_SINE * PARALLEL_SINE {
         return None;
     }
     let between = o2 - o1;

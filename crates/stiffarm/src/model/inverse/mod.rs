@@ -34,24 +34,24 @@ use crate::numerics::information::svd;
 use crate::units::{rad_to_deg, rad_to_shortest_deg};
 use closed_form::{ClosedForm, Theta};
 use nalgebra::{DMatrix, Isometry3, Matrix6, Vector6};
-use numeric::{Descent, SOLVED, scaled_columns, twist};
+use numeric::{Descent, SOLVED_RESIDUAL, scaled_columns, twist};
 use turns::Turns;
 pub(crate) use turns::largest_change;
 
 /// Deviation from a family's geometry that is rounding (rad, of the size).
-const EXACT: f64 = 1e-9;
+const EXACT_GEOMETRY: f64 = 1e-9;
 /// Deviation up to which a family's arm is worth starting from.
-const SIMILAR: f64 = 0.1;
+const SIMILAR_GEOMETRY: f64 = 0.1;
 /// Distance of its branches from each other, for iterations that start there \[rad\].
-const APART: f64 = 0.1;
+const BRANCH_DISTANCE: f64 = 0.1;
 /// A pose this near to the reachable ones counts as one (of the size).
 const SLACK: f64 = 1e-10;
 /// Residual that a posture may leave (of the size, rad).
-const ACCEPTED: f64 = 1e-9;
+const ACCEPTED_RESIDUAL: f64 = 1e-9;
 /// Postures nearer than this, full turns aside, are one \[rad\].
-const SAME: f64 = 1e-7;
+const SAME_ANGLE: f64 = 1e-7;
 /// Condition number of the scaled Jacobian of a singular posture.
-const SINGULAR: f64 = 1e6;
+const SINGULAR_CONDITION: f64 = 1e6;
 /// Iterations along one branch.
 const STEPS_OF_A_BRANCH: usize = 50;
 
@@ -122,10 +122,10 @@ impl InverseKinematics {
         let length: f64 = origins.zip(ends.chain([tip])).map(|(a, b)| (b - a).norm()).sum();
         // A chain without length only turns: metres then weigh as radians.
         let size = if length > 0.0 { length } else { 1.0 };
-        let closed_form = ClosedForm::detect(&zero, size, EXACT, 0.0);
+        let closed_form = ClosedForm::detect(&zero, size, EXACT_GEOMETRY, 0.0);
         let similar = match closed_form {
             Some(_) => None,
-            None => ClosedForm::detect(&zero, size, SIMILAR, APART),
+            None => ClosedForm::detect(&zero, size, SIMILAR_GEOMETRY, BRANCH_DISTANCE),
         };
         InverseKinematics { turns: Turns::new(robot), robot: robot.clone(), size, closed_form, similar }
     }
@@ -227,7 +227,7 @@ impl InverseKinematics {
         check_angles(&self.robot, start)?;
         let mut q = start.to_vec();
         let residual = Descent::new(&self.robot, self.size).solve(flange, &mut q, None, STEPS_OF_A_BRANCH);
-        if residual <= SOLVED {
+        if residual <= SOLVED_RESIDUAL {
             return Ok(q);
         }
         Err(Error::new(
@@ -267,7 +267,7 @@ impl InverseKinematics {
                 continue;
             };
             let branch = self.branch(&self.turns.controller_angles(&theta), condition);
-            let is_same = |b: &Branch| self.turns.alike(&b.q, &branch.q, SAME);
+            let is_same = |b: &Branch| self.turns.alike(&b.q, &branch.q, SAME_ANGLE);
             if !branches.iter().any(is_same) {
                 branches.push(branch);
             }
@@ -282,7 +282,7 @@ impl InverseKinematics {
 
     fn branch(&self, q: &[f64], condition: f64) -> Branch {
         let q = self.turns.to_middle(q);
-        Branch { within_limits: self.turns.contain(&q), singular: condition > SINGULAR, q, condition }
+        Branch { within_limits: self.turns.contain(&q), singular: condition > SINGULAR_CONDITION, q, condition }
     }
 
     /// A Newton step where formulas leave more than rounding; the condition
@@ -306,7 +306,7 @@ impl InverseKinematics {
             (*theta, residual) = (trial, next);
             (condition, inverse) = self.inverse_jacobian(frames);
         }
-        (residual.norm() <= ACCEPTED).then_some(condition)
+        (residual.norm() <= ACCEPTED_RESIDUAL).then_some(condition)
     }
 
     /// Condition number and inverse of the scaled Jacobian of six joints.

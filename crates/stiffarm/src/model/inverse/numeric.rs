@@ -13,9 +13,9 @@ use crate::numerics::information::svd;
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
 
 /// Residual below which nothing is left to gain (of the arm's size, rad).
-const SETTLED: f64 = 1e-13;
+const SETTLED_RESIDUAL: f64 = 1e-13;
 /// Residual of a posture that holds the pose (of the arm's size, rad).
-pub(super) const SOLVED: f64 = 1e-11;
+pub(super) const SOLVED_RESIDUAL: f64 = 1e-11;
 /// Largest step of an angle \[rad\].
 const LARGEST_STEP: f64 = 0.7;
 
@@ -47,7 +47,7 @@ impl<'a> Descent<'a> {
     }
 
     /// Moves `q` towards a posture with the flange at `target`, inside `limits`
-    /// where given; returns the residual's length, below [`SOLVED`] when found.
+    /// where given; returns the residual's length, below [`SOLVED_RESIDUAL`] when found.
     pub(super) fn solve(
         &mut self,
         target: &Isometry3<f64>,
@@ -60,7 +60,7 @@ impl<'a> Descent<'a> {
         let mut length = residual.norm();
         let mut damping = 1e-2;
         for _ in 0..steps {
-            if length.is_nan() || length <= SETTLED {
+            if length.is_nan() || length <= SETTLED_RESIDUAL {
                 break;
             }
             self.update_columns();

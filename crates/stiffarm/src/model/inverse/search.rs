@@ -2,9 +2,9 @@
 //! poses that none of them reaches.
 
 use super::closed_form::Theta;
-use super::numeric::{Descent, SOLVED};
+use super::numeric::{Descent, SOLVED_RESIDUAL};
 use super::unreachable::{Region, Unreachable};
-use super::{Branch, InverseKinematics, SINGULAR, SLACK, STEPS_OF_A_BRANCH};
+use super::{Branch, InverseKinematics, SINGULAR_CONDITION, SLACK, STEPS_OF_A_BRANCH};
 use crate::error::{Code, Error, Result};
 use nalgebra::Isometry3;
 use sobol_burley::sample;
@@ -29,13 +29,13 @@ const APPROACHES: usize = 8;
 const MOST_BRANCHES: usize = 16;
 /// Postures nearer than this, full turns aside, are one \[rad\]: iterations
 /// end this far apart where the Jacobian is nearly singular.
-const SAME: f64 = 1e-5;
+const SAME_ANGLE: f64 = 1e-5;
 /// The same of a sample, whose postures lie on a curve.
-const SAME_OF_A_SAMPLE: f64 = 1e-2;
+const SAME_ANGLE_OF_SAMPLE: f64 = 1e-2;
 /// Condition number from which on others may lie beside a posture.
 const NEARLY_SINGULAR: f64 = 100.0;
 /// Orientations that differ by less are held \[rad\].
-const HELD: f64 = 1e-8;
+const SAME_ORIENTATION: f64 = 1e-8;
 
 impl InverseKinematics {
     /// Postures found by iterations, of similar arms first, then from starts
@@ -112,7 +112,7 @@ impl InverseKinematics {
         while next < branches.len() && branches.len() < MOST_BRANCHES {
             let Branch { q, condition, .. } = branches[next].clone();
             next += 1;
-            if !(NEARLY_SINGULAR..SINGULAR).contains(&condition) {
+            if !(NEARLY_SINGULAR..SINGULAR_CONDITION).contains(&condition) {
                 continue;
             }
             let Some(direction) = descent.idle_direction(&q) else {
@@ -134,7 +134,7 @@ impl InverseKinematics {
         let mut q: Vec<f64> = pairs.map(|(q, l)| q.clamp(l[0], l[1])).collect();
         let mut descent = Descent::new(&self.robot, self.size);
         let residual = descent.solve(flange, &mut q, Some(&limits), STEPS_OF_A_BRANCH);
-        (residual <= SOLVED).then_some(q)
+        (residual <= SOLVED_RESIDUAL).then_some(q)
     }
 
     /// How far an arm that has no posture for the pose is from it.
@@ -168,7 +168,7 @@ impl InverseKinematics {
         let nearest = ends.first().map(|(_, q)| descent.missing(flange, q));
         let approached = ends.iter_mut().map(|(_, q)| descent.approach(flange, q));
         let held = approached
-            .filter(|(_, rotation)| *rotation <= HELD)
+            .filter(|(_, rotation)| *rotation <= SAME_ORIENTATION)
             .map(|(distance, _)| (distance, 0.0))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let (distance_m, rotation_rad) = held.or(nearest).unwrap_or((f64::NAN, f64::NAN));
@@ -205,8 +205,8 @@ impl InverseKinematics {
     ) -> bool {
         let residual = descent.solve(flange, &mut q, limits, STEPS_OF_A_BRANCH);
         // Written so that NaN is no solution.
-        let solved = residual <= SOLVED;
-        let same = if self.robot.joint_count() > 6 { SAME_OF_A_SAMPLE } else { SAME };
+        let solved = residual <= SOLVED_RESIDUAL;
+        let same = if self.robot.joint_count() > 6 { SAME_ANGLE_OF_SAMPLE } else { SAME_ANGLE };
         if !solved || branches.iter().any(|b| self.turns.alike(&b.q, &q, same)) {
             return false;
         }

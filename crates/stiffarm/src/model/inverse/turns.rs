@@ -14,9 +14,9 @@ use std::f64::consts::TAU;
 /// [`Robot::outside_limits`] has it.
 const TOLERANCE: f64 = 1e-9;
 /// Most combinations of turns that are listed or searched.
-const MOST: usize = 1 << 16;
+const MOST_COMBINATIONS: usize = 1 << 16;
 /// Turns to either side of the middle that are looked at.
-const FARTHEST: f64 = 64.0;
+const MOST_TURNS_ASIDE: f64 = 64.0;
 
 /// The full turns of a robot's joints within its limits.
 #[derive(Debug, Clone)]
@@ -104,7 +104,7 @@ impl Turns {
         let mut best = DVector::from_column_slice(q) + &self.inverse * turns * TAU;
         let change = |q: &DVector<f64>| largest_change(q.as_slice(), goal);
         // Rounding is best in θ; single turns more or less may be better in q.
-        for _ in 0..MOST.ilog2() {
+        for _ in 0..MOST_COMBINATIONS.ilog2() {
             let mut better = None;
             for j in 0..q.len() {
                 for step in [-TAU, TAU] {
@@ -149,11 +149,11 @@ impl Turns {
         all.into_iter().min_by(|a, b| largest_change(a, goal).total_cmp(&largest_change(b, goal)))
     }
 
-    /// Every combination of turns within the limits, up to [`MOST`] about the
+    /// Every combination of turns within the limits, up to [`MOST_COMBINATIONS`] about the
     /// middle.
     pub(super) fn within_limits(&self, q: &[f64]) -> Vec<Vec<f64>> {
         let n = q.len();
-        let limits = self.finite_limits(FARTHEST);
+        let limits = self.finite_limits(MOST_TURNS_ASIDE);
         let central = self.nearest(q, &self.middle());
         // Range of the whole turns of each joint: of q where they are separate, else of θ.
         let mut ranges: Vec<Vec<f64>> = (0..n)
@@ -178,7 +178,7 @@ impl Turns {
                 turns
             })
             .collect();
-        while ranges.iter().map(|r| r.len() as f64).product::<f64>() > MOST as f64 {
+        while ranges.iter().map(|r| r.len() as f64).product::<f64>() > MOST_COMBINATIONS as f64 {
             if let Some(longest) = ranges.iter_mut().max_by_key(|r| r.len()) {
                 longest.pop();
             }

@@ -3,7 +3,7 @@
 use super::closed_form::Outside;
 use crate::error::{Code, Error};
 use crate::model::robot::Robot;
-use crate::units::{m_to_mm, rad_to_deg};
+use crate::units::{m_to_mm, rad_to_deg, rounded, significant};
 
 /// Where an unreachable pose lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,6 +75,5 @@ fn short(value: f64) -> String {
         return format!("{value:.1}");
     }
     // Ten decimals of a millimetre or degree are beyond rounding.
-    let decimals = (1.0 - value.max(1e-10).log10().floor()) as usize;
-    format!("{value:.decimals$}")
+    rounded(significant(value, 2), 11).to_string()
 }

@@ -176,8 +176,8 @@ impl ExtraTerm {
                 }),
             )
         };
-        type Make = fn(usize) -> ExtraTerm;
-        let families: [(&str, Make); 2] = [("tilt", ExtraTerm::JointTilt), ("lost", ExtraTerm::LostMotion)];
+        type Constructor = fn(usize) -> ExtraTerm;
+        let families: [(&str, Constructor); 2] = [("tilt", ExtraTerm::JointTilt), ("lost", ExtraTerm::LostMotion)];
         if word == "base" {
             return Ok(vec![ExtraTerm::BaseTilt]);
         }

@@ -5,7 +5,7 @@ use crate::model::kinematics::Frames;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// A direction across an axis is clear from this length on (of a unit vector; m).
-const CLEARLY: f64 = 1e-2;
+const CLEAR_LENGTH: f64 = 1e-2;
 
 /// A general spring at a posture under a load.
 #[derive(Clone)]
@@ -137,7 +137,7 @@ pub fn link_axes(frames: &Frames, j: usize) -> Matrix3<f64> {
     let flange = frames.flange().rotation;
     let last = [flange * Vector3::x(), flange * Vector3::y()].map(across);
     let mut all = next.into_iter().flatten().chain(last);
-    let x = all.find_map(|v| v.try_normalize(CLEARLY));
+    let x = all.find_map(|v| v.try_normalize(CLEAR_LENGTH));
     let x = x.unwrap_or_else(Vector3::x);
     Matrix3::from_columns(&[x, z.cross(&x), z])
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// How far axes may miss each other and still count as a spherical wrist (of
 /// the arm's length), so that calibrated arms keep their words.
-const NEAR: f64 = 1e-3;
+const WRIST_TOLERANCE: f64 = 1e-3;
 /// An angle this little below zero counts as zero \[rad\].
 const ZERO: f64 = 1e-9;
 
@@ -115,19 +115,19 @@ impl Arm {
         }
         let frames = Frames::new(robot, q);
         let (z, o) = (frames.axes(), frames.origins());
-        let near = NEAR * robot.length();
+        let near = WRIST_TOLERANCE * robot.length();
         // Axes 5 and 6 are at right angles: their common point is well defined.
         let normal = z[4].cross(&z[5]).try_normalize(0.9)?;
         let along = z[5].cross(&normal);
         let way = (o[4] - o[5]).dot(&along) / z[4].dot(&along);
         let centre = o[4] - z[4] * way;
         let off = |i: usize| (centre - o[i]).cross(&z[i]).norm();
-        if [3, 4, 5].into_iter().any(|i| off(i) > near) || z[1].cross(&z[2]).norm() > NEAR {
+        if [3, 4, 5].into_iter().any(|i| off(i) > near) || z[1].cross(&z[2]).norm() > WRIST_TOLERANCE {
             return None;
         }
         let normal = z[0].cross(&z[1]).try_normalize(0.9)?;
         let offset = (o[1] - o[0]).dot(&normal);
-        if offset.abs() <= NEAR * near {
+        if offset.abs() <= WRIST_TOLERANCE * near {
             return None;
         }
         let forward = normal * offset.signum();

@@ -14,10 +14,10 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 /// at this angle its foot is at most a hundred times as far as the axes are apart.
 const NEARLY_PARALLEL: f64 = 1e-2;
 /// Axes this near to each other meet \[m\].
-const MEET: f64 = 1e-9;
+const MEETING_DISTANCE: f64 = 1e-9;
 /// Axes this near to each other, where one goes through the other's origin,
 /// are one \[m\].
-const SAME: f64 = 1e-13;
+const SAME_AXIS_DISTANCE: f64 = 1e-13;
 
 /// A joint's axis at zero, base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -118,7 +118,7 @@ fn step(point: &Vector3<f64>, direction: &Vector3<f64>) -> Step {
     let mut x = Vector3::new(-direction.y, direction.x, 0.0) / sine;
     let mut a = point.dot(&x);
     let mut alpha = sine.atan2(direction.z);
-    let backwards = if a.abs() > MEET {
+    let backwards = if a.abs() > MEETING_DISTANCE {
         a < 0.0
     } else {
         // Either way is a normal of axes that meet: the smaller turn.
@@ -136,7 +136,7 @@ fn step(point: &Vector3<f64>, direction: &Vector3<f64>) -> Step {
 fn tilted(point: &Vector3<f64>, direction: &Vector3<f64>) -> Step {
     let met = point - direction * (point.z / direction.z);
     let apart = met.x.hypot(met.y);
-    let (turn, a) = if apart > SAME { (met.y.atan2(met.x), apart) } else { (0.0, 0.0) };
+    let (turn, a) = if apart > SAME_AXIS_DISTANCE { (met.y.atan2(met.x), apart) } else { (0.0, 0.0) };
     let back = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -turn);
     // RotX(α) RotY(β) z = (sin β, −sin α cos β, cos α cos β).
     let z = back * direction;

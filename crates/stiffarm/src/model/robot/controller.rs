@@ -5,7 +5,7 @@ use crate::error::{Code, Error, Result, did_you_mean};
 use nalgebra::{DMatrix, Vector3};
 
 /// Cosine beyond which two axes are parallel but for rounding.
-const PARALLEL: f64 = 1.0 - 1e-6;
+const PARALLEL_COSINE: f64 = 1.0 - 1e-6;
 
 /// The maker of a robot's controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -181,7 +181,7 @@ impl Robot {
             return None;
         }
         let along = (self.joints()[2].placement.rotation * Vector3::z()).z;
-        (along.abs() > PARALLEL).then(|| {
+        (along.abs() > PARALLEL_COSINE).then(|| {
             let mut level = coupling.clone();
             level[(2, 1)] = -along.signum() * coupling[(1, 1)];
             level

@@ -7,10 +7,10 @@ use nalgebra::Isometry3;
 /// An arm that is no farther than this from a robot of the catalogue is one like it, and one farther than that is like
 /// none: among the catalogue's own robots the nearest other is at 0.25 or less, and at 1.07 or more where its rows are
 /// read in the wrong convention.
-const LIKE: f64 = 0.35;
-const UNLIKE: f64 = 0.7;
+const LIKE_DISTANCE: f64 = 0.35;
+const UNLIKE_DISTANCE: f64 = 0.7;
 /// Sine of a twist below which axes count as parallel: where their common normal lies is then nobody's choice.
-const PARALLEL: f64 = 1e-2;
+const PARALLEL_SINE: f64 = 1e-2;
 
 impl DhConvention {
     /// The one that it is not.
@@ -53,7 +53,7 @@ impl Form {
         let twists: Vec<f64> = links.iter().map(|row| row.alpha.sin().abs()).collect();
         let mut along: Vec<f64> = rows.iter().map(|row| row.d).collect();
         for (i, link) in links.iter().enumerate().skip(1) {
-            if twists[i] < PARALLEL {
+            if twists[i] < PARALLEL_SINE {
                 along[i + 1] = along[i + 1] * link.alpha.cos().signum() + along[i];
                 along[i] = 0.0;
             }
@@ -99,7 +99,7 @@ impl Robot {
     pub fn like_in_other_convention(&self) -> Option<&'static CatalogueEntry> {
         let (current, _) = nearest(self.convention, &self.rows)?;
         let (other, entry) = nearest(self.convention.other(), &self.rows)?;
-        (current > UNLIKE && other < LIKE).then_some(entry)
+        (current > UNLIKE_DISTANCE && other < LIKE_DISTANCE).then_some(entry)
     }
 
     /// The robot of the same rows read in the other convention; base, flange and tilts stay.

@@ -1,7 +1,7 @@
 //! From parts and rules to the pairs that are kept apart.
 
 use super::pairs::Pair;
-use super::placed::{Placed, Shapes};
+use super::placed_parts::{PlacedParts, Shapes};
 use super::{Carrier, DisplacementLimits, Part, RopeRules, Scene, Sight, TorqueLimits};
 use crate::error::{Code, Error, Result};
 use crate::model::kinematics::Frames;
@@ -114,7 +114,7 @@ impl Scene {
             }
             let q = spread(bounds, sample);
             frames.update(robot, &q);
-            let placed = Placed::new(&self.parts, &frames, &mut work);
+            let placed = PlacedParts::new(&self.parts, &frames, &mut work);
             for (pair, always) in self.pairs.iter().zip(&mut always) {
                 *always = *always && pair.distance(&placed, f64::INFINITY).0 < clearance;
             }

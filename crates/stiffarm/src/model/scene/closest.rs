@@ -1,7 +1,7 @@
 //! The two parts that come nearest to each other at a posture, and where.
 
 use super::Scene;
-use super::placed::Placed;
+use super::placed_parts::PlacedParts;
 use super::work::Work;
 use crate::model::observation::PostureTerms;
 use nalgebra::Vector3;
@@ -22,7 +22,7 @@ impl Scene {
     /// there is none.
     pub fn closest(&self, terms: &PostureTerms) -> Option<ClosestPair> {
         let mut work = Work::default();
-        let placed = Placed::new(&self.parts, terms.frames(), &mut work.shapes);
+        let placed = PlacedParts::new(&self.parts, terms.frames(), &mut work.shapes);
         let mut best: Option<ClosestPair> = None;
         for pair in &self.pairs {
             let enough = best.as_ref().map_or(f64::INFINITY, |best| best.distance);

@@ -1,7 +1,7 @@
 //! All margins of one posture, in a fixed order: pairs of parts, rope against parts, the rope's
 //! cone, beams (two per measuring point), torques, smallest and largest displacement.
 
-use super::placed::Placed;
+use super::placed_parts::PlacedParts;
 use super::rope::{cone_margin, rope_to_solid};
 use super::sight::{SeenFrom, Station};
 use super::slope::{Derivative, Slope};
@@ -70,7 +70,7 @@ impl Scene {
     pub fn seen(&self, terms: &PostureTerms) -> Option<SeenFrom> {
         let sight = self.sight.as_ref()?;
         let mut work = Work::default();
-        let placed = Placed::new(&self.parts, terms.frames(), &mut work.shapes);
+        let placed = PlacedParts::new(&self.parts, terms.frames(), &mut work.shapes);
         Some(sight.seen(terms.measuring_points(), &placed))
     }
 
@@ -86,7 +86,7 @@ impl Scene {
             return Vec::new();
         };
         let mut work = Work::default();
-        let placed = Placed::new(&self.parts, terms.frames(), &mut work.shapes);
+        let placed = PlacedParts::new(&self.parts, terms.frames(), &mut work.shapes);
         (0..sight.stations.len()).map(|station| sight.seen_by(station, terms.measuring_points(), &placed)).collect()
     }
 
@@ -108,7 +108,7 @@ impl Scene {
             let beams = self.sight.as_ref().map_or(0, |sight| sight.beam_count());
             memory.arrive(theta, self.count(setup), beams);
         }
-        let placed = Placed::new(&self.parts, frames, shapes);
+        let placed = PlacedParts::new(&self.parts, frames, shapes);
         let mut at = 0;
         for pair in &self.pairs {
             let wanted = enough(at) + self.clearance;

@@ -12,7 +12,7 @@ mod displacement;
 mod margins;
 mod pairs;
 mod part;
-mod placed;
+mod placed_parts;
 mod rope;
 mod sight;
 mod slope;

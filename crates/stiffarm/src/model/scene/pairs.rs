@@ -1,6 +1,6 @@
 //! Pairs of parts and the distance between them.
 
-use super::placed::{Bounded, Placed};
+use super::placed_parts::{Bounded, PlacedParts};
 use super::slope::Touch;
 use crate::model::shape::{Capsule, Nearest, Solid, between, nearest_within};
 
@@ -37,7 +37,7 @@ pub(super) fn line_to_solid(line: &Line, solid: &Bounded, solid_moved_by: usize,
 
 impl Pair {
     /// Distance between both parts, or a lower bound not below `enough`.
-    pub fn distance(&self, placed: &Placed<'_>, enough: f64) -> (f64, Option<Touch>) {
+    pub fn distance(&self, placed: &PlacedParts<'_>, enough: f64) -> (f64, Option<Touch>) {
         let (moved, solid_moved) = (placed.moved_by(self.mover), placed.moved_by(self.solid));
         let moved_by = [moved, moved];
         let mut best = (f64::INFINITY, None);

@@ -1,6 +1,6 @@
 //! What is asked of the rope.
 
-use super::placed::Bounded;
+use super::placed_parts::Bounded;
 use super::slope::Slope;
 use crate::model::shape::nearest_within;
 use nalgebra::{Unit, Vector3};

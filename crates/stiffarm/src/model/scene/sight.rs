@@ -1,7 +1,7 @@
 //! Lines of sight from tracker stations to measuring points.
 
 use super::pairs::{Line, line_to_solid};
-use super::placed::Placed;
+use super::placed_parts::PlacedParts;
 use super::slope::{Derivative, Slope, Touch};
 use super::work::Memory;
 use crate::model::kinematics::Frames;
@@ -9,12 +9,12 @@ use crate::model::shape::Capsule;
 use nalgebra::{Unit, Vector3};
 
 /// Beams farther than this from every part are as good as clear \[m\].
-const CLEAR: f64 = 0.25;
+const CLEAR_DISTANCE: f64 = 0.25;
 /// Where margins need not be told: room for the choice of the station \[m, rad\].
 const CHOICE: f64 = 0.02;
 
 /// Rounding of a margin that a search has brought to zero.
-const SEEN: f64 = 1e-8;
+const MARGIN_ROUNDING: f64 = 1e-8;
 
 /// Where a tracker stands.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,11 +73,11 @@ pub struct SeenFrom {
 
 impl Sight {
     /// The station that sees most, and what it sees.
-    pub(super) fn seen(&self, points: &[Vector3<f64>], placed: &Placed<'_>) -> SeenFrom {
+    pub(super) fn seen(&self, points: &[Vector3<f64>], placed: &PlacedParts<'_>) -> SeenFrom {
         let mut best: Option<(SeenFrom, f64)> = None;
         for station in 0..self.stations.len() {
-            let beams = self.beams(station, points, placed, &mut Memory::default(), CLEAR);
-            let seen = (0..points.len()).filter(|i| beams[*i].margin() >= -SEEN).collect();
+            let beams = self.beams(station, points, placed, &mut Memory::default(), CLEAR_DISTANCE);
+            let seen = (0..points.len()).filter(|i| beams[*i].margin() >= -MARGIN_ROUNDING).collect();
             let (_, margin) = self.chosen(&beams);
             let here = SeenFrom { station, points: seen };
             let better =
@@ -90,8 +90,8 @@ impl Sight {
     }
 
     /// What one station sees.
-    pub(super) fn seen_by(&self, station: usize, points: &[Vector3<f64>], placed: &Placed<'_>) -> SeenFrom {
-        let beams = self.beams(station, points, placed, &mut Memory::default(), CLEAR);
+    pub(super) fn seen_by(&self, station: usize, points: &[Vector3<f64>], placed: &PlacedParts<'_>) -> SeenFrom {
+        let beams = self.beams(station, points, placed, &mut Memory::default(), CLEAR_DISTANCE);
         let seen = (0..points.len()).filter(|i| beams[*i].margin() >= 0.0);
         SeenFrom { station, points: seen.collect() }
     }
@@ -101,12 +101,12 @@ impl Sight {
     pub(super) fn visit(
         &self,
         points: &[Vector3<f64>],
-        placed: &Placed<'_>,
+        placed: &PlacedParts<'_>,
         memory: &mut Memory,
         enough: f64,
         mut each: impl FnMut(f64, Derivative<'_>),
     ) {
-        let clear = (enough + CHOICE).min(CLEAR);
+        let clear = (enough + CHOICE).min(CLEAR_DISTANCE);
         let mut best: Option<(usize, Vec<Beam>, Vec<bool>, f64)> = None;
         for station in 0..self.stations.len() {
             let beams = self.beams(station, points, placed, memory, clear);
@@ -158,7 +158,7 @@ impl Sight {
         &self,
         station: usize,
         points: &[Vector3<f64>],
-        placed: &Placed<'_>,
+        placed: &PlacedParts<'_>,
         memory: &mut Memory,
         clear: f64,
     ) -> Vec<Beam> {
@@ -199,7 +199,7 @@ impl Sight {
         &self,
         point: &Vector3<f64>,
         station: &Vector3<f64>,
-        placed: &Placed<'_>,
+        placed: &PlacedParts<'_>,
         of_tool: bool,
         clear: f64,
     ) -> (f64, Option<Touch>) {

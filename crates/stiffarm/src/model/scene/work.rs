@@ -7,7 +7,7 @@
 
 use super::Scene;
 use super::displacement::DisplacementWork;
-use super::placed::Shapes;
+use super::placed_parts::Shapes;
 use crate::model::kinematics::Frames;
 use crate::model::observation::Setup;
 
@@ -47,18 +47,18 @@ pub(super) struct Memory {
     turned: Vec<f64>,
     /// Their sums: over the joints before each, and over all.
     travel: Vec<f64>,
-    distances: Vec<Known>,
-    beams: Vec<Known>,
+    distances: Vec<RememberedDistance>,
+    beams: Vec<RememberedDistance>,
 }
 
 /// A distance that was so large when the arm had moved so far.
 #[derive(Debug, Clone, Copy)]
-struct Known {
+struct RememberedDistance {
     distance: f64,
     travel: f64,
 }
 
-const UNKNOWN: Known = Known { distance: f64::NEG_INFINITY, travel: 0.0 };
+const UNKNOWN: RememberedDistance = RememberedDistance { distance: f64::NEG_INFINITY, travel: 0.0 };
 
 impl Memory {
     /// True where distances are remembered.
@@ -115,18 +115,18 @@ impl Memory {
     /// and one that grows longer does at once.
     pub fn note(&mut self, at: usize, travel: f64, distance: f64) {
         if let Some(noted) = self.distances.get_mut(at) {
-            *noted = if distance.is_finite() { Known { distance, travel } } else { UNKNOWN };
+            *noted = if distance.is_finite() { RememberedDistance { distance, travel } } else { UNKNOWN };
         }
     }
 
     pub fn note_beam(&mut self, at: usize, travel: f64, distance: f64) {
         if let Some(noted) = self.beams.get_mut(at) {
-            *noted = Known { distance, travel };
+            *noted = RememberedDistance { distance, travel };
         }
     }
 }
 
-fn still(noted: &Known, travel: f64, enough: f64) -> Option<f64> {
+fn still(noted: &RememberedDistance, travel: f64, enough: f64) -> Option<f64> {
     let least = noted.distance - (travel - noted.travel);
     (least >= enough).then_some(least)
 }

@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 /// Points that are looked at for one distance.
 const STEPS: usize = 100;
 /// Upper and lower bound of a distance this near to each other are one \[m\].
-const SAME: f64 = 1e-14;
+const DISTANCE_TOLERANCE: f64 = 1e-14;
 /// Layers that are tried, and how near the last of them leaves a touch \[m\].
 const LAYERS: usize = 40;
 const TOUCH: f64 = 1e-8;
@@ -56,9 +56,9 @@ pub fn between(first: &Solid, second: &Solid, enough: f64) -> Option<Between> {
             Some(Between { distance: normal.dot(&(support - point)), point: support, direction: normal.into_inner() })
         }
         _ => match minkowski(first, 0.0, second, enough) {
-            Found::Enough => None,
-            Found::Apart(at) => Some(at),
-            Found::Overlap => {
+            MinkowskiDistance::Enough => None,
+            MinkowskiDistance::Apart(at) => Some(at),
+            MinkowskiDistance::Overlap => {
                 let (direct, other) = (peeled(first, second), peeled(second, first));
                 Some(if direct.distance <= other.distance {
                     direct
@@ -78,7 +78,7 @@ fn peeled(first: &Solid, second: &Solid) -> Between {
     let mut layer = most;
     let mut last = None;
     for _ in 0..LAYERS {
-        let Found::Apart(at) = minkowski(first, layer, second, f64::INFINITY) else {
+        let MinkowskiDistance::Apart(at) = minkowski(first, layer, second, f64::INFINITY) else {
             break;
         };
         // Taking off a layer moves each face by its thickness, and an edge by more.
@@ -99,7 +99,7 @@ fn peeled(first: &Solid, second: &Solid) -> Between {
 }
 
 /// What the distance from a Minkowski difference comes to.
-enum Found {
+enum MinkowskiDistance {
     Apart(Between),
     Overlap,
     /// At least as far as was asked.
@@ -120,7 +120,7 @@ struct Simplex {
 }
 
 /// The distance of the first solid, less a layer, from the second.
-fn minkowski(first: &Solid, layer: f64, second: &Solid, enough: f64) -> Found {
+fn minkowski(first: &Solid, layer: f64, second: &Solid, enough: f64) -> MinkowskiDistance {
     let (_, away) = second.signed_distance(&first.ball().0);
     let mut simplex = Simplex { corners: Vec::with_capacity(4), nearest: away };
     // No direction shows more room than there is, and the nearest point found never less.
@@ -131,18 +131,18 @@ fn minkowski(first: &Solid, layer: f64, second: &Solid, enough: f64) -> Found {
         let apart = point - second.support(&towards, 0.0);
         least = least.max(towards.dot(&apart) / towards.norm());
         if least >= enough {
-            return Found::Enough;
+            return MinkowskiDistance::Enough;
         }
         let repeated = simplex.corners.iter().any(|(c, _)| c.apart == apart);
-        if repeated || most - least <= SAME * (1.0 + least.abs()) {
+        if repeated || most - least <= DISTANCE_TOLERANCE * (1.0 + least.abs()) {
             break;
         }
         let Some(next) = simplex.with(Corner { point, apart }) else {
-            return Found::Overlap;
+            return MinkowskiDistance::Overlap;
         };
         let norm = next.nearest.norm();
-        if norm <= SAME {
-            return Found::Overlap;
+        if norm <= DISTANCE_TOLERANCE {
+            return MinkowskiDistance::Overlap;
         }
         if norm >= most {
             break;
@@ -150,7 +150,7 @@ fn minkowski(first: &Solid, layer: f64, second: &Solid, enough: f64) -> Found {
         (simplex, most) = (next, norm);
     }
     if least <= 0.0 {
-        return Found::Overlap;
+        return MinkowskiDistance::Overlap;
     }
     let points = simplex.corners.iter().map(|(c, weight)| c.point * *weight);
     let mut at = Between { distance: least, point: points.sum(), direction: simplex.nearest / most };
@@ -163,7 +163,7 @@ fn minkowski(first: &Solid, layer: f64, second: &Solid, enough: f64) -> Found {
             (at.point, at.direction) = (other - towards * back, -towards);
         }
     }
-    Found::Apart(at)
+    MinkowskiDistance::Apart(at)
 }
 
 impl Simplex {

@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 
 /// Blocks up to so many rows are left to nalgebra.
-const SMALL: usize = 24;
+const SMALL_BLOCK: usize = 24;
 
 /// L⁻¹ of a positive definite matrix A = L Lᵀ: all that is asked of it follows from this.
 pub struct Cholesky {
@@ -49,7 +49,7 @@ impl Cholesky {
 /// L⁻¹ from the lower triangle of A: with A in four blocks that of its first, then of what it leaves of the last.
 fn inverse_root(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = matrix.nrows();
-    if n <= SMALL {
+    if n <= SMALL_BLOCK {
         let root = matrix.clone().cholesky()?.unpack();
         return root.solve_lower_triangular(&DMatrix::identity(n, n));
     }

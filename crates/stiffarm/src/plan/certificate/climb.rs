@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::numerics::optimise::{Evaluation, Options, Problem};
-use crate::plan::active_limits::{ActiveLimits, Limited, minimise_within_limits};
+use crate::plan::active_limits::{ActiveLimits, LimitedProblem, minimise_within_limits};
 use nalgebra::DMatrix;
 
 /// Violation of bounds \[rad\] or limits \[m\] that counts as met.
@@ -48,7 +48,7 @@ impl<'a> Climb<'a> {
     }
 }
 
-impl<'a> Limited<'a> for Climb<'a> {
+impl<'a> LimitedProblem<'a> for Climb<'a> {
     fn limits(&mut self) -> (&mut ActiveLimits<'a>, usize) {
         (&mut self.limits, self.cell.bounds.len())
     }

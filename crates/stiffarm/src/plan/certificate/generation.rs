@@ -13,14 +13,14 @@ use nalgebra::DMatrix;
 
 /// Points whose information differs by less than this share of the tolerance
 /// are one point.
-const SAME: f64 = 1e-2;
+const SAME_POINT_SHARE: f64 = 1e-2;
 /// Of points found by one round of searches and as near as this, the best is kept.
-const CLOSE: f64 = 2e-3;
+const CLOSE_POINTS: f64 = 2e-3;
 /// Points this near are merged in the final design, if it stays as good.
-const NEAR: f64 = 2e-2;
+const MERGED_POINTS: f64 = 2e-2;
 /// Points of this weight and more count for [`Verification::rarest`], and
 /// searches that end this near to them.
-const HEAVY: f64 = 0.01;
+const HEAVY_WEIGHT: f64 = 0.01;
 const AROUND: f64 = 0.2;
 /// Most points that one round adds.
 const MOST_ADDED: usize = 64;
@@ -149,7 +149,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
 
     /// Adds a point, unless one with the same information is there; its number.
     fn add(&mut self, x: Vec<f64>, information: DMatrix<f64>) -> usize {
-        let same = SAME * self.tolerance;
+        let same = SAME_POINT_SHARE * self.tolerance;
         let same = |p: &Point| distance(&p.information, &information) <= same;
         match self.pool.iter().position(same) {
             Some(at) => at,
@@ -270,7 +270,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
             .points
             .iter()
             .zip(&design.weights)
-            .filter(|(_, weight)| **weight >= HEAVY)
+            .filter(|(_, weight)| **weight >= HEAVY_WEIGHT)
             .map(|(x, _)| self.space.information(x))
             .collect();
         let mut hits = vec![0; support.len()];
@@ -300,7 +300,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
                 continue;
             }
             let information = self.space.information(&x);
-            let close = |&i: &usize| distance(&self.pool[i].information, &information) <= CLOSE;
+            let close = |&i: &usize| distance(&self.pool[i].information, &information) <= CLOSE_POINTS;
             if improving.iter().any(close) || information.iter().any(|v| !v.is_finite()) {
                 continue;
             }
@@ -349,7 +349,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
         for i in points {
             let near = |&k: &usize| {
                 let [a, b] = [k, i].map(|i| &self.pool[i].information);
-                distance(a, b) <= NEAR
+                distance(a, b) <= MERGED_POINTS
             };
             if !distinct.iter().any(near) {
                 distinct.push(i);

@@ -5,7 +5,7 @@ use crate::model::cell::Cell;
 use crate::model::observation::PostureTerms;
 use crate::model::robot::Robot;
 use crate::numerics::information::{posture_information, scale_columns};
-use crate::plan::index::kernel::{Kernel, Wanted};
+use crate::plan::index::kernel::{Kernel, KernelRequest};
 use crate::plan::index::prediction::PredictionFunction;
 use nalgebra::DMatrix;
 
@@ -32,7 +32,7 @@ impl Readings {
     /// As [`Kernel::new`].
     pub(super) fn of_joints(cell: &Cell, compliance: Vec<f64>) -> Result<Self> {
         let common_weight = cell.noise.common_weight(cell.setup.tool.point_count());
-        let wanted = Wanted { dexterity: None, information: Some((&compliance, common_weight)), limits: false };
+        let wanted = KernelRequest { dexterity: None, information: Some((&compliance, common_weight)), limits: false };
         Ok(Readings::Joints { kernel: Box::new(Kernel::new(cell, wanted, 1)?), compliance, common_weight })
     }
 

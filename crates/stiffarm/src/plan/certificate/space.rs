@@ -22,7 +22,7 @@ const DRAWS_PER_JOB: u32 = 512;
 /// Draws per wanted sample before postures outside the limits fill up.
 const DRAWS_PER_SAMPLE: usize = 32;
 /// Searches start at least this far apart, as a share of the bounds' diagonal.
-const APART: f64 = 0.12;
+const START_DISTANCE: f64 = 0.12;
 
 struct Sample {
     q: Vec<f64>,
@@ -186,7 +186,7 @@ impl<'a> PostureSpace<'a> {
                 .zip(&self.cell.bounds)
                 .map(|((a, b), w)| ((a - b) / (w[1] - w[0]).max(f64::MIN_POSITIVE)).powi(2))
                 .sum();
-            square.sqrt() > APART * diagonal
+            square.sqrt() > START_DISTANCE * diagonal
         };
         let mut chosen: Vec<Vec<f64>> = Vec::new();
         for i in order {

@@ -1,6 +1,7 @@
 //! What stands in a cell beside the arm: sizes, places and angles that no cell has, which are metres typed as
 //! millimetres, radians as degrees, or points in the axes of another frame.
 
+use super::FARTHEST_IN_CELL;
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
 use crate::model::robot::Robot;
@@ -11,13 +12,11 @@ use nalgebra::UnitQuaternion;
 use std::f64::consts::PI;
 
 /// A shape that is no longer is none \[m\].
-const SMALL: f64 = 5e-3;
+const SHORTEST_SHAPE: f64 = 5e-3;
 /// Nor one that is thinner \[m\].
-const THIN: f64 = 1e-3;
+const THINNEST_SHAPE: f64 = 1e-3;
 /// What stands nearer to the base's origin stands inside the robot \[m\].
-const NEAR: f64 = 10e-3;
-/// What stands farther away belongs to no cell \[m\].
-const FAR: f64 = 100.0;
+const NEAREST_TO_BASE: f64 = 10e-3;
 /// A plane whose distance is not zero is known to no better \[m\].
 const PLANE: f64 = 1e-3;
 /// No robot drives so exactly past anything \[m\].
@@ -29,7 +28,7 @@ const TOOL: f64 = 0.5;
 /// A full turn and half a radian: angles between them may be radians \[both read as deg\].
 const LIKE_RADIANS: [f64; 2] = [0.5, 2.0 * PI];
 /// Bounds beyond this let a posture lie elsewhere than near zero \[deg\].
-const WIDE: f64 = 30.0;
+const WIDE_BOUNDS: f64 = 30.0;
 /// Angles are typed in steps of this, if they are degrees \[deg\].
 const STEP: f64 = 0.5;
 /// Angles about a workpiece are often multiples of 15°, as radians \[rad\].
@@ -58,16 +57,16 @@ fn lengths(cell: &Cell) -> Vec<Length> {
             };
             let serious = Severity::Serious;
             let what = |size: &str| format!("The {size} side of {}", part.name);
-            add(serious, key.clone(), what("longest"), most, [SMALL, FAR]);
+            add(serious, key.clone(), what("longest"), most, [SHORTEST_SHAPE, FARTHEST_IN_CELL]);
             // Meshes are covered by many solids, some of them thin.
-            if most >= SMALL && (part.solids.len() == 1 || is_link(part)) {
-                add(serious, key.clone(), what("shortest"), least, [THIN, FAR]);
+            if most >= SHORTEST_SHAPE && (part.solids.len() == 1 || is_link(part)) {
+                add(serious, key.clone(), what("shortest"), least, [THINNEST_SHAPE, FARTHEST_IN_CELL]);
             }
         }
         if part.carrier == Carrier::World && part.name != "base" {
             let range = |solid: &Solid| match solid {
-                Solid::HalfSpace { .. } => [PLANE, FAR],
-                _ => [NEAR, FAR],
+                Solid::HalfSpace { .. } => [PLANE, FARTHEST_IN_CELL],
+                _ => [NEAREST_TO_BASE, FARTHEST_IN_CELL],
             };
             for solid in part.solids.iter().take(1) {
                 let what = format!("{}, by its middle from the base's origin,", part.name);
@@ -79,19 +78,19 @@ fn lengths(cell: &Cell) -> Vec<Length> {
     for station in cell.scene.sight().iter().flat_map(|sight| &sight.stations) {
         let key = format!("tracker.station \"{}\"", station.name);
         let what = format!("The tracker station {} from the base's origin", station.name);
-        add(caution, key, what, station.position.norm(), [NEAR, FAR]);
+        add(caution, key, what, station.position.norm(), [NEAREST_TO_BASE, FARTHEST_IN_CELL]);
     }
     let rope = cell.scene.rope().and_then(|rope| rope.clearance);
     let sight = cell.scene.sight().map(|sight| sight.clearance);
     for (key, clearance) in [("shapes_mm", Some(cell.scene.clearance())), ("rope_mm", rope), ("sight_mm", sight)] {
         let clearance = clearance.unwrap_or(0.0);
         let what = "The clearance".to_string();
-        add(caution, format!("clearance.{key}"), what, clearance, [CLEARANCE, FAR]);
+        add(caution, format!("clearance.{key}"), what, clearance, [CLEARANCE, FARTHEST_IN_CELL]);
     }
     for (key, height) in [("floor_mm", cell.limits.floor), ("wrist_height_mm", cell.limits.wrist_height)] {
         let what = "The height".to_string();
         let height = height.map_or(0.0, f64::abs);
-        add(caution, format!("limits.{key}"), what, height, [HEIGHT, FAR]);
+        add(caution, format!("limits.{key}"), what, height, [HEIGHT, FARTHEST_IN_CELL]);
     }
     out
 }
@@ -113,7 +112,7 @@ pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
         }
     }
     let widest = cell.bounds.iter().flatten().map(|b| rad_to_deg(b.abs()));
-    if widest.fold(0.0, f64::max) > WIDE {
+    if widest.fold(0.0, f64::max) > WIDE_BOUNDS {
         for (key, what, q) in postures(cell) {
             if is_like_radians(q) {
                 let sentence = format!(

@@ -7,7 +7,7 @@ use crate::model::kinematics::Frames;
 use crate::model::load::{Load, LoadCase};
 use crate::model::observation::{PostureTerms, Setup, on_first_axis};
 use crate::plan::index::prediction::PredictionModel;
-use crate::units::{STANDARD_GRAVITY, m_to_mm};
+use crate::units::{STANDARD_GRAVITY, m_to_mm, rounded};
 use nalgebra::{Rotation3, UnitVector3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_3;
@@ -96,7 +96,7 @@ impl FurtherLoad {
             _ => "The load always pulls one way",
         };
         let anchor = self.anchor.map_or_else(String::new, |anchor| {
-            let [x, y, z] = anchor.position_m.map(|v| m_to_mm(v).round() + 0.0);
+            let [x, y, z] = anchor.position_m.map(|v| rounded(m_to_mm(v), 0));
             format!(
                 " Where none can be hung, hooking the rope to a second anchor as well, say at [{x}, {y}, {z}] mm, \
                  would lead to {} and take {} more.",

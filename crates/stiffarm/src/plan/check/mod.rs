@@ -38,6 +38,8 @@ pub const SAMPLES: u32 = 256;
 const ONE_LOAD_POSTURES: usize = 12;
 /// Share of postures within the limits below which a cell counts as cramped.
 const CRAMPED: f64 = 0.02;
+/// What stands farther from the base's origin belongs to no cell \[m\].
+const FARTHEST_IN_CELL: f64 = 100.0;
 
 /// Result of a check.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -157,7 +159,7 @@ fn machine_limits(cell: &Cell, findings: &mut Vec<Finding>) {
 /// Distances from a tracker at which readings are taken \[m\].
 const FROM_TRACKER: [f64; 2] = [2.0, 10.0];
 /// Noises that differ by less may both be meant: one averages, the other is a data sheet's.
-const ALIKE: f64 = 1.5;
+const SIMILAR_NOISE_RATIO: f64 = 1.5;
 
 /// Says where `[noise]` and `[tracker]` are two stories of the same readings.
 fn two_noises(cell: &Cell) -> Option<Finding> {
@@ -169,7 +171,7 @@ fn two_noises(cell: &Cell) -> Option<Finding> {
     };
     let [near, far] = FROM_TRACKER.map(at);
     let (near, far, scatter) = (near?, far?, cell.noise.reading_variance.sqrt());
-    let agrees = scatter * ALIKE >= near && scatter <= far * ALIKE;
+    let agrees = scatter * SIMILAR_NOISE_RATIO >= near && scatter <= far * SIMILAR_NOISE_RATIO;
     let sentence = format!(
         "[noise] has a reading scatter by {} along an axis, [tracker] by {} at {} m and {} at {} m: plans, forecasts \
          and simulated readings count with [noise], `--weights tracker` with [tracker].",

@@ -4,9 +4,9 @@ use super::beside_arm::longest_tool;
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
 use crate::model::elastic::{ElasticClass, ElasticSizes};
-use crate::model::implausible::{GRAVITY, NEAR_TOOL, payload_weight, tool_in_metres};
+use crate::model::implausible::{LARGEST_FORCE, NEAR_TOOL, payload_weight, tool_in_metres};
 use crate::model::load::Load;
-use crate::units::{m_to_mm, rad_to_deg};
+use crate::units::{STANDARD_GRAVITY, m_to_mm, rad_to_deg};
 use nalgebra::Vector3;
 
 /// Farthest plausible tool point \[m\].
@@ -14,25 +14,23 @@ const FAR_TOOL: f64 = 5.0;
 /// Farthest plausible rope anchor \[m\].
 const FAR_ANCHOR: f64 = 20.0;
 /// Lengths of the cell below this look like metres typed as millimetres \[m\].
-const SHORT: f64 = 0.02;
+const LIKE_METRES: f64 = 0.02;
 /// Smallest force that deflects an industrial robot measurably \[N\].
 const SMALL_FORCE: f64 = 1.0;
-/// Largest plausible force where the payload is unknown \[N\].
-const LARGE_FORCE: f64 = 2e4;
 /// What is so many times beyond plausible is no caution any more.
-const SERIOUS: f64 = 10.0;
+const SERIOUS_RATIO: f64 = 10.0;
 /// Plausible joint stiffness of an industrial robot \[N·m/rad\].
-const STIFFNESS: [f64; 2] = [1e3, 1e9];
+const PLAUSIBLE_STIFFNESS: [f64; 2] = [1e3, 1e9];
 /// Plausible standard deviation of a tracker reading \[m\].
-const NOISE: [f64; 2] = [1e-7, 1e-3];
+const PLAUSIBLE_NOISE: [f64; 2] = [1e-7, 1e-3];
 /// Largest plausible shift common to the points of a posture \[m\].
-const COMMON: f64 = 1e-3;
+const LARGEST_COMMON_SHIFT: f64 = 1e-3;
 /// Times the typical size beyond which what gives way beyond the axes is implausible.
-const ELASTIC: f64 = 30.0;
+const IMPLAUSIBLE_ELASTIC_RATIO: f64 = 30.0;
 /// Bounds that all lie below this may be radians \[deg\]: a full turn is 6.28 rad.
 const LIKE_RADIANS: f64 = 7.0;
 /// Plausible characteristic length \[m\].
-const LENGTH: [f64; 2] = [0.01, 10.0];
+const PLAUSIBLE_LENGTH: [f64; 2] = [0.01, 10.0];
 
 struct Slips<'a>(&'a mut Vec<Finding>);
 
@@ -43,7 +41,7 @@ impl Slips<'_> {
 
     /// As [`Slips::add`], of a number that is `times` as large as what is plausible.
     fn add_beyond(&mut self, times: f64, key: &str, sentence: String) {
-        let severity = if times > SERIOUS { Severity::Serious } else { Severity::Caution };
+        let severity = if times > SERIOUS_RATIO { Severity::Serious } else { Severity::Caution };
         self.0.push(Finding::new("suspicious-unit", severity, key, sentence));
     }
 }
@@ -66,7 +64,7 @@ pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
     }
     if let Some(prior) = &cell.prior {
         for (k, name) in prior.iter().zip(cell.setup.robot.spring_names()) {
-            if !(STIFFNESS[0]..=STIFFNESS[1]).contains(k) {
+            if !(PLAUSIBLE_STIFFNESS[0]..=PLAUSIBLE_STIFFNESS[1]).contains(k) {
                 slips.add(
                     "stiffness.prior_nm_per_rad",
                     format!(
@@ -79,9 +77,9 @@ pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
     }
     elastic(cell, &mut slips);
     let noise = cell.noise.reading_variance.sqrt();
-    if noise > 0.0 && !(NOISE[0]..=NOISE[1]).contains(&noise) {
+    if noise > 0.0 && !(PLAUSIBLE_NOISE[0]..=PLAUSIBLE_NOISE[1]).contains(&noise) {
         slips.add_beyond(
-            noise / NOISE[1],
+            noise / PLAUSIBLE_NOISE[1],
             "noise",
             format!(
                 "The standard deviation of a reading is {:.3e} mm; a laser tracker has some 0.01 mm. std_um takes it \
@@ -91,9 +89,9 @@ pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
         );
     }
     let common = cell.noise.posture_common_std;
-    if common > COMMON {
+    if common > LARGEST_COMMON_SHIFT {
         slips.add_beyond(
-            common / COMMON,
+            common / LARGEST_COMMON_SHIFT,
             "noise.posture_common_mm",
             format!(
                 "The points of a posture are said to share a shift of {} mm, more than a robot bends: the unit is mm.",
@@ -102,7 +100,7 @@ pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
         );
     }
     if let Some(length) = cell.characteristic_length
-        && !(LENGTH[0]..=LENGTH[1]).contains(&length)
+        && !(PLAUSIBLE_LENGTH[0]..=PLAUSIBLE_LENGTH[1]).contains(&length)
     {
         slips.add(
             "robot.characteristic_length_mm",
@@ -122,7 +120,7 @@ fn elastic(cell: &Cell, slips: &mut Slips<'_>) {
     let keys = ["shift_std_m_per_n", "turn_std_rad_per_nm", "coupling_std_rad_per_n"];
     for (class, key) in ElasticClass::ENTRIES.into_iter().zip(keys) {
         let (size, usual) = (sizes.of(class), typical.of(class));
-        if size > ELASTIC * usual {
+        if size > IMPLAUSIBLE_ELASTIC_RATIO * usual {
             slips.add(
                 &format!("elastic.{key}"),
                 format!(
@@ -195,7 +193,7 @@ fn load(cell: &Cell, load: &Load, slips: &mut Slips<'_>) {
             if distance > FAR_ANCHOR {
                 let sentence = format!("The {line}'s anchor lies {distance:.0} m from the robot's base: is it in mm?");
                 slips.add_beyond(distance / FAR_ANCHOR, "load.anchor_mm", sentence);
-            } else if distance > 0.0 && distance < SHORT {
+            } else if distance > 0.0 && distance < LIKE_METRES {
                 let sentence = format!(
                     "The {line}'s anchor lies {:.2} mm from the robot's base: is it in metres? The unit is mm.",
                     m_to_mm(distance)
@@ -218,11 +216,11 @@ fn load(cell: &Cell, load: &Load, slips: &mut Slips<'_>) {
             key,
             format!(
                 "The load of {force:.0} N is more than the weight of the robot's payload, {:.0} kg or {weight:.0} N.",
-                weight / GRAVITY
+                weight / STANDARD_GRAVITY
             ),
         ),
-        None if force > LARGE_FORCE => slips.add_beyond(
-            force / LARGE_FORCE,
+        None if force > LARGEST_FORCE => slips.add_beyond(
+            force / LARGEST_FORCE,
             key,
             format!("The load of {force:.0} N is beyond the payload of industrial robots."),
         ),
@@ -234,20 +232,20 @@ fn limits(cell: &Cell, slips: &mut Slips<'_>) {
     let limits = &cell.limits;
     if let Some([low, high]) = &limits.tool_box {
         let size = high - low;
-        if size.max() < SHORT {
+        if size.max() < LIKE_METRES {
             slips.add(
                 "limits.box_max_mm",
                 format!("The box is only {:.2} mm long: is it in metres? The unit is mm.", m_to_mm(size.max())),
             );
         }
     }
-    if let Some(radius) = limits.keep_out_radius.filter(|r| *r < SHORT) {
+    if let Some(radius) = limits.keep_out_radius.filter(|r| *r < LIKE_METRES) {
         slips.add(
             "limits.keep_out_radius_mm",
             format!("The keep-out radius is {:.2} mm: is it in metres? The unit is mm.", m_to_mm(radius)),
         );
     }
-    if let Some([_, longest]) = limits.rope_length.filter(|r| r[1] < SHORT) {
+    if let Some([_, longest]) = limits.rope_length.filter(|r| r[1] < LIKE_METRES) {
         slips.add(
             "limits.rope_length_mm",
             format!(

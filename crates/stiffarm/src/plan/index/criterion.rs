@@ -8,7 +8,7 @@ use crate::numerics::information::small::{
 };
 
 /// Condition number of M up to which an index of it has nine digits.
-pub(crate) const SOUND: f64 = 1e6;
+pub(crate) const ACCURATE_CONDITION: f64 = 1e6;
 
 /// ln of an index and of its smoothed form.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -10,7 +10,7 @@ use std::ops::Range;
 const EXACT_DROP_ONE: usize = 60;
 
 /// What each posture tells, for what is lost without it.
-pub(super) enum Each {
+pub(super) enum DropTerms {
     /// Where its rows are among all.
     Rows(Vec<Range<usize>>),
     /// Its information about compliances over their prior, one after the other.
@@ -19,25 +19,25 @@ pub(super) enum Each {
     Nothing,
 }
 
-impl Each {
+impl DropTerms {
     /// No posture yet; `many` where not all rows are kept.
     pub fn new(cell: &Cell, many: bool) -> Self {
         match (&cell.prior, many) {
-            (None, _) => Each::Nothing,
-            (_, false) => Each::Rows(Vec::new()),
-            (Some(prior), true) => Each::Information(prior.iter().map(|k| 1.0 / k).collect(), Vec::new()),
+            (None, _) => DropTerms::Nothing,
+            (_, false) => DropTerms::Rows(Vec::new()),
+            (Some(prior), true) => DropTerms::Information(prior.iter().map(|k| 1.0 / k).collect(), Vec::new()),
         }
     }
 
     /// Adds a posture by its whitened rows.
     pub fn add(&mut self, rows: &DMatrix<f64>) {
         match self {
-            Each::Nothing => {}
-            Each::Rows(ranges) => {
+            DropTerms::Nothing => {}
+            DropTerms::Rows(ranges) => {
                 let start = ranges.last().map_or(0, |range| range.end);
                 ranges.push(start..start + rows.nrows());
             }
-            Each::Information(units, all) => {
+            DropTerms::Information(units, all) => {
                 let mut rows = rows.clone();
                 scale_columns(&mut rows, units.iter().copied());
                 all.extend(rows.tr_mul(&rows).iter());
@@ -49,14 +49,14 @@ impl Each {
     pub fn drop_one_error(&self, whitened: &DMatrix<f64>, prior: &[f64], std: f64) -> Result<Option<f64>> {
         let n = prior.len();
         let postures = match self {
-            Each::Nothing => return Ok(None),
-            Each::Information(_, all) => {
+            DropTerms::Nothing => return Ok(None),
+            DropTerms::Information(_, all) => {
                 let each = all.chunks_exact(n * n);
                 let each = each.map(|information| DMatrix::from_column_slice(n, n, information));
                 let total = each.clone().fold(DMatrix::zeros(n, n), |sum, information| sum + information);
                 return Ok(drop_one_by_information(&total, each, std));
             }
-            Each::Rows(postures) => postures,
+            DropTerms::Rows(postures) => postures,
         };
         if postures.len() < 2 {
             return Ok(None);

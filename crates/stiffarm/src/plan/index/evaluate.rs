@@ -1,6 +1,6 @@
 //! All indices and the expected errors of one group of postures.
 
-use super::drop_one::{Each, relative_errors, rms};
+use super::drop_one::{DropTerms, relative_errors, rms};
 use super::kinds::Index;
 use super::prediction::PredictionModel;
 use crate::error::{Code, Error, Result};
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 const MOST_ROWS: usize = 1 << 14;
 
 /// How far what gives way beyond the axes may be from what is expected, as a factor.
-const OFF: f64 = 3.0;
+const UNEXPECTED_ELASTIC_RATIO: f64 = 3.0;
 
 /// Values of every index; `None` where an index does not exist: a joint is
 /// undetermined, J_N is singular, or the cell has no prior or no tasks.
@@ -269,7 +269,7 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
     let rho = cell.noise.common_weight(m);
     let (mut psi, mut whitened) = (Stack::new(n, MOST_ROWS), Stack::new(n, MOST_ROWS));
     let mut predicting = prediction.map(|model| (model, model.stack()));
-    let mut each = Each::new(cell, count * setup.cases().len() * 3 * m > MOST_ROWS);
+    let mut each = DropTerms::new(cell, count * setup.cases().len() * 3 * m > MOST_ROWS);
     let mut k_jn = Vec::with_capacity(count);
     for states in postures {
         let states = states?;
@@ -355,7 +355,9 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
             d,
             task,
             prediction: expected,
-            prediction_range: predicted(1.0 / OFF).zip(predicted(OFF)).map(Into::into),
+            prediction_range: predicted(1.0 / UNEXPECTED_ELASTIC_RATIO)
+                .zip(predicted(UNEXPECTED_ELASTIC_RATIO))
+                .map(Into::into),
             prediction_sizes: expected.and_then(|_| prediction?.source()),
             o1: observability(&|| (log_sum() / n as f64).exp() / (count as f64).sqrt()),
             o2: observability(&|| sigma[n - 1] / sigma[0]),

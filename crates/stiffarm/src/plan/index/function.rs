@@ -11,8 +11,8 @@
 //! [`IndexFunction::smoothed`] replaces it by a log-sum-exp, for searches that
 //! want one smooth function. Neither allocates after the first call.
 
-use super::criterion::{Criterion, SOUND, Value};
-use super::inputs::{Given, Inputs, criterion, log_factor};
+use super::criterion::{ACCURATE_CONDITION, Criterion, Value};
+use super::inputs::{FixedPostures, Inputs, criterion, log_factor};
 use super::kernel::Kernel;
 use super::kinds::Index;
 use super::minimax::{Minimax, Smoothed, log_sum};
@@ -29,7 +29,7 @@ pub struct IndexFunction {
     index: Index,
     kernel: Kernel,
     criterion: Criterion,
-    fixed_postures: Given,
+    fixed_postures: FixedPostures,
     /// Instead of the information, where the index is that of the mixed model.
     prediction: Option<Box<PredictionFunction>>,
     /// ln of what the value is multiplied by: σ, √m.
@@ -89,7 +89,7 @@ impl IndexFunction {
             Index::Prediction => Some(Box::new(PredictionFunction::new(cell, count, fixed_postures)?)),
             _ => None,
         };
-        let fixed_postures = Given::new(cell, wanted, fixed_postures)?;
+        let fixed_postures = FixedPostures::new(cell, wanted, fixed_postures)?;
         let kernel = Kernel::new(cell, wanted, count)?;
         let postures = count + fixed_postures.count;
         let std = cell.noise.displacement_std();
@@ -252,8 +252,9 @@ impl IndexFunction {
     pub(super) fn is_well_conditioned(&mut self) -> bool {
         let largest = self.largest_component();
         let of_part = (self.index == Index::DropOne).then_some(largest);
-        let is_far = !self.index.uses_dexterity() || 2.0 * largest < SOUND.ln();
-        is_far && (!self.index.uses_observation() || self.criterion.condition(&self.total, of_part) < SOUND)
+        let is_far = !self.index.uses_dexterity() || 2.0 * largest < ACCURATE_CONDITION.ln();
+        is_far
+            && (!self.index.uses_observation() || self.criterion.condition(&self.total, of_part) < ACCURATE_CONDITION)
     }
 
     /// ln of the index (of its reciprocal for O1 to O5) at `q` \[rad\] and its gradient \[1/rad\]: at kinks that
@@ -415,7 +416,7 @@ impl IndexFunction {
     }
 
     /// The given postures.
-    pub(crate) fn fixed_postures(&self) -> &Given {
+    pub(crate) fn fixed_postures(&self) -> &FixedPostures {
         &self.fixed_postures
     }
 

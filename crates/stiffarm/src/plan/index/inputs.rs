@@ -2,7 +2,7 @@
 //! tasks, and the postures that are given.
 
 use super::criterion::Criterion;
-use super::kernel::{Kernel, Wanted};
+use super::kernel::{Kernel, KernelRequest};
 use super::kinds::Index;
 use crate::error::Result;
 use crate::model::cell::{Cell, task_matrix};
@@ -49,9 +49,9 @@ impl Inputs {
     }
 
     /// The same as the kernel wants it.
-    pub fn wanted(&self, limits: bool) -> Wanted<'_> {
+    pub fn wanted(&self, limits: bool) -> KernelRequest<'_> {
         let information = self.information.as_ref();
-        Wanted {
+        KernelRequest {
             dexterity: self.dexterity,
             information: information.map(|(compliance, weight)| (compliance.as_slice(), *weight)),
             limits,
@@ -72,7 +72,7 @@ pub(crate) fn log_factor(index: Index, std: f64, count: f64) -> f64 {
 
 /// Postures that are measured whatever the search does.
 #[derive(Debug, Clone)]
-pub(crate) struct Given {
+pub(crate) struct FixedPostures {
     pub count: usize,
     /// Their information, packed, one after the other.
     pub each: Vec<f64>,
@@ -80,17 +80,18 @@ pub(crate) struct Given {
     pub log_dexterity: f64,
 }
 
-impl Given {
+impl FixedPostures {
     /// Evaluates the given postures (controller angles, rad) once.
     ///
     /// # Errors
     /// As [`Kernel::new`].
-    pub fn new<Q: AsRef<[f64]>>(cell: &Cell, wanted: Wanted<'_>, fixed_postures: &[Q]) -> Result<Self> {
-        let mut fixed = Given { count: fixed_postures.len(), each: Vec::new(), log_dexterity: f64::NEG_INFINITY };
+    pub fn new<Q: AsRef<[f64]>>(cell: &Cell, wanted: KernelRequest<'_>, fixed_postures: &[Q]) -> Result<Self> {
+        let mut fixed =
+            FixedPostures { count: fixed_postures.len(), each: Vec::new(), log_dexterity: f64::NEG_INFINITY };
         if fixed_postures.is_empty() {
             return Ok(fixed);
         }
-        let mut kernel = Kernel::new(cell, Wanted { limits: false, ..wanted }, fixed_postures.len())?;
+        let mut kernel = Kernel::new(cell, KernelRequest { limits: false, ..wanted }, fixed_postures.len())?;
         let q: Vec<f64> = fixed_postures.iter().flat_map(|q| q.as_ref().to_vec()).collect();
         kernel.forward(&q);
         for p in 0..fixed_postures.len() {

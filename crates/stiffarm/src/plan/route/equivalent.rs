@@ -1,6 +1,6 @@
 //! Postures that measure the same about the joint axes: other turns of the joints, and the wrist the other way round.
 
-use super::found::RouteOptions;
+use super::planned_route::RouteOptions;
 use super::rounding::nearest;
 use crate::error::Result;
 use crate::model::cell::{Cell, PostureMargins};

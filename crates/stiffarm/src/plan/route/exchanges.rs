@@ -1,6 +1,6 @@
 //! Exchanges that shorten an order: stretches turned round, short stretches moved elsewhere, another equivalent taken.
 
-use super::places::{LEAST, Places};
+use super::places::{LEAST_GAIN, Places};
 use crate::numerics::control::Control;
 use rand::RngExt;
 use std::collections::VecDeque;
@@ -101,7 +101,7 @@ impl<'p> Exchanges<'p> {
         }
         self.exchange(control);
         let other = self.places.length(&self.order);
-        (other < length - LEAST).then(|| (self.order.clone(), other))
+        (other < length - LEAST_GAIN).then(|| (self.order.clone(), other))
     }
 
     /// Exchanges while one shortens the order.
@@ -148,7 +148,7 @@ impl<'p> Exchanges<'p> {
         let Some(last) = last.copied().min_by(|a, b| total(a).total_cmp(&total(b))) else {
             return false;
         };
-        if total(&last) >= self.places.length(&self.order) - LEAST {
+        if total(&last) >= self.places.length(&self.order) - LEAST_GAIN {
             return false;
         }
         let mut place = last;
@@ -165,7 +165,7 @@ impl<'p> Exchanges<'p> {
     /// The exchange that shortens the order most, of those at a stop.
     fn best(&self, stop: usize) -> Option<Exchange> {
         let count = self.order.len();
-        let mut most = LEAST;
+        let mut most = LEAST_GAIN;
         let mut best = None;
         for link in [stop - 1, stop] {
             let joined = self.step(link, link + 1);

@@ -9,18 +9,18 @@
 mod approach;
 mod equivalent;
 mod exchanges;
-mod found;
 mod moves;
 mod nearest;
 mod order;
 pub(crate) mod places;
+mod planned_route;
 mod remarks;
 mod rounding;
 mod search;
 mod tour;
-mod way;
+mod via_path;
 
-pub use found::{NearestOnTheWay, Route, RouteMove, RouteOptions};
+pub use planned_route::{NearestOnTheWay, Route, RouteMove, RouteOptions};
 pub use remarks::{not_approached, route_findings};
 
 use crate::error::Result;

@@ -18,7 +18,7 @@ const FINEST: f64 = 1e-4;
 /// Most postures that are looked at for one move.
 const MOST_LOOKS: usize = 20_000;
 /// Distances are told up to here \[m\].
-const FAR: f64 = 0.5;
+const LARGEST_DISTANCE: f64 = 0.5;
 
 /// The cell as moves see it: shapes keep half their distance, limits on points are
 /// respected, and the rope where it stays on. What asks for a good reading does not count.
@@ -119,7 +119,7 @@ impl<'a> Moves<'a> {
         let each = self.kinds.iter().zip(&mut self.leeway);
         each.for_each(|(kind, leeway)| *leeway = if kind.keeps_off() { 0.0 } else { DIP });
         for end in [from, to] {
-            self.margins(end, FAR)?;
+            self.margins(end, LARGEST_DISTANCE)?;
             let each = self.leeway.iter_mut().zip(&self.values).zip(&self.kinds);
             for ((leeway, value), _) in each.filter(|(_, kind)| !kind.keeps_off()) {
                 *leeway = leeway.max(-value);
@@ -135,7 +135,7 @@ impl<'a> Moves<'a> {
 
     /// The room of a posture \[m\], or a part of it that is `enough`; negative where it touches.
     fn room(&mut self, q: &[f64], enough: f64) -> Result<f64> {
-        self.margins(q, enough.min(FAR))?;
+        self.margins(q, enough.min(LARGEST_DISTANCE))?;
         let each = self.values.iter().zip(&self.leeway);
         Ok(each.fold(f64::INFINITY, |least, (v, leeway)| least.min(v + leeway)))
     }

@@ -1,7 +1,7 @@
 //! What comes nearest on a move.
 
-use super::found::NearestOnTheWay;
 use super::moves::{Moves, between};
+use super::planned_route::NearestOnTheWay;
 use crate::error::Result;
 use crate::model::cell::{Cell, LimitKind};
 use crate::model::inverse::largest_change;
@@ -35,7 +35,7 @@ pub(super) fn nearest(
             (false, _) => *leeway,
         })
         .collect();
-    let Some(least) = Least::of(ways, legs, &added)? else {
+    let Some(least) = SmallestMargin::of(ways, legs, &added)? else {
         return Ok(None);
     };
     let Some(margin) = about.get(least.which) else {
@@ -61,7 +61,7 @@ fn allowance(cell: &Cell, way_cell: &Cell, kind: LimitKind) -> f64 {
 }
 
 /// The smallest of some margins, each with something added, along a way.
-struct Least {
+struct SmallestMargin {
     /// The smallest that was seen, and which of them it was.
     seen: f64,
     which: usize,
@@ -70,19 +70,19 @@ struct Least {
 }
 
 /// Between two looks.
-struct Stretch {
+struct LegInterval {
     leg: usize,
     shares: [f64; 2],
     seen: [f64; 2],
 }
 
-impl Least {
+impl SmallestMargin {
     /// `None` where none of them counts.
     fn of(ways: &mut Moves<'_>, legs: &[Vec<f64>], added: &[f64]) -> Result<Option<Self>> {
         if !added.iter().any(|added| added.is_finite()) {
             return Ok(None);
         }
-        let mut least = Least { seen: f64::INFINITY, which: 0, bound: f64::INFINITY };
+        let mut least = SmallestMargin { seen: f64::INFINITY, which: 0, bound: f64::INFINITY };
         let travels: Vec<f64> = legs.windows(2).map(|leg| ways.travel(&leg[0], &leg[1])).collect();
         let mut open = VecDeque::new();
         for (leg, ends) in legs.windows(2).enumerate() {
@@ -94,7 +94,7 @@ impl Least {
                 let share = look as f64 / looks as f64;
                 let now = least.look(ways, &between(&ends[0], &ends[1], share), added, each)?;
                 if look > 0 {
-                    open.push_back(Stretch {
+                    open.push_back(LegInterval {
                         leg,
                         shares: [(look - 1) as f64 / looks as f64, share],
                         seen: [before, now],
@@ -104,7 +104,7 @@ impl Least {
             }
         }
         let mut looks = 0;
-        while let Some(Stretch { leg, shares, seen }) = open.pop_front() {
+        while let Some(LegInterval { leg, shares, seen }) = open.pop_front() {
             let length = travels[leg] * (shares[1] - shares[0]);
             let bound = 0.5 * (seen[0] + seen[1] - length);
             if bound >= least.seen - TOLERANCE || looks == MOST_LOOKS {
@@ -116,7 +116,7 @@ impl Least {
             let q = between(&legs[leg], &legs[leg + 1], middle);
             let at = least.look(ways, &q, added, 0.5 * length)?;
             let halves = [(shares[0], middle, seen[0], at), (middle, shares[1], at, seen[1])];
-            open.extend(halves.map(|(a, b, at_a, at_b)| Stretch { leg, shares: [a, b], seen: [at_a, at_b] }));
+            open.extend(halves.map(|(a, b, at_a, at_b)| LegInterval { leg, shares: [a, b], seen: [at_a, at_b] }));
         }
         least.bound = least.bound.min(least.seen);
         Ok(Some(least))

@@ -6,7 +6,7 @@
 //! ordered by exchanges, from many starts.
 
 use super::exchanges::Exchanges;
-use super::places::{LEAST, Places};
+use super::places::{LEAST_GAIN, Places};
 use crate::numerics::control::Control;
 use crate::numerics::streams::route_rng;
 
@@ -109,7 +109,7 @@ impl Places {
         let (mut best, mut length) = (Vec::new(), f64::INFINITY);
         for start in starts {
             let (order, other) = work.improved(start, control);
-            if other < length - LEAST {
+            if other < length - LEAST_GAIN {
                 (best, length) = (order, other);
             }
         }

@@ -1,7 +1,7 @@
 //! Places the robot may stand at, and what the moves between them cost.
 
 /// Least gain that counts \[s\].
-pub const LEAST: f64 = 1e-9;
+pub const LEAST_GAIN: f64 = 1e-9;
 
 /// What is to be put in order: places the robot may stand at, and what a move between two costs.
 pub struct Places {

@@ -1,6 +1,6 @@
 //! What to know of a route before it is driven, in words.
 
-use super::found::{Route, RouteMove};
+use super::planned_route::{Route, RouteMove};
 use crate::error::Result;
 use crate::findings::{Finding, codes, list};
 use crate::model::cell::{Cell, LimitKind};

@@ -1,11 +1,11 @@
 //! The order of a route, with the ways that it needs.
 
 use super::approach::{Approach, approach};
-use super::found::{Route, RouteMove, RouteOptions};
 use super::moves::Moves;
 use super::nearest::nearest;
 use super::places::Places;
-use super::way::Way;
+use super::planned_route::{Route, RouteMove, RouteOptions};
+use super::via_path::ViaPath;
 use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::model::inverse::largest_change;
@@ -26,7 +26,7 @@ pub(super) struct Tour<'a> {
     stands: Vec<Vec<f64>>,
     start: Option<&'a [f64]>,
     /// Ways that were looked for, the lower place first.
-    pair_ways: HashMap<Pair, Option<Way>>,
+    pair_ways: HashMap<Pair, Option<ViaPath>>,
     /// Of each place, and last of the start, one that it has ways to; the same for all that are joined.
     joined: Vec<usize>,
     /// Pairs between which a search found none.

@@ -1,13 +1,13 @@
 //! Groups of candidates judged by the index `prediction`.
 
-use crate::plan::index::prediction::{Equations, Held, PredictionModel, Rows};
+use crate::plan::index::prediction::{Equations, GroupCovariance, PredictionModel, Rows};
 use crate::plan::select::exchange::Judge;
 use nalgebra::DMatrix;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 /// Postures that differ by less in every joint are one posture to a plan \[rad\].
-const APART: f64 = 15.0 / 180.0 * PI;
+const SAME_POSTURE_ANGLE: f64 = 15.0 / 180.0 * PI;
 
 /// True where two postures are as good as the same, whole turns of a joint aside.
 pub(super) fn alike(a: &[f64], b: &[f64]) -> bool {
@@ -15,7 +15,7 @@ pub(super) fn alike(a: &[f64], b: &[f64]) -> bool {
         let turned = (a - b).abs() % TAU;
         turned.min(TAU - turned)
     };
-    a.iter().zip(b).all(|(a, b)| off(a, b) < APART)
+    a.iter().zip(b).all(|(a, b)| off(a, b) < SAME_POSTURE_ANGLE)
 }
 
 /// The readings of candidates, beside those that are taken in any case.
@@ -90,7 +90,7 @@ impl PredictionJudge {
         }
         let mut equations = self.equations();
         equations.add(&rows);
-        let held = Held::new(&equations, &self.targets)?;
+        let held = GroupCovariance::new(&equations, &self.targets)?;
         let seen = held.seen(&self.all);
         let score = |range: &Range<usize>| seen.rows(range.start, range.len()).norm_squared();
         Some((held.error, self.of.iter().map(score).collect()))
@@ -111,7 +111,7 @@ impl PredictionJudge {
     }
 
     fn count(&mut self, equations: &Equations) {
-        let held = Held::new(equations, &self.targets);
+        let held = GroupCovariance::new(equations, &self.targets);
         self.gains = held.and_then(|held| Some((held.gains(&self.all, &self.of)?, held.error)));
     }
 }

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::numerics::optimise::smooth::{SmoothOptions, minimise_smooth};
-use crate::plan::index::kernel::{Kernel, Wanted};
+use crate::plan::index::kernel::{Kernel, KernelRequest};
 
 /// The postures of `angles` \[rad\] moved inside the limits; those with which that fails are left out.
 ///
@@ -11,7 +11,7 @@ use crate::plan::index::kernel::{Kernel, Wanted};
 /// As [`Kernel::new`].
 pub(super) fn repair(cell: &Cell, angles: &[f64]) -> Result<Vec<f64>> {
     let n = cell.setup.robot.joint_count();
-    let wanted = Wanted { dexterity: None, information: None, limits: true };
+    let wanted = KernelRequest { dexterity: None, information: None, limits: true };
     let mut kernel = Kernel::new(cell, wanted, 1)?;
     // Aim a little inside, or the end is never quite inside.
     kernel.reset_penalty(1.0, 1e-3);

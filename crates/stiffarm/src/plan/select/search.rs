@@ -8,7 +8,7 @@ use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::numerics::optimise::{Evaluation, Minimum, Options, Problem};
-use crate::plan::active_limits::{ActiveLimits, Limited, minimise_within_limits};
+use crate::plan::active_limits::{ActiveLimits, LimitedProblem, minimise_within_limits};
 use crate::plan::index::{Index, IndexFunction};
 
 /// First size of the move off a singular start \[rad\], doubled each time.
@@ -124,7 +124,7 @@ impl<'a> Search<'a> {
     }
 }
 
-impl<'a> Limited<'a> for Search<'a> {
+impl<'a> LimitedProblem<'a> for Search<'a> {
     fn limits(&mut self) -> (&mut ActiveLimits<'a>, usize) {
         (&mut self.limits, self.angles)
     }

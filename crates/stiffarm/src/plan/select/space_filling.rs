@@ -30,7 +30,7 @@ const CANDIDATES: [usize; 2] = [4_000, 20_000];
 /// Postures drawn in search of feasible ones.
 const MAX_DRAWS: usize = 500_000;
 /// Largest number of postures.
-const MOST: usize = 5_000;
+const MOST_SPACE_FILLING: usize = 5_000;
 /// Exchanges per posture after which the search ends; it mostly ends before.
 const EXCHANGES_EACH: usize = 20;
 /// Draws and exchanges between two looks at progress and Ctrl-C.
@@ -71,8 +71,10 @@ pub struct SpaceFilling {
 /// finite; fewer feasible postures than wanted among half a million random ones,
 /// or all in one place; stopped before there was a group.
 pub fn space_filling(cell: &Cell, count: usize, seed: u64, control: Control<'_>) -> Result<SpaceFilling> {
-    if count == 0 || count > MOST {
-        return Err(Error::invalid(format!("A space-filling group has 1 to {MOST} postures, not {count}.")));
+    if count == 0 || count > MOST_SPACE_FILLING {
+        return Err(Error::invalid(format!(
+            "A space-filling group has 1 to {MOST_SPACE_FILLING} postures, not {count}."
+        )));
     }
     let candidates = candidates(cell, count, seed, control)?;
     let chosen = farthest_first(&cell.bounds, &candidates, count, control)?;

@@ -8,7 +8,7 @@
 //! this.
 
 use crate::error::{Code, Error, Result};
-use crate::model::dexterity::{SOUND, inverted};
+use crate::model::dexterity::{ELIMINATION_CONDITION, inverted};
 use crate::model::load::Wrench;
 use crate::model::observation::PostureTerms;
 use crate::numerics::information::svd::svd;
@@ -16,14 +16,14 @@ use crate::work::predict::{LoadedArm, motion};
 use nalgebra::{DMatrix, DVector, Isometry3};
 
 /// A tip this near to its pose is there \[m, rad\].
-const ARRIVED: f64 = 1e-13;
+const ARRIVED_DISTANCE: f64 = 1e-13;
 /// Steps to a pose that a neighbour of the nominal one takes three of.
 const STEPS: usize = 50;
 /// The inverse of J stands as long as a step leaves no more than this share.
 const AS_BEFORE: f64 = 0.1;
 /// Singular values of J below this share of the largest are directions in
 /// which the arm cannot move.
-const STUCK: f64 = 1e-9;
+const IMMOVABLE_SHARE: f64 = 1e-9;
 
 /// A command and the state it leads to.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,7 +78,7 @@ fn reach(
         let error = motion(&arm.loaded_tip(terms), target);
         let size = error.amax();
         // Rounding lets it stall a little above the aim.
-        if size <= ARRIVED || (size < 1e-9 && size >= 0.5 * last) {
+        if size <= ARRIVED_DISTANCE || (size < 1e-9 && size >= 0.5 * last) {
             return Ok(());
         }
         // Small steps hardly change the Jacobian.
@@ -103,7 +103,7 @@ fn inverse_jacobian(terms: &PostureTerms) -> Result<DMatrix<f64>> {
     let jacobian = terms.frames().jacobian(&terms.measuring_points()[0]);
     let n = jacobian.ncols();
     if n == 6
-        && let (..SOUND, Some(inverse)) = inverted(jacobian.fixed_columns::<6>(0).into_owned())
+        && let (..ELIMINATION_CONDITION, Some(inverse)) = inverted(jacobian.fixed_columns::<6>(0).into_owned())
     {
         return Ok(DMatrix::from_column_slice(6, 6, inverse.as_slice()));
     }
@@ -118,7 +118,7 @@ fn inverse_jacobian(terms: &PostureTerms) -> Result<DMatrix<f64>> {
     let (from, to) = if wide { (&parts.v, &parts.u) } else { (&parts.u, &parts.v) };
     let mut along = from.transpose();
     for (mut row, value) in along.row_iter_mut().zip(parts.values.iter()) {
-        row *= if *value > STUCK * parts.values[0] { 1.0 / value } else { 0.0 };
+        row *= if *value > IMMOVABLE_SHARE * parts.values[0] { 1.0 / value } else { 0.0 };
     }
     Ok(to * along)
 }

@@ -23,7 +23,7 @@ use crate::model::path::LoadedPosture;
 use crate::numerics::control::Control;
 use crate::units::{rad_to_deg, rad_to_shortest_deg};
 use crate::work::at_work::forbidden;
-use crate::work::beyond_data::{BEYOND, Seen, beyond_data};
+use crate::work::beyond_data::{BEYOND, IdentifiedRange, beyond_data};
 use crate::work::predict::{Bands, LoadedArm, PathExtremes, TipBand, motion, with_bands};
 use nalgebra::{Vector3, Vector6};
 use serde::{Deserialize, Serialize};
@@ -305,7 +305,7 @@ fn findings(result: &Compensation, options: &CompensateOptions) -> Vec<Finding> 
     }
     let points = result.points.iter();
     let points: Vec<(f64, f64)> = points.map(|p| (p.uncompensated_m, Vector3::from(p.force_n).norm())).collect();
-    let seen = Seen { displacement: options.measured_up_to, force: options.loaded_up_to };
+    let seen = IdentifiedRange { displacement: options.measured_up_to, force: options.loaded_up_to };
     out.extend(beyond_data("correction", &points, seen));
     out
 }

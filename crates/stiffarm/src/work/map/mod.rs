@@ -7,7 +7,7 @@
 mod follow;
 mod node;
 mod options;
-mod placed;
+mod place_evaluation;
 mod placement;
 mod prepared;
 mod reach;
@@ -18,7 +18,7 @@ mod status;
 pub use crate::plan::zones::MapRange;
 pub use node::{MapNode, NodeValues};
 pub use options::{MOST_TURNS, MapOptions};
-pub use placed::{PlaceOptions, Placed, PlacedPoint, PlacementCandidate};
+pub use place_evaluation::{PlaceEvaluation, PlaceOptions, PlacedPoint, PlacementCandidate};
 pub use placement::{Placement, place};
 pub use result::{MapExtremes, StatusCounts, StiffnessMap};
 pub use status::Status;
@@ -62,7 +62,7 @@ use reach::Reach;
 /// ```
 ///
 /// # Errors
-/// A grid that is no grid, or larger than [`MapOptions::MOST`]; a load without
+/// A grid that is no grid, or larger than [`MapOptions::MOST_NODES`]; a load without
 /// force; an unknown without positive value; a load that buckles the arm. Stopped,
 /// it gives the nodes that were computed.
 pub fn stiffness_map(

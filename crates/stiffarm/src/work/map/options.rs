@@ -47,7 +47,7 @@ impl MapOptions {
     }
 
     /// Most nodes of a map.
-    pub const MOST: usize = 1_000_000;
+    pub const MOST_NODES: usize = 1_000_000;
 
     /// Coordinates along x, y, z, ascending \[m\].
     pub(super) fn axes(&self) -> Result<[Vec<f64>; 3]> {
@@ -118,8 +118,8 @@ pub(super) fn grid(lower: [f64; 3], upper: [f64; 3], steps: [usize; 3]) -> Resul
         }
     }
     let nodes = steps.iter().try_fold(1_usize, |n, s| n.checked_mul(*s));
-    if nodes.is_none_or(|n| n > MapOptions::MOST) {
-        return fault(format!("The grid has more than {} nodes.", MapOptions::MOST), "steps");
+    if nodes.is_none_or(|n| n > MapOptions::MOST_NODES) {
+        return fault(format!("The grid has more than {} nodes.", MapOptions::MOST_NODES), "steps");
     }
     Ok(std::array::from_fn(|axis| {
         let (low, high, count) = (lower[axis], upper[axis], steps[axis]);

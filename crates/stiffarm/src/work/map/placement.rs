@@ -2,9 +2,9 @@
 //! the arm least.
 
 use super::options::{check_turns, grid};
-use super::placed::{PlaceOptions, Placed, PlacementCandidate};
+use super::place_evaluation::{PlaceEvaluation, PlaceOptions, PlacementCandidate};
 use super::result::{no_band, place_words, stopped, unknown_limits};
-use super::search::{Part, Place, Search};
+use super::search::{Part, Search, WorkpiecePlace};
 use super::status::Status;
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
@@ -34,9 +34,9 @@ pub struct Placement {
     /// best place may be those of the searched points alone.
     pub interrupted: bool,
     /// The place that the cell gives.
-    pub given: Placed,
+    pub given: PlaceEvaluation,
     /// The best place; `None` where the arm can go along the path nowhere.
-    pub best: Option<Placed>,
+    pub best: Option<PlaceEvaluation>,
     /// RMS of the deflections at the given place over that at the best one; `None`
     /// where one of them does not exist or nothing bends.
     pub gain: Option<f64>,
@@ -110,7 +110,7 @@ pub fn place(
         }
         both => (Part::Whole, both?),
     };
-    let size = |placed: Option<&Placed>| placed.and_then(|p| p.deflection_rms_m);
+    let size = |placed: Option<&PlaceEvaluation>| placed.and_then(|p| p.deflection_rms_m);
     let gain = size(Some(&given_place))
         .zip(size(best.as_ref()))
         .filter(|(_, best)| *best > 0.0)
@@ -150,13 +150,13 @@ fn given_and_best(
     candidates: &[PlacementCandidate],
     part: Part,
     control: Control<'_>,
-) -> Result<(Placed, Option<Placed>)> {
+) -> Result<(PlaceEvaluation, Option<PlaceEvaluation>)> {
     let position = cell.work.workpiece.translation.vector.into();
-    let given_place = search.placed(&Place { position, yaw: 0.0 }, part, control)?;
+    let given_place = search.placed(&WorkpiecePlace { position, yaw: 0.0 }, part, control)?;
     // A path that thinned goes along may not do so whole.
     for i in ranked(candidates).into_iter().take(TRIED) {
         let candidate = &candidates[i];
-        let place = Place { position: candidate.position_m, yaw: candidate.yaw };
+        let place = WorkpiecePlace { position: candidate.position_m, yaw: candidate.yaw };
         let placed = search.placed(&place, part, control)?;
         if placed.status == Status::Reachable {
             return Ok((given_place, Some(placed)));
@@ -174,13 +174,13 @@ struct Region {
 }
 
 impl Region {
-    fn places(&self) -> Result<Vec<Place>> {
+    fn places(&self) -> Result<Vec<WorkpiecePlace>> {
         let [x, y, z] = grid(self.lower, self.upper, self.steps)?;
         let mut places = Vec::new();
         for yaw in &self.yaws {
             for x in &x {
                 for y in &y {
-                    places.extend(z.iter().map(|z| Place { position: [*x, *y, *z], yaw: *yaw }));
+                    places.extend(z.iter().map(|z| WorkpiecePlace { position: [*x, *y, *z], yaw: *yaw }));
                 }
             }
         }

@@ -11,19 +11,19 @@ use nalgebra::Isometry3;
 
 /// Deflections that differ by less than this share are equal: the two postures
 /// of a wrist bend alike but for rounding.
-const EQUAL: f64 = 1e-9;
+const EQUAL_DEFLECTIONS: f64 = 1e-9;
 
 /// The better of two: what bends less, of equals what is farther from the limits.
 pub(super) fn is_better(size: f64, strain: f64, than: (f64, f64)) -> bool {
     let (least, least_strain) = than;
-    if (size - least).abs() <= EQUAL * least { strain < least_strain } else { size < least }
+    if (size - least).abs() <= EQUAL_DEFLECTIONS * least { strain < least_strain } else { size < least }
 }
 
 /// The first value that is the smallest but for rounding.
 pub(super) fn first_smallest(values: impl Iterator<Item = (usize, f64)> + Clone) -> Option<usize> {
     let least = values.clone().map(|(_, v)| v).fold(f64::INFINITY, f64::min);
     let mut values = values;
-    let smallest = values.find(|(_, v)| v - least <= EQUAL * least.abs());
+    let smallest = values.find(|(_, v)| v - least <= EQUAL_DEFLECTIONS * least.abs());
     smallest.map(|(i, _)| i)
 }
 

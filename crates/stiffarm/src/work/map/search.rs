@@ -2,7 +2,7 @@
 
 use super::follow::{Stopped, follow};
 use super::options::turns;
-use super::placed::{PlaceOptions, Placed, PlacedPoint, PlacementCandidate};
+use super::place_evaluation::{PlaceEvaluation, PlaceOptions, PlacedPoint, PlacementCandidate};
 use super::prepared::Prepared;
 use super::reach::{Reach, Refusal, is_better};
 use super::status::Status;
@@ -21,7 +21,7 @@ const SEARCHED_POINTS: usize = 200;
 
 /// A place of the workpiece.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct WorkpiecePlace {
     pub position: [f64; 3],
     pub yaw: f64,
 }
@@ -47,7 +47,7 @@ pub(super) struct Search<'a> {
 }
 
 /// What goes along the path at a place.
-struct Along {
+struct PathAtPlace {
     turn: f64,
     path: Vec<Vec<f64>>,
     wrenches: Vec<Wrench>,
@@ -85,16 +85,21 @@ impl<'a> Search<'a> {
     }
 
     /// Pose of the workpiece at `place`.
-    fn workpiece(&self, place: &Place) -> Isometry3<f64> {
+    fn workpiece(&self, place: &WorkpiecePlace) -> Isometry3<f64> {
         let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), place.yaw);
         Isometry3::from_parts(Translation3::from(place.position), yaw * self.cell_workpiece.rotation)
     }
 
     /// The branch that bends least at `place`, or what stops the one that gets
     /// farthest.
-    fn along(&self, place: &Place, part: Part, control: Control<'_>) -> Result<std::result::Result<Along, Stopped>> {
+    fn along(
+        &self,
+        place: &WorkpiecePlace,
+        part: Part,
+        control: Control<'_>,
+    ) -> Result<std::result::Result<PathAtPlace, Stopped>> {
         let workpiece = self.workpiece(place);
-        let mut best: Option<((f64, f64), Along)> = None;
+        let mut best: Option<((f64, f64), PathAtPlace)> = None;
         let mut farthest: Option<Stopped> = None;
         let mut stop = |stopped: Stopped| {
             let farther = |f: &Stopped| stopped.at > f.at;
@@ -129,7 +134,7 @@ impl<'a> Search<'a> {
                 let strains = path.iter().map(|q| self.reach.strain(q));
                 let strain = strains.fold(0.0, f64::max);
                 if best.as_ref().is_none_or(|(than, _)| is_better(size, strain, *than)) {
-                    let along = Along { turn: *turn, path, wrenches: wrenches.clone(), sizes };
+                    let along = PathAtPlace { turn: *turn, path, wrenches: wrenches.clone(), sizes };
                     best = Some(((size, strain), along));
                 }
             }
@@ -155,7 +160,12 @@ impl<'a> Search<'a> {
     }
 
     /// The thinned path at `place`.
-    pub(super) fn candidate(&self, round: usize, place: &Place, control: Control<'_>) -> Result<PlacementCandidate> {
+    pub(super) fn candidate(
+        &self,
+        round: usize,
+        place: &WorkpiecePlace,
+        control: Control<'_>,
+    ) -> Result<PlacementCandidate> {
         let along = self.along(place, Part::Searched, control)?;
         let mut out = PlacementCandidate {
             round,
@@ -182,14 +192,14 @@ impl<'a> Search<'a> {
     }
 
     /// The path at `place`, by the exact equilibrium.
-    pub(super) fn placed(&self, place: &Place, part: Part, control: Control<'_>) -> Result<Placed> {
+    pub(super) fn placed(&self, place: &WorkpiecePlace, part: Part, control: Control<'_>) -> Result<PlaceEvaluation> {
         let workpiece = self.workpiece(place);
         let along = self.along(place, part, control)?;
         let name = |i: usize| match part {
             Part::Searched => self.points[self.searched[i]].name.to_string(),
             Part::Whole => self.points[i].name.to_string(),
         };
-        let mut out = Placed {
+        let mut out = PlaceEvaluation {
             position_m: place.position,
             roll_pitch_yaw: roll_pitch_yaw(&workpiece.rotation),
             yaw: place.yaw,

@@ -14,7 +14,7 @@ use nalgebra::Isometry3;
 /// the wrist is within about a degree of straight then.
 const NEARLY_SINGULAR: f64 = 60.0;
 /// Points named in a sentence about several.
-const NAMED: usize = 5;
+const MOST_NAMED: usize = 5;
 
 /// That some loads in path axes have those of another point.
 fn borrowed_feed(search: &Search<'_>, tips: &[Isometry3<f64>]) -> Option<Finding> {
@@ -56,8 +56,8 @@ pub(super) fn findings(
     let singular = points.filter(|(_, is_singular)| *is_singular);
     let singular: Vec<String> = singular.map(|(i, _)| search.place(i)).collect();
     if !singular.is_empty() {
-        let shown = singular[..singular.len().min(NAMED)].join(", ");
-        let more = more(singular.len().saturating_sub(NAMED));
+        let shown = singular[..singular.len().min(MOST_NAMED)].join(", ");
+        let more = more(singular.len().saturating_sub(MOST_NAMED));
         let (postures, are) = match singular.len() {
             1 => ("posture at point", "is"),
             _ => ("postures at points", "are"),

@@ -32,7 +32,7 @@ const ROUNDS: usize = 4;
 const FULL_TURNS: usize = 4;
 
 /// The way found.
-pub(super) struct Found {
+pub(super) struct TurnedPath {
     pub(super) q: Vec<Vec<f64>>,
     /// Turns about the tool axis \[rad\].
     pub(super) turns: Vec<f64>,
@@ -63,7 +63,7 @@ pub(super) fn postures(
     poses: &[Isometry3<f64>],
     unturned_postures: Option<&[Vec<f64>]>,
     control: Control<'_>,
-) -> Result<Found> {
+) -> Result<TurnedPath> {
     let mut knots = knots(poses);
     let mut turned_postures = through(search, poses, &knots, unturned_postures, control)?;
     for _ in 0..ROUNDS {
@@ -103,7 +103,7 @@ fn through(
     knots: &[usize],
     unturned_postures: Option<&[Vec<f64>]>,
     control: Control<'_>,
-) -> Result<Found> {
+) -> Result<TurnedPath> {
     let feeds = load_axes(feed_axes(poses));
     // The feed does not depend on the turn.
     let wrench = |i: usize, tip: &Isometry3<f64>| {
@@ -355,7 +355,7 @@ fn from_start(search: &Search<'_>, node: &Node) -> f64 {
 }
 
 /// All points: turns interpolated between the knots, postures followed.
-fn between(search: &Search<'_>, poses: &[Isometry3<f64>], knots: &[usize], way: &[Node]) -> Result<Found> {
+fn between(search: &Search<'_>, poses: &[Isometry3<f64>], knots: &[usize], way: &[Node]) -> Result<TurnedPath> {
     let pairs: Vec<_> = knots.windows(2).zip(way.windows(2)).collect();
     let parts = in_order(&pairs, |(_, (pair, nodes))| {
         let (start, end) = (pair[0], pair[1]);
@@ -384,7 +384,7 @@ fn between(search: &Search<'_>, poses: &[Isometry3<f64>], knots: &[usize], way: 
     })?;
     let last = way.last().map(|node| (node.q.clone(), node.turn));
     let (q, turns) = parts.into_iter().flatten().chain(last).unzip();
-    Ok(Found { q, turns })
+    Ok(TurnedPath { q, turns })
 }
 
 /// An angle in (−π, π].

@@ -13,7 +13,7 @@
 
 mod findings;
 mod free_turn;
-mod kept;
+mod shortfall;
 mod tracks;
 mod turned_round;
 
@@ -115,7 +115,7 @@ struct Search<'a> {
 }
 
 /// Postures of a path.
-struct Way {
+struct PathPostures {
     q: Vec<Vec<f64>>,
     turn: Option<Vec<f64>>,
     /// RMS of the deflections \[m\].
@@ -192,7 +192,7 @@ pub fn posture_path(
             about_limits.extend(search.nothing_free(&poses, free, &way, &missing)?);
         }
     }
-    let Way { q, turn, rms, given_rms } = way;
+    let PathPostures { q, turn, rms, given_rms } = way;
     let tips = arm.tip_poses(&q)?;
     let wrenches = search.wrenches(&tips)?;
     let mut summary = PosturePathSummary {
@@ -275,7 +275,7 @@ impl Search<'_> {
         axis_only: bool,
         poses: &[Isometry3<f64>],
         control: Control<'_>,
-    ) -> Result<Way> {
+    ) -> Result<PathPostures> {
         let unturned_postures = match angles {
             Some(q) => Some(q.to_vec()),
             None if axis_only => None,
@@ -308,14 +308,14 @@ impl Search<'_> {
     }
 
     /// The postures `q` with their deflections.
-    fn bent(&self, q: Vec<Vec<f64>>, turn: Option<Vec<f64>>) -> Result<Way> {
+    fn bent(&self, q: Vec<Vec<f64>>, turn: Option<Vec<f64>>) -> Result<PathPostures> {
         let wrenches = self.wrenches(&self.arm.tip_poses(&q)?)?;
         let rms = self.rms(&self.deflections(&q, &wrenches)?);
-        Ok(Way { q, turn, rms, given_rms: None })
+        Ok(PathPostures { q, turn, rms, given_rms: None })
     }
 
     /// What ways are compared by: what is missing, where it counts, then the deflection.
-    fn rank(&self, way: &Way) -> Result<(f64, f64)> {
+    fn rank(&self, way: &PathPostures) -> Result<(f64, f64)> {
         let mut missing = 0.0;
         for q in &way.q {
             missing += self.counted(q)?;

@@ -11,7 +11,7 @@ use nalgebra::Isometry3;
 use std::f64::consts::FRAC_PI_2;
 
 /// Where and why a branch could not be followed.
-struct Broken {
+struct BrokenBranch {
     /// Points that it came along.
     length: usize,
     why: Error,
@@ -92,7 +92,7 @@ pub(super) fn postures(search: &Search<'_>, poses: &[Isometry3<f64>], control: C
         near_enough = far(&starts[0][0]).max(FRAC_PI_2);
     }
     let wrenches = search.wrenches(poses)?;
-    let mut broken: Option<Broken> = None;
+    let mut broken: Option<BrokenBranch> = None;
     let mut best: Option<Track> = None;
     for turns in &starts {
         // Full turns leave every link where it is.
@@ -149,7 +149,7 @@ fn follow(
     poses: &[Isometry3<f64>],
     layers: Option<&Layers>,
     start: &[f64],
-) -> Result<Vec<Vec<f64>>, Broken> {
+) -> Result<Vec<Vec<f64>>, BrokenBranch> {
     let mut track = Vec::with_capacity(poses.len());
     track.push(start.to_vec());
     for (i, pose) in poses.iter().enumerate().skip(1) {
@@ -158,7 +158,7 @@ fn follow(
             Some(layers) => nearest(search, layers.of(i), last),
             None => iterated(search, pose, last),
         };
-        let stuck = |why: Error| Broken { length: i, why };
+        let stuck = |why: Error| BrokenBranch { length: i, why };
         let Some(next) = next else {
             let error = Error::new(
                 Code::OutsideLimits,

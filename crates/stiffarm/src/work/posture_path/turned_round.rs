@@ -12,7 +12,7 @@ const LOOKED_AT: usize = 40;
 const TURNS: usize = 8;
 
 /// What can be the other way round by half a turn about an axis of its frame.
-struct Way {
+struct HalfTurn {
     /// The tool, or else the workpiece.
     of_tool: bool,
     axis: fn() -> Vector3<f64>,
@@ -20,15 +20,11 @@ struct Way {
 }
 
 #[rustfmt::skip]
-const WAYS: [Way; 4] = [
-    Way { of_tool: true, axis: Vector3::x, hint: "with the tool axis of every pose the other way round it reaches \
-        them: say which way z of the poses points, out of the tool or into it" },
-    Way { of_tool: false, axis: Vector3::z, hint: "with the workpiece turned by 180° about its z it reaches them: \
-        check the turn of the workpiece frame" },
-    Way { of_tool: false, axis: Vector3::x, hint: "with the workpiece turned by 180° about its x it reaches them: \
-        check which way z of the workpiece frame points" },
-    Way { of_tool: false, axis: Vector3::y, hint: "with the workpiece turned by 180° about its y it reaches them: \
-        check which way z of the workpiece frame points" },
+const HALF_TURNS: [HalfTurn; 4] = [
+    HalfTurn { of_tool: true, axis: Vector3::x, hint: "with the tool axis of every pose the other way round it reaches them: say which way z of the poses points, out of the tool or into it" },
+    HalfTurn { of_tool: false, axis: Vector3::z, hint: "with the workpiece turned by 180° about its z it reaches them: check the turn of the workpiece frame" },
+    HalfTurn { of_tool: false, axis: Vector3::x, hint: "with the workpiece turned by 180° about its x it reaches them: check which way z of the workpiece frame points" },
+    HalfTurn { of_tool: false, axis: Vector3::y, hint: "with the workpiece turned by 180° about its y it reaches them: check which way z of the workpiece frame points" },
 ];
 
 /// `error` of a path through `poses`, whose turn about the tool axis is `free`, with what would make all of it
@@ -46,7 +42,7 @@ pub(super) fn with_hint(search: &Search<'_>, poses: &[Isometry3<f64>], free: boo
     if 2 * missed.count() < looked_at().count() {
         return error;
     }
-    let reaches = |way: &&Way| {
+    let reaches = |way: &&HalfTurn| {
         let half = UnitQuaternion::from_scaled_axis((way.axis)() * PI);
         let round = |pose: &Isometry3<f64>| match way.of_tool {
             true => pose * half,
@@ -54,7 +50,7 @@ pub(super) fn with_hint(search: &Search<'_>, poses: &[Isometry3<f64>], free: boo
         };
         (way.of_tool || is_placed) && looked_at().all(|pose| is_reached(search, &round(pose), free))
     };
-    match WAYS.iter().find(reaches) {
+    match HALF_TURNS.iter().find(reaches) {
         Some(way) => {
             let hint = error.hint_text().map(|hint| format!("{hint}; ")).unwrap_or_default();
             error.hint(format!("{hint}{}", way.hint))

@@ -11,6 +11,7 @@ pub use cartesian::{CartesianStiffness, PathExtremes, PointStiffness, PrincipalA
 pub use loaded_arm::{Deflection, LoadedArm};
 pub(crate) use points::predict_on;
 pub use points::{LoadPoint, PointPrediction, PredictOptions, Prediction, predict};
+pub use table::{POINT_COLUMNS, PointColumn, PointMeasure};
 
 pub(crate) use band::{Bands, with_bands};
 pub(crate) use cartesian::principal_axes;

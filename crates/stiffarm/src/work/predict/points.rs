@@ -12,16 +12,16 @@ use crate::model::path::LoadedPosture;
 use crate::model::stiffness::Model;
 use crate::numerics::control::Control;
 use crate::work::at_work::forbidden;
-use crate::work::beyond_data::{Seen, beyond_data};
+use crate::work::beyond_data::{IdentifiedRange, beyond_data};
 use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// The linear model suffices where it differs by less than this share of the
 /// band, or of the deflection where there is none.
-const SUFFICES: f64 = 0.1;
+const LINEAR_BAND_SHARE: f64 = 0.1;
 /// The same share of a deflection without band.
-const SUFFICES_ALONE: f64 = 0.01;
+const LINEAR_DEFLECTION_SHARE: f64 = 0.01;
 
 /// Where wrenches act.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -194,7 +194,7 @@ pub(crate) fn predict_on(
     out.findings.extend(implausible::load(arm.robot(), loads));
     let forces = postures.iter().map(|p| p.wrench.force.norm());
     let sizes = out.points.iter().map(|p| p.deflection_m).zip(forces);
-    let seen = Seen { displacement: options.measured_up_to, force: options.loaded_up_to };
+    let seen = IdentifiedRange { displacement: options.measured_up_to, force: options.loaded_up_to };
     let beyond = beyond_data("deflection", &sizes.collect::<Vec<_>>(), seen);
     out.findings.extend(beyond);
     out.findings.extend(forbidden(arm.at_work(), postures)?);
@@ -243,8 +243,8 @@ fn summarise(points: Vec<PointPrediction>, options: &PredictOptions, confidence:
     let differences = points.iter().map(|p| p.linear_difference_m);
     let suffices = |p: &PointPrediction| {
         let allowed = match &p.band {
-            Some(band) => SUFFICES * band.size_m[3].min(p.deflection_m),
-            None => SUFFICES_ALONE * p.deflection_m,
+            Some(band) => LINEAR_BAND_SHARE * band.size_m[3].min(p.deflection_m),
+            None => LINEAR_DEFLECTION_SHARE * p.deflection_m,
         };
         p.linear_difference_m <= allowed
     };

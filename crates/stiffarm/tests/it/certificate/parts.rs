@@ -4,7 +4,7 @@ use super::*;
 use crate::common::cases::refusals;
 use crate::common::differences::assert_gradient;
 use stiffarm::internals::design::{WeightProblem, optimal_weights};
-use stiffarm::internals::{Kernel, Wanted};
+use stiffarm::internals::{Kernel, KernelRequest};
 
 fn information(shift: f64) -> DMatrix<f64> {
     let b = DMatrix::from_fn(5, 3, |i, j| (((i + 1) * (j + 2)) as f64 * shift).sin());
@@ -138,7 +138,7 @@ fn the_gradient_of_a_slope_is_that_of_the_information() {
     let adjoint = adjoint();
     let compliance = compliance_of(cell.require_prior().unwrap());
     let weight = cell.noise.common_weight(cell.setup.tool.point_count());
-    let wanted = Wanted { dexterity: None, information: Some((compliance.as_slice(), weight)), limits: false };
+    let wanted = KernelRequest { dexterity: None, information: Some((compliance.as_slice(), weight)), limits: false };
     let mut kernel = Kernel::new(&cell, wanted, 1).unwrap();
     let value = |q: &[f64]| slope(&adjoint, &space.information(q));
     for q in space.samples(8) {

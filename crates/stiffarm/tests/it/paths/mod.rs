@@ -1,4 +1,4 @@
-//! Path tables: what is read, what is written, and how each slip is reported.
+//! Path tables are read and written without loss, and each slip is reported.
 
 mod round_trip;
 mod slips;
@@ -221,8 +221,12 @@ fn a_path_is_written_in_other_columns() -> Check {
     assert_eq!(back, POSES);
     let format = table.format.clone().with_kind(PathKind::ToolAxes, &cell);
     let text = write_path(&format, &table.points)?;
-    assert!(text.starts_with("point,x_mm,y_mm,z_mm,axis_x,axis_y,axis_z,fx_n"), "{text}");
-    assert!(text.contains("P1,1500,-200.5,600,0,0,-1,100"), "{text}");
+    insta::assert_snapshot!(text, @"
+    point,x_mm,y_mm,z_mm,axis_x,axis_y,axis_z,fx_n,fy_n,fz_n,axes
+    P1,1500,-200.5,600,0,0,-1,100,-20.5,0,path
+    P2,1510,-200.5,600,-0.168567915079,-0.103188913093,-0.980273893470903,,,,
+    P3,1520,-200.5,600,1,0,0,100,0,5,tool
+    ");
 
     // From nothing, and with loads.
     let bare = PathFormat::new(PathKind::Poses, &cell);
@@ -230,8 +234,12 @@ fn a_path_is_written_in_other_columns() -> Check {
     let text = write_path(&bare, &table.points)?;
     assert!(text.starts_with("point,x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg\nP1,1500,"), "{text}");
     let text = write_path(&bare.with_loads(&cell), &table.points)?;
-    assert!(text.contains("P1,1500,-200.5,600,180,0,0,100,-20.5,0,0,0,0,path\n"), "{text}");
-    assert!(text.contains("P2,1510,-200.5,600,170,5.5,-30,,,,,,,\n"), "{text}");
+    insta::assert_snapshot!(text, @"
+    point,x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg,fx_n,fy_n,fz_n,mx_nm,my_nm,mz_nm,axes
+    P1,1500,-200.5,600,180,0,0,100,-20.5,0,0,0,0,path
+    P2,1510,-200.5,600,170,5.5,-30,,,,,,,
+    P3,1520,-200.5,600,0,90,0,100,0,5,0,0,0,tool
+    ");
     Ok(())
 }
 

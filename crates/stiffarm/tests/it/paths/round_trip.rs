@@ -77,20 +77,20 @@ fn check(points: &[PathPoint], kind: PathKind, cell: &Cell) -> Result<(), TestCa
     let table = read(&text, cell).unwrap();
     prop_assert_eq!(&table.format, &format);
     prop_assert_eq!(table.points.len(), points.len());
-    for (read, given) in table.points.iter().zip(points) {
-        prop_assert_eq!(&read.name, &given.name);
-        prop_assert_eq!(&read.load, &given.load);
-        match (&read.target, &given.target) {
-            (PathTarget::Angles(read), PathTarget::Angles(given)) => {
-                for (a, b) in read.iter().zip(given) {
+    for (read, written) in table.points.iter().zip(points) {
+        prop_assert_eq!(&read.name, &written.name);
+        prop_assert_eq!(&read.load, &written.load);
+        match (&read.target, &written.target) {
+            (PathTarget::Angles(read), PathTarget::Angles(written)) => {
+                for (a, b) in read.iter().zip(written) {
                     // Degrees do not reach every double; see `rad_to_shortest_deg`.
                     prop_assert!((a - b).abs() <= 2.0 * f64::EPSILON * b.abs());
                 }
             }
-            (PathTarget::Pose(read), PathTarget::Pose(given)) => {
-                let apart = (read.translation.vector - given.translation.vector).norm();
+            (PathTarget::Pose(read), PathTarget::Pose(written)) => {
+                let apart = (read.translation.vector - written.translation.vector).norm();
                 prop_assert!(apart < 1e-12, "{}", apart);
-                let turn = read.rotation.angle_to(&given.rotation);
+                let turn = read.rotation.angle_to(&written.rotation);
                 prop_assert!(turn < 2e-11, "{}", turn);
             }
             (PathTarget::Axis { position: p, axis: a }, PathTarget::Axis { position, axis }) => {

@@ -1,4 +1,4 @@
-//! Mistakes in a path table.
+//! Mistakes in a path table are reported with place and hint; small paths are none.
 
 use super::*;
 use crate::common::cases::{cases, slip};

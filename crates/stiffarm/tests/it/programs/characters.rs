@@ -1,4 +1,4 @@
-//! Texts in characters that every controller shows.
+//! Texts are written in characters that every controller shows.
 
 use super::*;
 use stiffarm_files::internals::{plain, wrapped};

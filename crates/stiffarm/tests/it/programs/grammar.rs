@@ -7,14 +7,14 @@ use stiffarm_files::program::ProgramFile;
 
 /// What a checker found a program to do.
 #[derive(Debug, Default, PartialEq)]
-pub struct Found {
+pub struct Parsed {
     /// Values of each move's target in the controller's order and unit, with its speed in per cent.
     pub moves: Vec<(Vec<f64>, f64)>,
     /// The text of each wait.
     pub waits: Vec<String>,
 }
 
-pub type Checked<T = Found> = Result<T, String>;
+pub type Checked<T = Parsed> = Result<T, String>;
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum Token {
@@ -81,7 +81,7 @@ impl Tokens {
     /// The next word is exactly this.
     pub fn word(&mut self, word: &str) -> Checked<()> {
         match self.tokens.next() {
-            Some(Token::Word(found)) if found == word => Ok(()),
+            Some(Token::Word(read)) if read == word => Ok(()),
             other => self.wrong(word, other),
         }
     }
@@ -90,7 +90,7 @@ impl Tokens {
     pub fn signs(&mut self, signs: &str) -> Checked<()> {
         for sign in signs.chars() {
             match self.tokens.next() {
-                Some(Token::Sign(found)) if found == sign => {}
+                Some(Token::Sign(read)) if read == sign => {}
                 other => return self.wrong(&sign.to_string(), other),
             }
         }
@@ -99,14 +99,14 @@ impl Tokens {
 
     pub fn any_word(&mut self) -> Checked<String> {
         match self.tokens.next() {
-            Some(Token::Word(found)) => Ok(found),
+            Some(Token::Word(read)) => Ok(read),
             other => self.wrong("a word", other),
         }
     }
 
     pub fn text(&mut self, longest: usize) -> Checked<String> {
         match self.tokens.next() {
-            Some(Token::Text(found)) if (1..=longest).contains(&found.len()) => Ok(found),
+            Some(Token::Text(read)) if (1..=longest).contains(&read.len()) => Ok(read),
             other => self.wrong("a text that is not too long", other),
         }
     }
@@ -133,7 +133,7 @@ impl Tokens {
     /// A word or number that is exactly this text.
     pub fn exactly(&mut self, wanted: &str) -> Checked<()> {
         match self.tokens.next() {
-            Some(Token::Number(found) | Token::Word(found)) if found == wanted => Ok(()),
+            Some(Token::Number(read) | Token::Word(read)) if read == wanted => Ok(()),
             other => self.wrong(wanted, other),
         }
     }

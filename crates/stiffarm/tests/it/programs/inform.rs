@@ -1,6 +1,6 @@
-//! INFORM: head in order, positions counted, instructions between NOP and END.
+//! INFORM jobs have their head in order, positions counted, and instructions between NOP and END.
 
-use super::grammar::{Checked, Found, Tokens, holds, lines, name, only};
+use super::grammar::{Checked, Parsed, Tokens, holds, lines, name, only};
 use stiffarm_files::program::ProgramFile;
 
 pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
@@ -9,9 +9,9 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     let mut rest = lines.iter().copied();
     let mut next = || rest.next().ok_or_else(|| "the end came too early".to_string());
     holds(next()? == "/JOB", "/JOB")?;
-    let own = next()?.strip_prefix("//NAME ").ok_or("//NAME")?;
-    name(own, 32)?;
-    holds(own == own.to_ascii_uppercase() && file.name == format!("{own}.jbi"), "file name")?;
+    let program = next()?.strip_prefix("//NAME ").ok_or("//NAME")?;
+    name(program, 32)?;
+    holds(program == program.to_ascii_uppercase() && file.name == format!("{program}.jbi"), "file name")?;
     holds(next()? == "//POS", "//POS")?;
     let counts = next()?.strip_prefix("///NPOS ").ok_or("///NPOS")?;
     let count: usize = counts.strip_suffix(",0,0,0,0,0").and_then(|n| n.parse().ok()).ok_or("///NPOS")?;
@@ -38,7 +38,7 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     for wanted in head {
         holds(next()? == wanted, wanted)?;
     }
-    let mut found = Found::default();
+    let mut parsed = Parsed::default();
     let mut full: Vec<&str> = Vec::new();
     let mut shown: Option<String> = None;
     loop {
@@ -66,12 +66,12 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
                 let full_line =
                     left.is_empty() || shown.len() == 32 || (left.starts_with(' ') && shown.len() + 1 + next > 32);
                 holds(full_line, "the message is not the first words")?;
-                found.waits.push(text);
+                parsed.waits.push(text);
                 full.clear();
             }
             "MOVJ" => {
                 holds(shown.is_none() && full.is_empty(), "a text without PAUSE")?;
-                let number = found.moves.len();
+                let number = parsed.moves.len();
                 tokens.word(&format!("C{number:05}"))?;
                 tokens.word("VJ")?;
                 tokens.signs("=")?;
@@ -81,13 +81,13 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
                 tokens.exactly("0")?;
                 holds((0.01..=100.0).contains(&speed), "VJ")?;
                 let target = points.get(number).ok_or("a position that is not there")?;
-                found.moves.push((target.clone(), speed));
+                parsed.moves.push((target.clone(), speed));
             }
             other => return Err(other.to_string()),
         }
         tokens.end()?;
     }
     holds(rest.next().is_none(), "lines after END")?;
-    holds(points.len() == found.moves.len(), "a position that is not used")?;
-    Ok(found)
+    holds(points.len() == parsed.moves.len(), "a position that is not used")?;
+    Ok(parsed)
 }

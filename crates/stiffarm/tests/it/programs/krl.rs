@@ -1,6 +1,6 @@
-//! KRL: head of the controller's template, points of the `.dat` each declared and used once.
+//! KRL programs have the head of the controller's template, and each point of the `.dat` is declared and used once.
 
-use super::grammar::{Checked, Found, Tokens, holds, lines, name};
+use super::grammar::{Checked, Parsed, Tokens, holds, lines, name};
 use stiffarm_files::program::ProgramFile;
 
 const INI: [&str; 7] = [
@@ -17,13 +17,13 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     let [src, dat] = files else {
         return Err("two files".to_string());
     };
-    let own = src.name.strip_suffix(".src").ok_or("src")?;
-    holds(dat.name == format!("{own}.dat"), "the names of the files")?;
-    name(own, 24)?;
-    let points = data(dat, own, joints)?;
+    let program = src.name.strip_suffix(".src").ok_or("src")?;
+    holds(dat.name == format!("{program}.dat"), "the names of the files")?;
+    name(program, 24)?;
+    let points = data(dat, program, joints)?;
     let lines = lines(src, "\r\n", 100)?;
     let mut rest = lines.iter().copied();
-    for wanted in ["&ACCESS RVP", "&REL 1", &format!("DEF {own} ( )")] {
+    for wanted in ["&ACCESS RVP", "&REL 1", &format!("DEF {program} ( )")] {
         holds(rest.next() == Some(wanted), wanted)?;
     }
     let mut next = rest.next();
@@ -34,7 +34,7 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
         holds(next == Some(wanted), wanted)?;
         next = rest.next();
     }
-    let mut found = Found::default();
+    let mut parsed = Parsed::default();
     let (mut speed, mut said, mut waiting, mut ended) = (None, Vec::new(), false, false);
     while let Some(line) = next {
         next = rest.next();
@@ -58,7 +58,7 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
             }
             "HALT" => {
                 holds(waiting && !said.is_empty(), "HALT without a message")?;
-                found.waits.push(said.join(" "));
+                parsed.waits.push(said.join(" "));
                 (waiting, said) = (false, Vec::new());
             }
             "BAS" => {
@@ -69,17 +69,17 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
                 tokens.signs(")")?;
                 match what.as_str() {
                     "#VEL_PTP" if (1.0..=100.0).contains(&value) => speed = Some(value),
-                    "#TOOL" if found == Found::default() => {}
+                    "#TOOL" if parsed == Parsed::default() => {}
                     _ => return Err(format!("BAS {what} {value}")),
                 }
             }
             "PTP" => {
                 holds(!waiting, "a move between WAIT and HALT")?;
                 let point = tokens.any_word()?;
-                let number = found.moves.len();
+                let number = parsed.moves.len();
                 holds(point == format!("XP{}", number + 1), "the order of points")?;
                 let target = points.get(number).ok_or("a point that is not declared")?;
-                found.moves.push((target.clone(), speed.ok_or("no speed")?));
+                parsed.moves.push((target.clone(), speed.ok_or("no speed")?));
             }
             "END" => ended = true,
             other => return Err(other.to_string()),
@@ -87,13 +87,13 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
         tokens.end()?;
     }
     holds(ended && !waiting, "no END")?;
-    holds(points.len() == found.moves.len(), "a point that is not used")?;
-    Ok(found)
+    holds(points.len() == parsed.moves.len(), "a point that is not used")?;
+    Ok(parsed)
 }
 
-fn data(dat: &ProgramFile, own: &str, joints: usize) -> Checked<Vec<Vec<f64>>> {
+fn data(dat: &ProgramFile, program: &str, joints: usize) -> Checked<Vec<Vec<f64>>> {
     let lines = lines(dat, "\r\n", 200)?;
-    let head = ["&ACCESS RVP", "&REL 1", &format!("DEFDAT {own}")];
+    let head = ["&ACCESS RVP", "&REL 1", &format!("DEFDAT {program}")];
     holds(lines.len() > head.len() && lines[..3] == head, "head of the .dat")?;
     holds(lines.last() == Some(&"ENDDAT"), "ENDDAT")?;
     let mut points = Vec::new();

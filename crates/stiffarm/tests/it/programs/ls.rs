@@ -1,18 +1,18 @@
-//! FANUC TP: sections in order, lines numbered and counted, points in joint representation.
+//! FANUC TP programs have sections in order, lines numbered and counted, points in joint representation.
 
-use super::grammar::{Checked, Found, Tokens, holds, lines, name, only};
+use super::grammar::{Checked, Parsed, Tokens, holds, lines, name, only};
 use stiffarm_files::program::ProgramFile;
 
 pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     let file = only(files)?;
     let lines = lines(file, "\r\n", 80)?;
-    let own = lines[0].strip_prefix("/PROG  ").ok_or("/PROG")?;
-    name(own, 36)?;
-    holds(own == own.to_ascii_uppercase(), "capitals")?;
-    holds(file.name == format!("{}.ls", own.to_ascii_lowercase()), "file name")?;
+    let program = lines[0].strip_prefix("/PROG  ").ok_or("/PROG")?;
+    name(program, 36)?;
+    holds(program == program.to_ascii_uppercase(), "capitals")?;
+    holds(file.name == format!("{}.ls", program.to_ascii_lowercase()), "file name")?;
     let at = |section: &str| {
-        let mut found = lines.iter().enumerate().filter(|(_, line)| **line == section);
-        match (found.next(), found.next()) {
+        let mut places = lines.iter().enumerate().filter(|(_, line)| **line == section);
+        match (places.next(), places.next()) {
             (Some((at, _)), None) => Ok(at),
             _ => Err(format!("{section} once")),
         }
@@ -23,7 +23,7 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     let statements = &lines[body + 1..points];
     holds(count == statements.len(), "LINE_COUNT")?;
     let (targets, tool) = positions(&lines[points + 1..end], joints)?;
-    let mut found = Found::default();
+    let mut parsed = Parsed::default();
     let mut said: Vec<&str> = Vec::new();
     let (mut frame_set, mut tool_set) = (false, false);
     for (i, line) in statements.iter().enumerate() {
@@ -38,7 +38,7 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
             said.push(message);
         } else if rest == "  PAUSE" {
             holds(!said.is_empty(), "PAUSE without a message")?;
-            found.waits.push(said.join(" "));
+            parsed.waits.push(said.join(" "));
             said.clear();
         } else if rest == "  UFRAME_NUM=0" {
             frame_set = true;
@@ -56,14 +56,14 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
             tokens.signs("%")?;
             tokens.word("FINE")?;
             tokens.end()?;
-            holds(number == found.moves.len() + 1, "order of points")?;
+            holds(number == parsed.moves.len() + 1, "order of points")?;
             let target = targets.get(number - 1).ok_or("a point that is not there")?;
             holds((1.0..=100.0).contains(&speed), "speed")?;
-            found.moves.push((target.clone(), speed));
+            parsed.moves.push((target.clone(), speed));
         }
     }
-    holds(targets.len() == found.moves.len(), "a point that is not used")?;
-    Ok(found)
+    holds(targets.len() == parsed.moves.len(), "a point that is not used")?;
+    Ok(parsed)
 }
 
 /// The attributes in the controller's order; gives LINE_COUNT.
@@ -93,8 +93,8 @@ fn attributes(lines: &[&str]) -> Checked<usize> {
     for (i, (line, key)) in lines.iter().zip(keys).enumerate() {
         let end = if (10..15).contains(&i) { ',' } else { ';' };
         let line = line.strip_suffix(end).ok_or_else(|| format!("end of {line}"))?;
-        let (found, value) = line.split_once('=').ok_or("=")?;
-        holds(found.trim_end() == key, key)?;
+        let (attribute, value) = line.split_once('=').ok_or("=")?;
+        holds(attribute.trim_end() == key, key)?;
         let value = value.trim();
         let number = value.parse::<usize>();
         let sound = match key {

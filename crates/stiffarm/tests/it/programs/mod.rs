@@ -14,7 +14,7 @@ mod urscript;
 
 use super::common::random::Dice;
 use super::common::set_ups::panda;
-use grammar::{Checked, Found};
+use grammar::{Checked, Parsed};
 use proptest::prelude::*;
 use std::fmt::Write;
 use stiffarm::Cell;
@@ -55,11 +55,11 @@ fn check(language: Language, files: &[ProgramFile], joints: usize) -> Checked {
 
 /// What `program` should be found to do: values in the controller's order, degrees or pulses
 /// before rounding.
-fn expected(language: Language, program: &Program) -> Found {
-    let mut found = Found::default();
+fn expected(language: Language, program: &Program) -> Parsed {
+    let mut parsed = Parsed::default();
     for step in &program.steps {
         match step {
-            Step::Wait(said) => found.waits.push(said.clone()),
+            Step::Wait(said) => parsed.waits.push(said.clone()),
             Step::Move(target) => {
                 let mut q: Vec<f64> = target.q.iter().map(|a| a.to_degrees()).collect();
                 if q.len() == 7 && language != Language::Csv {
@@ -70,11 +70,11 @@ fn expected(language: Language, program: &Program) -> Found {
                 if language == Language::Inform {
                     q.iter_mut().zip(PULSES).for_each(|(q, scale)| *q *= scale);
                 }
-                found.moves.push((q, f64::from(target.speed_percent)));
+                parsed.moves.push((q, f64::from(target.speed_percent)));
             }
         }
     }
-    found
+    parsed
 }
 
 /// A seven-joint arm: the rows of Franka's Panda, with its limits in whole degrees.
@@ -147,7 +147,7 @@ fn agrees(language: Language, program: &Program, joints: usize, hundredths: bool
     let options = options(language, joints);
     let files = write_program(program, language, &options).unwrap();
     assert_eq!(files, write_program(program, language, &options).unwrap());
-    let found = check(language, &files, joints).unwrap_or_else(|e| panic!("{language:?}: {e}\n{}", files[0].text));
+    let parsed = check(language, &files, joints).unwrap_or_else(|e| panic!("{language:?}: {e}\n{}", files[0].text));
     let wanted = expected(language, program);
     // Half of the last digit: of pulses, of degrees.
     let digit = match (language, hundredths) {
@@ -156,9 +156,9 @@ fn agrees(language: Language, program: &Program, joints: usize, hundredths: bool
         (Language::Ls, false) => 0.5e-3 + 1e-9,
         (_, false) => 0.5e-4 + 1e-6,
     };
-    assert_eq!(found.waits, wanted.waits, "{language:?}");
-    assert_eq!(found.moves.len(), wanted.moves.len(), "{language:?}");
-    for ((q, speed), (planned, percent)) in found.moves.iter().zip(&wanted.moves) {
+    assert_eq!(parsed.waits, wanted.waits, "{language:?}");
+    assert_eq!(parsed.moves.len(), wanted.moves.len(), "{language:?}");
+    for ((q, speed), (planned, percent)) in parsed.moves.iter().zip(&wanted.moves) {
         assert_eq!(speed, percent, "{language:?}");
         for (a, b) in q.iter().zip(planned) {
             assert!((a - b).abs() <= digit, "{language:?}: {a} {b}");
@@ -224,12 +224,18 @@ fn small() -> Program {
     program(Language::Ls, &postures)
 }
 
+/// The same as it is written in this language.
+fn written(language: Language) -> (Program, Vec<ProgramFile>) {
+    let mut program = small();
+    program.name = language.name_for("plan");
+    let files = write_program(&program, language, &options(language, 6)).unwrap();
+    (program, files)
+}
+
 #[test]
 fn snapshots_of_a_small_program() {
     for language in Language::ALL {
-        let mut program = small();
-        program.name = language.name_for("plan");
-        let files = write_program(&program, language, &options(language, 6)).unwrap();
+        let (_, files) = written(language);
         let mut shown = String::new();
         for file in &files {
             let ends = if file.text.contains("\r\n") { "CR LF" } else { "LF" };
@@ -271,12 +277,10 @@ fn is_comment(language: Language, line: &str) -> bool {
 #[test]
 fn the_checkers_find_every_line_and_every_sign_that_is_missing() {
     for language in CONTROLLERS {
-        let mut program = small();
-        program.name = language.name_for("plan");
-        let files = write_program(&program, language, &options(language, 6)).unwrap();
+        let (_, files) = written(language);
         let sound = check(language, &files, 6).unwrap();
         let differs = |broken: &[ProgramFile]| {
-            check(language, broken, 6) != Ok(Found { moves: sound.moves.clone(), waits: sound.waits.clone() })
+            check(language, broken, 6) != Ok(Parsed { moves: sound.moves.clone(), waits: sound.waits.clone() })
         };
         let mut tried = 0;
         for (f, file) in files.iter().enumerate() {
@@ -350,8 +354,8 @@ proptest! {
             let program = program_of_stops(name, vec![plan.clone()], &stops, None, 100);
             let options = options(language, 6);
             let files = write_program(&program, language, &options).unwrap();
-            let found = check(language, &files, 6);
-            prop_assert!(found.is_ok(), "{:?} {:?}\n{}", language, found, files[0].text);
+            let parsed = check(language, &files, 6);
+            prop_assert!(parsed.is_ok(), "{:?} {:?}\n{}", language, parsed, files[0].text);
             let read = read_program(&files, language, &options, 6).unwrap();
             prop_assert_eq!(read.moves().count(), 2);
             let tolerance = match language {

@@ -1,19 +1,20 @@
-//! PDL2: one program whose variable is declared, set, and used.
+//! PDL2 programs are one program whose variable is declared, set, and used.
 
-use super::grammar::{Checked, Found, Tokens, holds, lines, name, only};
+use super::grammar::{Checked, Parsed, Tokens, holds, lines, name, only};
 use stiffarm_files::program::ProgramFile;
 
 pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     let file = only(files)?;
-    let own = file.name.strip_suffix(".pdl").ok_or("pdl")?;
-    name(own, 32)?;
+    let program = file.name.strip_suffix(".pdl").ok_or("pdl")?;
+    name(program, 32)?;
     let lines = lines(file, "\r\n", 120)?;
     let code: Vec<&str> = lines.iter().map(|line| line.trim_start()).filter(|line| !line.starts_with("--")).collect();
-    let head = [&format!("PROGRAM {own}"), "VAR", "speed_before : INTEGER", "BEGIN", "speed_before := $ARM_SPD_OVR"];
-    let tail = ["$ARM_SPD_OVR := speed_before", &format!("END {own}")];
+    let head =
+        [&format!("PROGRAM {program}"), "VAR", "speed_before : INTEGER", "BEGIN", "speed_before := $ARM_SPD_OVR"];
+    let tail = ["$ARM_SPD_OVR := speed_before", &format!("END {program}")];
     let middle = code.strip_prefix(&head[..]).ok_or("head")?;
     let middle = middle.strip_suffix(&tail[..]).ok_or("end")?;
-    let mut found = Found::default();
+    let mut parsed = Parsed::default();
     let (mut speed, mut said) = (None, Vec::new());
     for line in middle {
         let mut tokens = Tokens::of(line, '\'')?;
@@ -34,7 +35,7 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
             }
             "PAUSE" => {
                 holds(!said.is_empty(), "PAUSE without a text")?;
-                found.waits.push(said.join(" "));
+                parsed.waits.push(said.join(" "));
                 said.clear();
             }
             "MOVE" => {
@@ -50,12 +51,12 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
                     values.push(tokens.number(2, 4)?);
                 }
                 tokens.signs("}")?;
-                found.moves.push((values, speed.ok_or("no speed")?));
+                parsed.moves.push((values, speed.ok_or("no speed")?));
             }
             other => return Err(other.to_string()),
         }
         tokens.end()?;
     }
     holds(said.is_empty(), "a text without PAUSE")?;
-    Ok(found)
+    Ok(parsed)
 }

@@ -1,17 +1,17 @@
-//! RAPID: one module with its jointtargets and one procedure.
+//! RAPID programs are one module with its jointtargets and one procedure.
 
-use super::grammar::{Checked, Found, Tokens, holds, lines, name, only};
+use super::grammar::{Checked, Parsed, Tokens, holds, lines, name, only};
 use stiffarm_files::program::ProgramFile;
 
 pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     let file = only(files)?;
-    let own = file.name.strip_suffix(".mod").ok_or("mod")?;
+    let program = file.name.strip_suffix(".mod").ok_or("mod")?;
     let lines = lines(file, "\r\n", 140)?;
-    holds(lines[0] == format!("MODULE {own}"), "MODULE")?;
-    name(own, 32)?;
-    name(&format!("{own}_run"), 32)?;
+    holds(lines[0] == format!("MODULE {program}"), "MODULE")?;
+    name(program, 32)?;
+    name(&format!("{program}_run"), 32)?;
     holds(lines.last() == Some(&"ENDMODULE"), "ENDMODULE")?;
-    let mut found = Found::default();
+    let mut parsed = Parsed::default();
     let mut points: Vec<Vec<f64>> = Vec::new();
     // 0 before PROC, 1 in it, 2 after it.
     let (mut part, mut speed, mut said, mut tool) = (0, None, Vec::new(), None);
@@ -31,7 +31,7 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
                 tokens.signs(";")?;
             }
             (0, "PROC") => {
-                tokens.word(&format!("{own}_run"))?;
+                tokens.word(&format!("{program}_run"))?;
                 tokens.signs("()")?;
                 part = 1;
             }
@@ -53,11 +53,11 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
             (1, "Stop") => {
                 tokens.signs(";")?;
                 holds(!said.is_empty(), "Stop without a text")?;
-                found.waits.push(said.join(" "));
+                parsed.waits.push(said.join(" "));
                 said.clear();
             }
             (1, "MoveAbsJ") => {
-                let number = found.moves.len();
+                let number = parsed.moves.len();
                 tokens.word(&format!("jp{}", number + 1))?;
                 let q = points.get(number).ok_or("a point that is not declared")?;
                 tokens.signs(",")?;
@@ -70,15 +70,15 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
                 tokens.signs(";")?;
                 let (percent, most) = speed.ok_or("no speed")?;
                 holds(most == 1000.0 && said.is_empty(), "speed, or a text without Stop")?;
-                found.moves.push((q.clone(), percent));
+                parsed.moves.push((q.clone(), percent));
             }
             _ => return Err(line.to_string()),
         }
         tokens.end()?;
     }
     holds(part == 2, "PROC and ENDPROC")?;
-    holds(points.len() == found.moves.len(), "a point that is not used")?;
-    Ok(found)
+    holds(points.len() == parsed.moves.len(), "a point that is not used")?;
+    Ok(parsed)
 }
 
 /// After `[[`: six angles, six external axes, `9E9` for those that are not there.

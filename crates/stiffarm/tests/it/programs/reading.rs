@@ -1,19 +1,12 @@
-//! What is refused, and what a pendant may have changed.
+//! Programs that come back: what cannot be read is refused with its place, and what a pendant changed is named.
 
-use super::{CONTROLLERS, options, small};
+use super::{CONTROLLERS, options, written};
 use stiffarm::Code;
 use stiffarm::model::posture::Posture;
 use stiffarm_files::program::{
     Difference, Language, Move, Program, ProgramFile, ProgramOptions, Stop, compare_moves, missing_stops,
     program_of_stops, read_program, write_program,
 };
-
-fn written(language: Language) -> (Program, Vec<ProgramFile>) {
-    let mut program = small();
-    program.name = language.name_for("plan");
-    let files = write_program(&program, language, &options(language, 6)).unwrap();
-    (program, files)
-}
 
 fn read(language: Language, files: &[ProgramFile]) -> stiffarm::Result<Program> {
     read_program(files, language, &options(language, 6), 6)
@@ -29,7 +22,7 @@ fn edited(files: &[ProgramFile], old: &str, new: &str) -> Vec<ProgramFile> {
 
 #[test]
 fn faults_are_told_with_their_place() {
-    let mut told = String::new();
+    let mut report = String::new();
     for (language, old, new) in [
         (Language::Krl, "A4 0.00", "A4 zero"),
         (Language::Krl, ",A6 -180.00", ""),
@@ -63,15 +56,15 @@ fn faults_are_told_with_their_place() {
         let (_, files) = written(language);
         match read(language, &edited(&files, old, new)) {
             Ok(_) => assert_eq!(old, new, "{language:?} {old} -> {new}"),
-            Err(error) => told += &format!("{error}\n"),
+            Err(error) => report += &format!("{error}\n"),
         }
     }
-    insta::assert_snapshot!("faults_of_programs", told);
+    insta::assert_snapshot!("faults_of_programs", report);
 }
 
 #[test]
 fn what_a_language_cannot_hold_is_refused() {
-    let mut told = String::new();
+    let mut report = String::new();
     let posture = |joints: usize| Posture { name: "p1".into(), q: vec![0.5; joints] };
     let mut refused = |language: Language, joints: usize, change: &dyn Fn(&mut Program, &mut ProgramOptions)| {
         let mut options = options(language, joints.min(7));
@@ -79,7 +72,7 @@ fn what_a_language_cannot_hold_is_refused() {
         let mut program = program_of_stops(language.name_for("plan"), vec![], &[stop], None, 10);
         change(&mut program, &mut options);
         let error = write_program(&program, language, &options).unwrap_err();
-        told += &format!("{}: [{}] {error}\n", language.as_str(), error.code().as_str());
+        report += &format!("{}: [{}] {error}\n", language.as_str(), error.code().as_str());
         error.code()
     };
     let nothing = |_: &mut Program, _: &mut ProgramOptions| {};
@@ -115,11 +108,12 @@ fn what_a_language_cannot_hold_is_refused() {
         p.steps = vec![step; 1000];
     };
     refused(Language::Krl, 6, &long);
-    insta::assert_snapshot!("refusals_of_programs", told);
+    insta::assert_snapshot!("refusals_of_programs", report);
 }
 
 #[test]
 fn changes_at_the_pendant_are_found_and_nothing_else() {
+    let mut report = String::new();
     for (language, old, new) in [
         (Language::Krl, "A3 95.50", "A3 95.75"),
         (Language::Rapid, ",95.50,", ",95.75,"),
@@ -133,26 +127,35 @@ fn changes_at_the_pendant_are_found_and_nothing_else() {
         let planned: Vec<&Move> = program.moves().collect();
         let tolerance = 1e-3_f64.to_radians();
         let same = read(language, &files).unwrap();
-        let found: Vec<&Move> = same.moves().collect();
-        assert_eq!(compare_moves(&planned, &found, language, tolerance), []);
+        let moves: Vec<&Move> = same.moves().collect();
+        assert_eq!(compare_moves(&planned, &moves, language, tolerance), []);
         let other = read(language, &edited(&files, old, new)).unwrap();
-        let found: Vec<&Move> = other.moves().collect();
-        let differences = compare_moves(&planned, &found, language, tolerance);
+        let moves: Vec<&Move> = other.moves().collect();
+        let differences = compare_moves(&planned, &moves, language, tolerance);
         let [Difference::Angle { posture, joint: 3, planned_deg, found_deg }] = &differences[..] else {
             panic!("{language:?} {differences:?}");
         };
         assert_eq!(posture, "p1");
         assert!((planned_deg - 95.5).abs() < 1e-9 && (found_deg - 95.75).abs() < 1e-3, "{language:?} {found_deg}");
         let sentence = differences[0].sentence(&["a".into(), "b".into(), "joint 3".into()]);
-        assert!(sentence.starts_with("p1: joint 3 at 95.7"), "{sentence}");
+        report += &format!("{}: {sentence}\n", language.as_str());
     }
+    insta::assert_snapshot!(report, @"
+    krl: p1: joint 3 at 95.7500°, planned 95.5000°, off by 0.2500°
+    rapid: p1: joint 3 at 95.7500°, planned 95.5000°, off by 0.2500°
+    ls: p1: joint 3 at 95.7500°, planned 95.5000°, off by 0.2500°
+    inform: p1: joint 3 at 95.7499°, planned 95.5000°, off by 0.2499°
+    pdl2: p1: joint 3 at 95.7500°, planned 95.5000°, off by 0.2500°
+    urscript: p1: joint 3 at 95.7500°, planned 95.5000°, off by 0.2500°
+    csv: p1: joint 3 at 95.7500°, planned 95.5000°, off by 0.2500°
+    ");
 }
 
 #[test]
 fn moves_that_are_missing_added_or_elsewhere_are_named() {
     let (program, _) = written(Language::Krl);
     let planned: Vec<&Move> = program.moves().collect();
-    let compare = |found: &[&Move]| compare_moves(&planned, found, Language::Krl, 1e-9);
+    let compare = |moves: &[&Move]| compare_moves(&planned, moves, Language::Krl, 1e-9);
     let named = |kind: &str, differences: &[Difference]| {
         let text = format!("{differences:?}");
         assert_eq!(differences.len(), 1, "{text}");
@@ -191,8 +194,8 @@ fn a_stop_that_was_taken_out_is_named() {
         let first = text.find(stop).unwrap() + stop.len();
         let (head, tail) = text.split_at(first);
         files[0].text = head.to_string() + &tail.replacen(stop, "", 1);
-        let found = missing_stops(&read(language, &files).unwrap());
-        assert_eq!(found, [Difference::NoStop { posture: "p1".into() }], "{language:?}");
+        let differences = missing_stops(&read(language, &files).unwrap());
+        assert_eq!(differences, [Difference::NoStop { posture: "p1".into() }], "{language:?}");
     }
 }
 

@@ -1,21 +1,13 @@
 //! What a program holds beside the plan's moves is found, whatever it is.
 
-use super::{Language, ProgramFile, options, small};
-use stiffarm_files::program::{
-    Difference, Move, compare_moves, compare_statements, missing_stops, read_program, write_program,
-};
+use super::{Language, ProgramFile, options, written};
+use stiffarm_files::program::{Difference, Move, compare_moves, compare_statements, missing_stops, read_program};
 
 const LANGUAGES: [Language; 7] = Language::ALL;
 
-fn written(language: Language) -> Vec<ProgramFile> {
-    let mut program = small();
-    program.name = language.name_for("plan");
-    write_program(&program, language, &options(language, 6)).unwrap()
-}
-
 /// The files with `old` replaced, which stands there.
 fn edited(language: Language, old: &str, new: &str) -> Vec<ProgramFile> {
-    let mut files = written(language);
+    let mut files = written(language).1;
     let file = files.iter_mut().find(|file| file.text.contains(old));
     let file = file.unwrap_or_else(|| panic!("{language:?}: {old}"));
     file.text = file.text.replacen(old, new, 1);
@@ -108,17 +100,17 @@ const CHANGED: [(Language, &str, &str); 17] = [
 ];
 
 /// What is found in files beside moves and waits, which are those of the plan.
-fn found(language: Language, files: &[ProgramFile]) -> Vec<Difference> {
+fn compared(language: Language, files: &[ProgramFile]) -> Vec<Difference> {
     let options = options(language, 6);
-    let planned = written(language);
+    let planned = written(language).1;
     let read = |files: &[ProgramFile]| read_program(files, language, &options, 6).unwrap();
-    let (own, other) = (read(&planned), read(files));
+    let (unchanged, other) = (read(&planned), read(files));
     let moves = |program: &stiffarm_files::program::Program| -> Vec<Move> { program.moves().cloned().collect() };
-    let (own, moved) = (moves(&own), moves(&other));
-    let (own, moved): (Vec<&Move>, Vec<&Move>) = (own.iter().collect(), moved.iter().collect());
+    let (unchanged, moved) = (moves(&unchanged), moves(&other));
+    let (unchanged, moved): (Vec<&Move>, Vec<&Move>) = (unchanged.iter().collect(), moved.iter().collect());
     // Whoever looks at these alone calls it the same program.
-    let told = compare_moves(&own, &moved, language, 1e-5);
-    assert!(told.iter().all(|d| matches!(d, Difference::Angle { .. })), "{language:?} {told:?}");
+    let differences = compare_moves(&unchanged, &moved, language, 1e-5);
+    assert!(differences.iter().all(|d| matches!(d, Difference::Angle { .. })), "{language:?} {differences:?}");
     if language != Language::Csv {
         assert_eq!(missing_stops(&other), [], "{language:?}");
     }
@@ -133,10 +125,10 @@ fn a_line_that_is_put_in_is_named_with_its_number() {
             let files = edited(language, place, &format!("{put}\n{place}"));
             let file = files.iter().find(|file| file.text.contains(put)).unwrap();
             let at = file.text.lines().position(|line| line == *put).unwrap() + 1;
-            let told = found(language, &files);
+            let differences = compared(language, &files);
             let expected = Difference::Line { file: file.name.clone(), line: at, text: put.trim().to_string() };
-            assert_eq!(told, [expected], "{language:?}");
-            let sentence = told[0].sentence(&[]);
+            assert_eq!(differences, [expected], "{language:?}");
+            let sentence = differences[0].sentence(&[]);
             assert!(sentence.contains(&format!(":{at}: ")) && sentence.ends_with(put.trim()));
         }
     }
@@ -145,11 +137,11 @@ fn a_line_that_is_put_in_is_named_with_its_number() {
 #[test]
 fn a_line_that_is_changed_is_named_with_what_stood_there() {
     for (language, old, new) in CHANGED {
-        let told = found(language, &edited(language, old, new));
-        let [Difference::Line { text, .. }, Difference::MissingLine { text: before, .. }] = &told[..] else {
-            panic!("{language:?} {new}: {told:?}");
+        let differences = compared(language, &edited(language, old, new));
+        let [Difference::Line { text, .. }, Difference::MissingLine { text: before, .. }] = &differences[..] else {
+            panic!("{language:?} {new}: {differences:?}");
         };
-        assert!(text.contains(new.trim()) && before.contains(old.trim()), "{told:?}");
+        assert!(text.contains(new.trim()) && before.contains(old.trim()), "{differences:?}");
     }
 }
 
@@ -163,16 +155,16 @@ fn a_line_that_is_taken_out_or_moved_is_named() {
         (Language::Pdl2, "  $ARM_SPD_OVR := speed_before\r\n"),
         (Language::Rapid, "    VelSet 100,5000;\r\n"),
     ] {
-        let told = found(language, &edited(language, line, ""));
+        let differences = compared(language, &edited(language, line, ""));
         assert!(
-            matches!(&told[..], [Difference::MissingLine { text, .. }] if line.contains(text.as_str())),
-            "{language:?}: {told:?}"
+            matches!(&differences[..], [Difference::MissingLine { text, .. }] if line.contains(text.as_str())),
+            "{language:?}: {differences:?}"
         );
     }
     // Of a file that is not there all lines are missing, comments aside.
-    let mut files = written(Language::Krl);
-    let points = files.pop().unwrap();
-    let missing = compare_statements(&written(Language::Krl), &files, Language::Krl, 6);
+    let (_, planned) = written(Language::Krl);
+    let (points, others) = planned.split_last().unwrap();
+    let missing = compare_statements(&planned, others, Language::Krl, 6);
     let lines = points.text.lines().filter(|line| !line.starts_with([';', '&']));
     let lines: Vec<Difference> = lines
         .map(|line| Difference::MissingLine { file: points.name.clone(), text: line.trim().to_string() })
@@ -182,23 +174,23 @@ fn a_line_that_is_taken_out_or_moved_is_named() {
     // The same lines, and the job ends before the last posture.
     let mut files = edited(Language::Inform, "\r\nEND\r\n", "\r\n");
     files[0].text = files[0].text.replacen("MOVJ C00003", "END\r\nMOVJ C00003", 1);
-    let told = found(Language::Inform, &files);
+    let differences = compared(Language::Inform, &files);
     assert!(
-        matches!(&told[..], [Difference::Line { text, .. }, Difference::MissingLine { .. }] if text == "END"),
-        "{told:?}"
+        matches!(&differences[..], [Difference::Line { text, .. }, Difference::MissingLine { .. }] if text == "END"),
+        "{differences:?}"
     );
 }
 
 #[test]
 fn angles_comments_spaces_and_notes_may_differ() {
     for language in LANGUAGES {
-        assert_eq!(found(language, &written(language)), [], "{language:?}");
-        let mut files = written(language);
+        assert_eq!(compared(language, &written(language).1), [], "{language:?}");
+        let mut files = written(language).1;
         for file in &mut files {
             file.text += "\n\n";
             file.text = file.text.replace(" = ", "  =  ").replace('\r', "");
         }
-        assert_eq!(found(language, &files), [], "{language:?}");
+        assert_eq!(compared(language, &files), [], "{language:?}");
     }
     for (language, old, new) in [
         (Language::Krl, "A3 95.50", "A3 95.75"),
@@ -215,6 +207,6 @@ fn angles_comments_spaces_and_notes_may_differ() {
         (Language::Urscript, ", 1.66678944,", ", 1.67115276,"),
         (Language::Csv, ",95.5,", ",95.75,"),
     ] {
-        assert_eq!(found(language, &edited(language, old, new)), [], "{language:?} {new}");
+        assert_eq!(compared(language, &edited(language, old, new)), [], "{language:?} {new}");
     }
 }

@@ -1,16 +1,16 @@
-//! URScript: one function; angles in radians come back as degrees, speeds as per cent of 60 deg/s.
+//! URScript programs are one function; angles in radians come back as degrees, speeds as per cent of 60 deg/s.
 
-use super::grammar::{Checked, Found, Tokens, holds, lines, name, only};
+use super::grammar::{Checked, Parsed, Tokens, holds, lines, name, only};
 use stiffarm_files::program::ProgramFile;
 
 pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     let file = only(files)?;
-    let own = file.name.strip_suffix(".script").ok_or("script")?;
-    name(own, 60)?;
+    let program = file.name.strip_suffix(".script").ok_or("script")?;
+    name(program, 60)?;
     let lines = lines(file, "\n", 400)?;
-    holds(lines[0] == format!("def {own}():"), "def")?;
+    holds(lines[0] == format!("def {program}():"), "def")?;
     holds(lines.last() == Some(&"end"), "end")?;
-    let mut found = Found::default();
+    let mut parsed = Parsed::default();
     for line in &lines[1..lines.len() - 1] {
         let line = line.strip_prefix("  ").filter(|l| !l.starts_with(' ')).ok_or("indent")?;
         if line.starts_with("# ") {
@@ -20,7 +20,7 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
         match tokens.any_word()?.as_str() {
             "popup" => {
                 tokens.signs("(")?;
-                found.waits.push(tokens.text(1000)?);
+                parsed.waits.push(tokens.text(1000)?);
                 tokens.signs(",")?;
                 tokens.word("title")?;
                 tokens.signs("=")?;
@@ -50,11 +50,11 @@ pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
                 let speed = tokens.number(4, 4)?.to_degrees() / 0.6;
                 tokens.signs(")")?;
                 holds(acceleration > 0.0 && speed > 0.5 && speed < 100.1, "speed")?;
-                found.moves.push((values, speed.round()));
+                parsed.moves.push((values, speed.round()));
             }
             other => return Err(other.to_string()),
         }
         tokens.end()?;
     }
-    Ok(found)
+    Ok(parsed)
 }

@@ -1,29 +1,30 @@
-//! Exports beside a sheet of our own, and what `[columns]` says of them.
+//! Exports beside a sheet of our own are read row by row, and `[columns]` speaks of the export alone.
 
 use super::exports::{PLAIN, assert_same, read};
 use super::*;
+use crate::common::cases::slip;
 use stiffarm_files::table::read_measurements_of;
 
-/// Readings without names of four postures with two points, unloaded and loaded, each with its sheet row.
-fn in_order() -> (Vec<String>, Vec<String>) {
-    let (mut sheet, mut readings) = (Vec::new(), Vec::new());
+/// Four postures with two points, unloaded and loaded: their plan, the sheet to fill in, and readings without names in its
+/// order.
+fn in_order() -> stiffarm::Result<(Vec<Posture>, String, Vec<String>)> {
+    let plan = "posture,q1_deg,q2_deg\nP1,0,0\nP2,0,10\nP3,10,0\nP4,10,10\n";
+    let plan = read_postures(plan.as_bytes(), "p.csv", &rope_cell().setup.robot)?;
+    let (mut sheet, mut readings) = ("posture,state,point,x_mm,y_mm,z_mm\n".to_string(), Vec::new());
     for posture in 1..=4 {
         for (state, z) in [("unloaded", 900.0), ("loaded", 899.25)] {
             for (point, x) in [("left", 1500.0), ("right", 1350.0)] {
-                sheet.push(format!("P{posture},{state},{point},,,\n"));
+                sheet += &format!("P{posture},{state},{point},,,\n");
                 readings.push(format!("{},{},{z}\n", x + 10.5 * f64::from(posture), 100 * posture));
             }
         }
     }
-    (sheet, readings)
+    Ok((plan, sheet, readings))
 }
 
 #[test]
 fn a_reading_taken_twice_or_left_out_is_named_by_its_line() -> Check {
-    let plan = "posture,q1_deg,q2_deg\nP1,0,0\nP2,0,10\nP3,10,0\nP4,10,10\n";
-    let plan = read_postures(plan.as_bytes(), "p.csv", &rope_cell().setup.robot)?;
-    let (sheet, readings) = in_order();
-    let sheet = "posture,state,point,x_mm,y_mm,z_mm\n".to_string() + &sheet.concat();
+    let (plan, sheet, readings) = in_order()?;
     let read = |readings: &[String]| {
         let export = "X [mm],Y [mm],Z [mm]\n".to_string() + &readings.concat();
         let files = [(sheet.as_bytes(), "sheet.csv"), (export.as_bytes(), "export.csv")];
@@ -32,18 +33,18 @@ fn a_reading_taken_twice_or_left_out_is_named_by_its_line() -> Check {
     read(&readings)?;
     let mut report = String::new();
     let mut note = |what: &str, twice: Option<usize>, missing: Option<usize>| {
-        let mut own = readings.clone();
+        let mut edited = readings.clone();
         // The later one first, so that numbers are those of the whole.
-        let again = |own: &mut Vec<String>| twice.map(|at| own.insert(at + 1, own[at].clone()));
-        let left_out = |own: &mut Vec<String>| missing.map(|at| own.remove(at));
+        let again = |edited: &mut Vec<String>| twice.map(|at| edited.insert(at + 1, edited[at].clone()));
+        let left_out = |edited: &mut Vec<String>| missing.map(|at| edited.remove(at));
         if twice > missing {
-            again(&mut own);
-            left_out(&mut own);
+            again(&mut edited);
+            left_out(&mut edited);
         } else {
-            left_out(&mut own);
-            again(&mut own);
+            left_out(&mut edited);
+            again(&mut edited);
         }
-        report += &format!("» {what}\n{}\n", read(&own).unwrap_err());
+        report += &format!("» {what}\n{}\n", read(&edited).unwrap_err());
     };
     note("late", Some(2), Some(12));
     note("early", Some(13), Some(3));
@@ -75,13 +76,15 @@ fn what_columns_say_of_an_export_is_not_said_of_our_own_sheet() -> Check {
         assert_same(&table.map_err(|e| format!("{columns}: {e}"))?, &wanted, false, columns);
     }
     // Workbooks: the sheet of the export is none of ours.
-    let own = workbook::workbook(&[("Readings", workbook::cells(sheet))]);
+    let sheet_bytes = workbook::workbook(&[("Readings", workbook::cells(sheet))]);
     let export = workbook::workbook(&[("Cover", vec![]), ("Points", workbook::cells(points))]);
-    let files = [("sheet.xlsx", &own[..]), ("export.xlsx", &export[..])];
+    let files = [("sheet.xlsx", &sheet_bytes[..]), ("export.xlsx", &export[..])];
     let columns = "ignore = ['Point']\nsheet = 'Points'";
     assert_same(&read(&files, columns)?, &wanted, false, columns);
-    let error = read(&files, "ignore = ['Point']\nsheet = 'Point'").unwrap_err();
-    assert!(error.message().contains("no sheet \"Point\""), "{error}");
+    insta::assert_snapshot!(read(&files, "ignore = ['Point']\nsheet = 'Point'").unwrap_err(), @r#"
+    export.xlsx: The workbook has no sheet "Point".
+      hint: sheet in [columns] of the cell file names one of: Cover, Points
+    "#);
     Ok(())
 }
 
@@ -92,8 +95,10 @@ fn columns_without_a_heading_can_be_left_out() -> Check {
     let empty = PLAIN.replace("x_mm", ",x_mm").replace(",left,", ",left,,").replace(",right,", ",right,,");
     assert_same(&read(&[("r.csv", empty.as_bytes())], "")?, &wanted, true, "empty");
     let filled = empty.replace(",,", ",ok,").replace(",ok,x_mm", ",,x_mm");
-    let error = read(&[("r.csv", filled.as_bytes())], "").unwrap_err();
-    assert!(error.hint_text().unwrap_or_default().contains("ignore = [\"\"]"), "{error}");
+    insta::assert_snapshot!(read(&[("r.csv", filled.as_bytes())], "").unwrap_err(), @r#"
+    r.csv:1:21: A column has no name.
+      hint: give it a heading; where columns without one do not matter, write ignore = [""] into [columns] of the cell file
+    "#);
     assert_same(&read(&[("r.csv", filled.as_bytes())], "ignore = ['']")?, &wanted, true, "filled");
     // Behind the last heading, in some rows.
     let behind = PLAIN.replacen("12.5\n", "12.5,door open,again\n", 1);
@@ -139,32 +144,34 @@ fn columns_are_left_out_by_letter_or_number_as_well() -> Check {
     };
     let text = with_more("Status");
     assert!(read(&[("r.csv", text.as_bytes())], "").is_err());
+    let mut report = String::new();
     for columns in ["ignore = ['C', 'I']", "ignore = ['3', '9']", "ignore = ['status', 'I']"] {
         let table = read(&[("r.csv", text.as_bytes())], columns)?;
         assert_same(&table, &wanted, true, columns);
         let left_out = table.remarks.iter().filter(|r| r.code == "columns-left-out");
         let said: Vec<&String> = left_out.map(|remark| &remark.sentence).collect();
         let [said] = said[..] else { panic!("{said:?}") };
-        assert!(said.contains("9 without a heading of r.csv"), "{said}");
-        assert_eq!(said.contains("column 3 (\"Status\")"), !columns.contains("status"));
+        report += &format!("{columns}: {said}\n");
     }
+    insta::assert_snapshot!(report, @r#"
+    ignore = ['C', 'I']: `ignore` in [columns] leaves out by its place: column 3 ("Status") and 9 without a heading of r.csv.
+    ignore = ['3', '9']: `ignore` in [columns] leaves out by its place: column 3 ("Status") and 9 without a heading of r.csv.
+    ignore = ['status', 'I']: `ignore` in [columns] leaves out by its place: column 9 without a heading of r.csv.
+    "#);
     // A heading of this name is meant, whatever its place.
     let named = with_more("C").replace(",?", "");
     let table = read(&[("r.csv", named.as_bytes())], "ignore = ['C']")?;
     assert!(table.remarks.iter().all(|r| r.code != "columns-left-out"));
     // Our own sheet has its columns.
-    let own = read(&[("own.csv", PLAIN.as_bytes())], "ignore = ['C', '4']")?;
-    assert_same(&own, &wanted, true, "own");
+    let plain = read(&[("own.csv", PLAIN.as_bytes())], "ignore = ['C', '4']")?;
+    assert_same(&plain, &wanted, true, "own");
     Ok(())
 }
 
 #[test]
 fn readings_without_names_are_followed_as_they_come() -> Check {
     use stiffarm_files::table::read_growing_measurements;
-    let plan = "posture,q1_deg,q2_deg\nP1,0,0\nP2,0,10\nP3,10,0\nP4,10,10\n";
-    let plan = read_postures(plan.as_bytes(), "p.csv", &rope_cell().setup.robot)?;
-    let (sheet, readings) = in_order();
-    let sheet = "posture,state,point,x_mm,y_mm,z_mm\n".to_string() + &sheet.concat();
+    let (plan, sheet, readings) = in_order()?;
     let look = |readings: &[String]| -> stiffarm::Result<ReadingTable> {
         let export = "X [mm],Y [mm],Z [mm]\n".to_string() + &readings.concat();
         let files = [(sheet.as_bytes(), "sheet.csv"), (export.as_bytes(), "export.csv")];
@@ -182,11 +189,16 @@ fn readings_without_names_are_followed_as_they_come() -> Check {
     }
     let mut twice = readings[..12].to_vec();
     twice.insert(6, twice[5].clone());
-    let error = look(&twice).unwrap_err();
-    assert!(error.message().contains("line 8 is that of line 7 once more"), "{error}");
     let mut missing = readings[..12].to_vec();
     missing.remove(6);
-    let error = look(&missing).unwrap_err();
-    assert!(error.message().contains("P2 loaded left (line 8 of sheet.csv) has none"), "{error}");
+    insta::assert_snapshot!(slip("twice", look(&twice)) + &slip("missing", look(&missing)), @"
+    » twice
+    [conflict] export.csv:8: There is one reading too many for the rows of sheet.csv: line 8 is that of line 7 once more.
+      hint: delete this line
+
+    » missing
+    [conflict] export.csv:8: There is one reading too few for the rows of sheet.csv: P2 loaded left (line 8 of sheet.csv) has none.
+      hint: delete that line of the sheet, or add the reading here
+    ");
     Ok(())
 }

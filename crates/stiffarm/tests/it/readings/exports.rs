@@ -1,6 +1,7 @@
-//! Exports of tracker software, made up in its style (tests/exports/README.md).
+//! Exports of tracker software, made up in its style (tests/exports/README.md), hold what our own table holds.
 
 use super::*;
+use crate::common::cases::slip;
 use stiffarm_files::table::read_measurements_of;
 
 /// The readings of all exports, as a table of our own.
@@ -43,9 +44,9 @@ pub(super) fn assert_same(table: &ReadingTable, wanted: &ReadingTable, times: bo
             })
             .collect()
     };
-    let (found, wanted) = (flat(table), flat(wanted));
-    assert_eq!(found.len(), wanted.len(), "{what}");
-    for ((p, s, r), (wp, ws, wr)) in found.iter().zip(&wanted) {
+    let (rows, wanted) = (flat(table), flat(wanted));
+    assert_eq!(rows.len(), wanted.len(), "{what}");
+    for ((p, s, r), (wp, ws, wr)) in rows.iter().zip(&wanted) {
         assert_eq!((p, s, &r.target), (wp, ws, &wr.target), "{what}");
         assert!((r.position - wr.position).norm() < 1e-9, "{what}: {r:?}");
         match (times, r.time, wr.time) {
@@ -113,8 +114,8 @@ fn eleven_exports_hold_the_same_readings() -> Check {
     check(&[export!("leica.csv")], "profile = 'leica'\nname_pattern = '{posture}/{state}/{point}'", true)?;
     assert_eq!(count, 11);
     // A table of our own is still read with a profile, and one whose names stand apart.
-    let own = read(&[("own.csv", PLAIN.as_bytes())], sa)?;
-    assert_same(&own, &wanted, true, "own");
+    let plain = read(&[("own.csv", PLAIN.as_bytes())], sa)?;
+    assert_same(&plain, &wanted, true, "own");
     Ok(())
 }
 
@@ -137,20 +138,25 @@ fn uncertainties_and_temperatures_are_those_of_their_rows() -> Check {
         all.map(|r| (r.expanded, r.temperature)).collect()
     };
     assert_eq!(stated(&again), stated(&table));
-    let own = "posture,state,point,x_mm,y_mm,z_mm,u95x_um,u95y_um,u95z_um,Temperature [°F]\n\
+    let text = "posture,state,point,x_mm,y_mm,z_mm,u95x_um,u95y_um,u95z_um,Temperature [°F]\n\
                P1,unloaded,left,1,2,3,4,5,6,212\nP1,loaded,left,1,2,3,,,,\n";
-    let plain = planned(own, &cell)?;
+    let plain = planned(text, &cell)?;
     let states = &plain.postures[0].states;
     assert_eq!(states[0].readings[0].temperature, Some(100.0));
     let stated = states[0].readings[0].expanded.ok_or("none")?;
     assert!((stated - Vector3::new(4e-6, 5e-6, 6e-6)).norm() < 1e-15);
     assert_eq!(states[1].readings[0].expanded, None);
-    let below = own.replace(",4,5,6", ",4,-5,6");
-    let error = planned(&below, &cell).unwrap_err().to_string();
-    assert!(error.contains("An uncertainty is not below zero."), "{error}");
+    let below = text.replace(",4,5,6", ",4,-5,6");
     // Without the profile the encoding has to be said.
-    let error = self::read(&[export!("leica.csv")], "").unwrap_err();
-    assert!(error.hint_text().unwrap_or_default().contains("encoding = \"latin-1\""));
+    let unsaid = self::read(&[export!("leica.csv")], "");
+    insta::assert_snapshot!(slip("below zero", planned(&below, &cell)) + &slip("no encoding", unsaid), @r#"
+    » below zero
+    [invalid-value] readings.csv:2:26: u95y_um: An uncertainty is not below zero.
+
+    » no encoding
+    [encoding] leica.csv:1:124: A character here is not UTF-8.
+      hint: save the file as UTF-8 (in Excel: "CSV UTF-8"), or write encoding = "latin-1" into [columns] of the cell file
+    "#);
     Ok(())
 }
 
@@ -177,13 +183,22 @@ fn a_sheet_names_readings_that_have_no_names() -> Check {
     let profile = "profile = 'leica'";
     let wanted = planned(PLAIN, &rope_cell())?;
     // In either order.
+    let mut report = String::new();
     for files in
         [[("sheet.csv", &whole[..]), (name, &nameless[..])], [(name, &nameless[..]), ("sheet.csv", &whole[..])]]
     {
         // The loads are those of the sheet, and alike within a posture and state.
-        let error = read(&files, profile).unwrap_err().to_string();
-        assert!(error.contains("differs from"), "{error}");
+        report += &slip(files[0].0, read(&files, profile));
     }
+    insta::assert_snapshot!(report, @"
+    » sheet.csv
+    [conflict] leica.csv:5:20: load_n: 103 differs from 102 on line 4, but the posture and its state are the same.
+      hint: angles and wrench belong to the posture and state: average them, or name another state
+
+    » leica.csv
+    [conflict] leica.csv:5:20: load_n: 103 differs from 102 on line 4, but the posture and its state are the same.
+      hint: angles and wrench belong to the posture and state: average them, or name another state
+    ");
     let alike: Vec<String> = rows.iter().map(|row| row.replace(",103", ",102").replace(",107", ",106")).collect();
     let whole = sheet(&alike);
     let table = read(&[("sheet.csv", &whole), (name, &nameless)], profile)?;
@@ -200,8 +215,10 @@ fn a_sheet_names_readings_that_have_no_names() -> Check {
         "8 readings without names stand beside 7 rows of sheet.csv, which say in which order they were taken."
     );
     // Alone they say what is missing.
-    let error = read(&[(name, &nameless)], profile).unwrap_err();
-    assert!(error.hint_text().unwrap_or_default().contains("the sheet in whose order"));
+    insta::assert_snapshot!(read(&[(name, &nameless)], profile).unwrap_err(), @"
+    leica.csv:1: The column posture is missing.
+      hint: a table of readings has the columns posture, state, point, x_mm, y_mm, z_mm; one without names is read beside the sheet in whose order it was taken: give both
+    ");
     // A sheet that is filled in is a table like any other.
     let filled = whole.clone();
     let filled = String::from_utf8(filled)?.replace(",,,,", ",1,2,3,").into_bytes();
@@ -334,7 +351,7 @@ fn forces_in_the_names_of_states_are_those_of_the_sheet() -> Check {
     assert_eq!(loads(&table), named);
     let said = &table.remarks[0];
     assert_eq!(said.code, stiffarm::findings::codes::LOADS_FROM_NAMES);
-    assert!(said.sentence.contains("up-250: 250 N"), "{}", said.sentence);
+    insta::assert_snapshot!(said.sentence, @"The table does not give load_n of up-250 and up-500: the force is the one in the name (up-250: 250 N, up-500: 500 N).");
     // As the sheet for these states has them.
     let mut options = SheetOptions::default();
     options.states = named.iter().map(|(state, _)| state.clone()).collect();
@@ -343,13 +360,15 @@ fn forces_in_the_names_of_states_are_those_of_the_sheet() -> Check {
         assert!(named.contains(&(row.state.clone(), row.load)), "{row:?}");
     }
     // What the table gives counts, and where names do not say it the table must.
-    let given = format!("{ROPE_LOADS}P2,up-400,left,1500.5,-201,898.75,450\n");
-    let table = planned(&given, &rope_cell())?;
+    let more = format!("{ROPE_LOADS}P2,up-400,left,1500.5,-201,898.75,450\n");
+    let table = planned(&more, &rope_cell())?;
     assert_eq!(table.postures[0].states[3].load, Some(450.0));
     assert!(table.remarks.is_empty());
     let unclear = export.replace("up-250", "first").replace("up-500", "second");
-    let error = read(&[("export.csv", unclear.as_bytes())], columns).unwrap_err();
-    assert!(error.hint_text().unwrap().contains("up-250"), "{error}");
+    insta::assert_snapshot!(read(&[("export.csv", unclear.as_bytes())], columns).unwrap_err(), @r#"
+    export.csv:3:1: Name: Posture "P1" has 2 load states, but the force of "first" is not given.
+      hint: add the column load_n: the force of rope, cylinder or weight in each state, or name the states with it (up-250); or the measured forces fx_n, fy_n, fz_n
+    "#);
     Ok(())
 }
 
@@ -360,13 +379,22 @@ fn a_table_in_utf_16_is_read_where_it_says_so() -> Check {
         let text = format!("\u{feff}{ROPE_LOADS}");
         text.encode_utf16().flat_map(order).collect()
     };
-    for bytes in [wide(u16::to_le_bytes), wide(u16::to_be_bytes)] {
+    let mut report = String::new();
+    for (bytes, what) in [(wide(u16::to_le_bytes), "little end first"), (wide(u16::to_be_bytes), "big end first")] {
         let read = |bytes: &[u8]| read_readings(bytes, "r.csv", &rope_cell(), Some(&postures()));
         assert_eq!(read(&bytes)?, wanted);
-        let cut = read(&bytes[..bytes.len() - 1]).unwrap_err();
-        assert!(cut.message().contains("ends within a character"), "{cut}");
+        report += &slip(what, read(&bytes[..bytes.len() - 1]));
         // Without the mark nothing says it.
         assert_eq!(read(&bytes[2..]).unwrap_err().code(), stiffarm::Code::TableHeading);
     }
+    insta::assert_snapshot!(report, @r#"
+    » little end first
+    [encoding] r.csv:4:38: The file is UTF-16 text that ends within a character.
+      hint: save the file as UTF-8 (in Excel: "CSV UTF-8"), or write encoding = "latin-1" into [columns] of the cell file
+
+    » big end first
+    [encoding] r.csv:4:38: The file is UTF-16 text that ends within a character.
+      hint: save the file as UTF-8 (in Excel: "CSV UTF-8"), or write encoding = "latin-1" into [columns] of the cell file
+    "#);
     Ok(())
 }

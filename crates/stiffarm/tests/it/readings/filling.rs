@@ -1,4 +1,4 @@
-//! Sheets that are being filled in: what is not measured yet.
+//! Sheets that are being filled in are read as far as they are measured.
 
 use super::*;
 use stiffarm::measure::{not_measured_yet, prepare};

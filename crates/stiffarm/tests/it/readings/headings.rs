@@ -1,6 +1,7 @@
-//! Headings with units of their own, names that hold several, times of clocks, forces in names.
+//! Headings are understood with units of their own, names that hold several, times of clocks, forces in names.
 
 use super::*;
+use crate::common::cases::slip;
 use stiffarm::model::cell::NamePattern;
 use stiffarm::model::load::{Load, LoadCase};
 
@@ -8,8 +9,8 @@ use stiffarm::model::load::{Load, LoadCase};
 fn a_pattern_splits_names_at_its_texts() {
     let split = |pattern: &str, name: &str| {
         let pattern = NamePattern::parse(pattern).unwrap();
-        let found = pattern.split(name);
-        found.map(|parts| parts.join("|"))
+        let texts = pattern.split(name);
+        texts.map(|parts| parts.join("|"))
     };
     let three = "{posture}::{state}::{point}";
     assert_eq!(split(three, "P1::up-250::left").unwrap(), "P1|up-250|left");
@@ -44,72 +45,64 @@ fn units_in_brackets_become_ours() -> Check {
 
 #[test]
 fn the_unit_of_a_heading_is_that_of_its_suggested_key() {
-    for (name, wanted) in [
-        ("center x", Some("x_mm")),
-        ("actual y (m)", Some("y_m")),
-        ("center z [um]", Some("z_um")),
-        ("x inch", Some("x_in")),
-        ("center x (cm)", None),
-        ("dev x", None),
-        ("x nominal", None),
-        ("point id", Some("point")),
-        ("point name", Some("name")),
-        ("measured at", None),
-    ] {
-        let text = format!("center y,{name}\n1,2\n");
-        let error = planned(&text, &rope_cell()).unwrap_err();
-        let hint = error.hint_text().unwrap_or_default();
-        let said = match wanted {
-            Some(key) => format!(", {key} = \"{name}\""),
-            None => format!(", ignore = [\"{name}\"]"),
-        };
-        assert!(hint.contains("y_mm = \"center y\""), "{hint}");
-        assert!(hint.contains(&said), "{said}: {hint}");
-    }
+    let names = [
+        "center x",
+        "actual y (m)",
+        "center z [um]",
+        "x inch",
+        "center x (cm)",
+        "dev x",
+        "x nominal",
+        "point id",
+        "point name",
+        "measured at",
+    ];
+    insta::assert_snapshot!("suggested_keys", hints("center y", &names));
+}
+
+/// What the error about a table of these two headings proposes, a heading a line.
+fn hints(first: &str, names: &[&str]) -> String {
+    let hint = |name: &&str| {
+        let error = planned(&format!("{first},{name}\n1,2\n"), &rope_cell()).unwrap_err();
+        let (_, example) = error.hint_text().and_then(|hint| hint.split_once("for example: ")).expect(name);
+        format!("{name}: {example}\n")
+    };
+    names.iter().map(hint).collect()
 }
 
 #[test]
 fn forces_and_what_was_not_measured_are_no_positions() {
-    for (name, wanted) in [
-        ("Force X [N]", Some("fx_n")),
-        ("Fz raw (kN)", None),
-        ("Sensor Fy", Some("fy_n")),
-        ("Torque Z [N·m]", Some("mz_nm")),
-        ("Torque Z [N-mm]", Some("mz_nmm")),
-        ("Force [N]", Some("load_n")),
-        ("Force X [lbf]", None),
-        ("Soll X", None),
-        ("X nom.", None),
-        ("CAD Y [mm]", None),
-        ("X target", None),
-        ("Rotation X [deg]", None),
-        ("Speed X", None),
-        ("Tx [mm]", None),
-        ("X in mm", Some("x_mm")),
-        ("J2 [rad]", Some("q2_rad")),
-        ("Axis 1", Some("q1_deg")),
-    ] {
-        let text = format!("Position Z,{name}\n1,2\n");
-        let error = planned(&text, &rope_cell()).unwrap_err();
-        let hint = error.hint_text().unwrap_or_default();
-        match wanted {
-            // What is one of ours is not in the list.
-            Some("x_mm") => assert!(!hint.contains("X in mm"), "{hint}"),
-            Some(key) => assert!(hint.contains(&format!(", {key} = \"{name}\"")), "{name}: {hint}"),
-            None => assert!(!hint.contains(&format!("= \"{name}\"")), "{name}: {hint}"),
-        }
-    }
+    // What is one of ours (X in mm) is not in the list.
+    let names = [
+        "Force X [N]",
+        "Fz raw (kN)",
+        "Sensor Fy",
+        "Torque Z [N·m]",
+        "Torque Z [N-mm]",
+        "Force [N]",
+        "Force X [lbf]",
+        "Soll X",
+        "X nom.",
+        "CAD Y [mm]",
+        "X target",
+        "Rotation X [deg]",
+        "Speed X",
+        "Tx [mm]",
+        "X in mm",
+        "J2 [rad]",
+        "Axis 1",
+    ];
+    insta::assert_snapshot!("suggested_keys_beside_positions", hints("Position Z", &names));
 }
 
 #[test]
 fn counts_of_a_sensor_are_no_forces() {
+    let mut report = String::new();
     for name in ["Fx counts", "Fx_counts", "fx (adc)", "Force X raw", "cnts Fx"] {
         let text = format!("{}\n", FULL.lines().next().unwrap()).replace("fx_n", name);
-        let error = readings(&text, &sensor_cell()).unwrap_err();
-        let hint = error.hint_text().unwrap_or_default();
-        assert!(hint.contains("counts per N") && hint.contains("fx_n"), "{name}: {hint}");
-        assert!(!hint.contains("fx_kn"), "{name}: {hint}");
+        report += &slip(name, readings(&text, &sensor_cell()));
     }
+    insta::assert_snapshot!("counts_of_a_sensor", report);
 }
 
 #[test]
@@ -130,16 +123,16 @@ fn a_binary_file_is_told_by_its_name() {
     // Block of parameters 2, 0x50; then counts, zeros, and numbers that are no text.
     let mut motion = vec![2, 0x50, 41, 0, 0, 0, 1, 0, 200, 3];
     motion.extend([0xff, 0xfe, 0, 0x80].repeat(300));
+    let mut report = String::new();
     for (bytes, what) in [
         (motion, "motion capture"),
         (b"%PDF-1.7\n\xe2\xe3\xcf\xd3".to_vec(), "PDF"),
         (b"\x89HDF\r\n\x1a\n\0\0".to_vec(), "HDF5"),
         (b"\x93NUMPY\x01\0v\0{}".to_vec(), "NumPy"),
     ] {
-        let error = read_readings(&bytes, "trial.c3d", &rope_cell(), None).unwrap_err();
-        assert!(error.message().contains(what), "{error}");
-        assert!(!error.hint_text().unwrap_or_default().contains("latin-1"), "{error}");
+        report += &slip(what, read_readings(&bytes, "trial.c3d", &rope_cell(), None));
     }
+    insta::assert_snapshot!("binary_files", report);
 }
 
 /// The times of readings with these in their column, since the first of them.
@@ -256,8 +249,8 @@ fn load_cases_have_their_own() {
     let weight = Load::Weight { magnitude: 120.0, direction: -Vector3::z() };
     let load = Load::Cases(vec![case("side-300", rope(300.0)), case("weight", weight)]);
     let states = ["unloaded", "side-300", "unloaded-2", "weight"];
-    let found = filled_in(&states, &load);
-    assert_eq!(found, [None, Some(300.0), None, Some(120.0)]);
+    let loads = filled_in(&states, &load);
+    assert_eq!(loads, [None, Some(300.0), None, Some(120.0)]);
     let states = ["side-300-150", "side-300-300", "weight-500"];
     assert_eq!(filled_in(&states, &load), [Some(150.0), Some(300.0), None]);
 }

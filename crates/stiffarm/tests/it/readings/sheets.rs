@@ -1,4 +1,4 @@
-//! Sheets to fill in.
+//! Sheets to fill in hold every row of the plan, and read back when they are filled in.
 
 use super::*;
 
@@ -58,8 +58,7 @@ fn bytes_of_workbooks_are_told_from_text() {
     let broken = read_measurements(b"PK\x03\x04 and no more", "m.csv", &cell, None).unwrap_err();
     assert_eq!(broken.code().as_str(), "file-read");
     // Neither is taken for a text that is not UTF-8.
-    let hint = broken.hint_text().unwrap_or_default();
-    assert!(hint.contains("CSV UTF-8"), "{hint}");
+    insta::assert_snapshot!(broken.hint_text().unwrap(), @r#"save the sheet as .xlsx without a password, or as "CSV UTF-8""#);
 }
 
 #[test]
@@ -70,7 +69,7 @@ fn sheets_leave_out_points_that_the_tracker_does_not_see() -> Check {
     let cell = parse_cell(&three, "cell.toml")?;
     let plan = stiffarm_files::builtin::postures("comau-group1", &cell.setup.robot)?;
     let hidden: Vec<Vec<usize>> = plan.iter().map(|p| cell.hidden_points(&p.q)).collect();
-    assert!(hidden.iter().any(|own| own.len() == 1) && hidden.iter().any(Vec::is_empty), "{hidden:?}");
+    assert!(hidden.iter().any(|points| points.len() == 1) && hidden.iter().any(Vec::is_empty), "{hidden:?}");
     let sheet = reading_sheet(&plan, &SheetOptions::default(), &cell);
     for (posture, hidden) in plan.iter().zip(&hidden) {
         for (number, point) in cell.setup.tool.measuring_points.iter().enumerate() {

@@ -1,7 +1,9 @@
-//! Workbooks.
+//! Workbooks are read like text, and those that would cost too much are refused before they are read.
 
 use super::workbook::{Cell as Held, Entry, archive, cells, deflated_letters, workbook, workbook_of, workbook_with};
 use super::*;
+use crate::common::cases::slip;
+use stiffarm::Code;
 
 const GOLDEN: &[u8] = include_bytes!("../../golden/xlsx/readings.xlsx");
 
@@ -62,17 +64,34 @@ fn cells_far_away_are_refused_and_cost_no_memory() {
     let cell = sensor_cell();
     let with = |row: &str| {
         let rows = cells(FULL).split_off(1);
-        read(&workbook_with(&[("Sheet1", vec![])], row), &cell).map(|_| rows.len()).unwrap_err().to_string()
+        read(&workbook_with(&[("Sheet1", vec![])], row), &cell).map(|_| rows.len())
     };
-    // In the heading, where it makes the table as wide as the sheet.
-    let legal = with("<row r=\"1\"><c r=\"A1\"><v>1</v></c><c r=\"XFD1\"><v>1</v></c></row>");
-    assert!(legal.starts_with("readings.xlsx:1:16384: The heading is 16384 columns wide"), "{legal}");
-    let beyond = with("<row r=\"1\"><c r=\"A1\"><v>1</v></c><c r=\"ZZZZZZ1\"><v>1</v></c></row>");
-    assert!(beyond.contains("beyond the last row or column"), "{beyond}");
-    // Letters and digits that no number holds.
-    for place in ["ZZZZZZZZZZZZ1", "A99999999999", "A0", "1A"] {
-        with(&format!("<row r=\"1\"><c r=\"{place}\"><v>1</v></c></row>"));
+    // In the heading, where it makes the table as wide as the sheet; then letters and digits that no number holds.
+    let mut report = String::new();
+    for (first, place, code) in [
+        ("<c r=\"A1\"><v>1</v></c>", "XFD1", Code::TableHeading),
+        ("<c r=\"A1\"><v>1</v></c>", "ZZZZZZ1", Code::TableRow),
+        ("", "ZZZZZZZZZZZZ1", Code::TableRow),
+        ("", "A99999999999", Code::TableRow),
+        ("", "A0", Code::FileRead),
+        ("", "1A", Code::FileRead),
+    ] {
+        let error = with(&format!("<row r=\"1\">{first}<c r=\"{place}\"><v>1</v></c></row>")).expect_err(place);
+        assert_eq!(error.code(), code, "{place}: {error}");
+        // Of the others place and words are those of the library that unpacks them.
+        if !first.is_empty() {
+            report += &slip::<()>(place, Err(error));
+        }
     }
+    insta::assert_snapshot!(report, @r#"
+    » XFD1
+    [table-heading] readings.xlsx:1:16384: The heading is 16384 columns wide; a table has 512 at most.
+      hint: a cell far to the right belongs to no table: empty it
+
+    » ZZZZZZ1
+    [table-row] readings.xlsx:1:321272406: A cell lies beyond the last row or column that a sheet can have.
+      hint: save the sheet as .xlsx without a password, or as "CSV UTF-8"
+    "#);
 }
 
 #[test]
@@ -86,12 +105,21 @@ fn what_unpacks_to_more_than_a_table_is_refused_before_it_is_read() {
             size,
         }])
     };
+    let mut report = String::new();
     for size in [20 << 20, u32::MAX - 1] {
         let bytes = bomb(size);
         assert!(bytes.len() < 30_000);
-        let error = read(&bytes, &cell).unwrap_err().to_string();
-        assert!(error.contains("unpacks to more than"), "{size}: {error}");
+        report += &slip(&size.to_string(), read(&bytes, &cell));
     }
+    insta::assert_snapshot!(report, @r#"
+    » 20971520
+    [unsupported] readings.xlsx: The file has 21 kB and unpacks to more than 17 MB, which no table does.
+      hint: save the sheet as "CSV UTF-8"
+
+    » 4294967294
+    [unsupported] readings.xlsx: The file has 21 kB and unpacks to more than 17 MB, which no table does.
+      hint: save the sheet as "CSV UTF-8"
+    "#);
     // One that says less is read no further than it says.
     assert!(read(&bomb(1), &cell).is_err());
 }
@@ -101,16 +129,25 @@ fn shared_texts_are_not_believed_by_their_number() {
     let cell = sensor_cell();
     let text = "<sst uniqueCount = '99999999999'><si><t>x</t></si></sst>";
     let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
-    for packed in [text.as_bytes().to_vec(), wide] {
+    let mut report = String::new();
+    for (packed, what) in [(text.as_bytes().to_vec(), "UTF-8"), (wide, "UTF-16")] {
         let bytes = archive(&[Entry {
             name: "xl/sharedStrings.xml".to_string(),
             size: packed.len() as u32,
             packed,
             method: 0,
         }]);
-        let error = read(&bytes, &cell).unwrap_err().to_string();
-        assert!(error.contains("more texts than it can"), "{error}");
+        report += &slip(what, read(&bytes, &cell));
     }
+    insta::assert_snapshot!(report, @r#"
+    » UTF-8
+    [file-read] readings.xlsx: The workbook says that it holds more texts than it can.
+      hint: save the sheet as .xlsx without a password, or as "CSV UTF-8"
+
+    » UTF-16
+    [file-read] readings.xlsx: The workbook says that it holds more texts than it can.
+      hint: save the sheet as .xlsx without a password, or as "CSV UTF-8"
+    "#);
 }
 
 #[test]
@@ -152,12 +189,20 @@ fn dates_count_from_the_year_that_the_workbook_says() {
     let mut sheet = cells(FULL);
     sheet[4][0] = Held::Date;
     let from_1904 = "<workbookPr date1904=\"1\"/>";
-    for (properties, date) in [("", "2025-12-09"), (from_1904, "2029-12-10")] {
+    let mut report = String::new();
+    for (what, properties) in [("from 1900", ""), ("from 1904", from_1904)] {
         let bytes = workbook_of(properties, &[("Sheet1", sheet.clone())], "");
-        let error = read(&bytes, &sensor_cell()).unwrap_err();
-        let held = format!("the time {date} 00:00:00.000");
-        assert!(error.message().contains(&held), "{error}");
+        report += &slip(what, read(&bytes, &sensor_cell()));
     }
+    insta::assert_snapshot!(report, @"
+    » from 1900
+    [table-row] readings.xlsx:5:1: posture: The cell holds the time 2025-12-09 00:00:00.000; it must be text.
+      hint: format the column as text, and enter the value again
+
+    » from 1904
+    [table-row] readings.xlsx:5:1: posture: The cell holds the time 2029-12-10 00:00:00.000; it must be text.
+      hint: format the column as text, and enter the value again
+    ");
 }
 
 #[test]
@@ -176,7 +221,7 @@ fn merged_cells_hold_for_each_of_their_rows() -> Check {
     let mut table = read(&workbook_with(&[("Sheet1", cells(merged))], &more), &cell)?;
     let said = table.remarks.remove(0);
     assert_eq!(said.code, stiffarm::findings::codes::MERGED_CELLS);
-    assert!(said.sentence.contains("posture, state, load_n, q1_deg and q2_deg"), "{}", said.sentence);
+    insta::assert_snapshot!(said.sentence, @"Cells are merged in posture, state, load_n, q1_deg and q2_deg: each of their rows has the value of the first.");
     assert_eq!(without_lines(table), without_lines(readings(whole, &cell)?));
     // Where they are not merged, what stands in the first rows alone is carried down; one that was
     // forgotten is not.
@@ -185,8 +230,7 @@ fn merged_cells_hold_for_each_of_their_rows() -> Check {
     assert_eq!(said.code, stiffarm::findings::codes::CARRIED_DOWN);
     assert_eq!(without_lines(table), without_lines(readings(whole, &cell)?));
     let forgotten = merged.replace(",,right,1350.0625", ",unloaded,right,1350.0625");
-    let error = read(&workbook(&[("Sheet1", cells(&forgotten))]), &cell).unwrap_err();
-    assert!(error.message().contains("empty"), "{error}");
+    insta::assert_snapshot!(read(&workbook(&[("Sheet1", cells(&forgotten))]), &cell).unwrap_err(), @"readings.xlsx:6:2: state: The field is empty.");
     Ok(())
 }
 
@@ -253,20 +297,23 @@ fn hidden_rows_and_columns_are_said() -> Check {
         Ok(remarks.map(|r| (format!("{:?}", r.severity), r.sentence.clone())).collect())
     };
     assert_eq!(said(&[], "")?, []);
-    let [(severity, sentence)] = &said(&[2, 3, 5], "")?[..] else {
-        panic!("one remark");
-    };
-    assert_eq!(severity, "Caution");
-    assert_eq!(
-        sentence,
-        "The sheet \"Monday\" of readings.xlsx has 3 hidden rows (4, 5 and 7), which count like all others. \
-         Take the filter off and delete what is not to count."
-    );
+    insta::assert_snapshot!(format!("{:#?}", said(&[2, 3, 5], "")?), @r#"
+    [
+        (
+            "Caution",
+            "The sheet \"Monday\" of readings.xlsx has 3 hidden rows (4, 5 and 7), which count like all others. Take the filter off and delete what is not to count.",
+        ),
+    ]
+    "#);
     // Columns are mostly hidden for want of room.
-    let [(severity, sentence)] = &said(&[], "<cols><col min=\"8\" max=\"12\" hidden=\"true\"/></cols>")?[..] else {
-        panic!("one remark");
-    };
-    assert_eq!(severity, "Note");
-    assert!(sentence.contains("2 hidden columns (q1_deg and q2_deg)"), "{sentence}");
+    let columns = "<cols><col min=\"8\" max=\"12\" hidden=\"true\"/></cols>";
+    insta::assert_snapshot!(format!("{:#?}", said(&[], columns)?), @r#"
+    [
+        (
+            "Note",
+            "The sheet \"Monday\" of readings.xlsx has 2 hidden columns (q1_deg and q2_deg), which count like all others. Take the filter off and delete what is not to count.",
+        ),
+    ]
+    "#);
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Drift between the readings, by time and by order.
+//! Drift between the readings is removed by time, by order and by temperature.
 
 use super::*;
 use rand::SeedableRng;
@@ -153,14 +153,14 @@ fn shuffled(table: &ReadingTable, seed: u64) -> ReadingTable {
     rows.shuffle(&mut rng);
     let mut out = ReadingTable { postures: Vec::new(), ..table.clone() };
     for (posture, state, reading) in rows {
-        let known = out.postures.iter().position(|own| own.posture == posture.posture);
-        let at = known.unwrap_or_else(|| {
+        let index = out.postures.iter().position(|other| other.posture == posture.posture);
+        let at = index.unwrap_or_else(|| {
             out.postures.push(PostureReadings { states: Vec::new(), ..posture.clone() });
             out.postures.len() - 1
         });
         let states = &mut out.postures[at].states;
-        let known = states.iter().position(|own| own.state == state.state);
-        let at = known.unwrap_or_else(|| {
+        let index = states.iter().position(|other| other.state == state.state);
+        let at = index.unwrap_or_else(|| {
             states.push(StateReadings { readings: Vec::new(), ..state.clone() });
             states.len() - 1
         });
@@ -222,9 +222,9 @@ fn references_covary_as_their_readings_do() {
     // What one reading counts in each reference, along x of the tracker.
     let mut counts: Vec<[f64; 3]> = Vec::new();
     let posture = table.postures.iter().position(|p| p.posture.name == exact[0].posture.name).unwrap();
-    for (s, own) in table.postures[posture].states.iter().enumerate() {
-        for r in 0..own.readings.len() {
-            if own.readings[r].target != ReadingTarget::Point(1) || !own.state.starts_with("unloaded") {
+    for (s, state) in table.postures[posture].states.iter().enumerate() {
+        for r in 0..state.readings.len() {
+            if state.readings[r].target != ReadingTarget::Point(1) || !state.state.starts_with("unloaded") {
                 continue;
             }
             let mut moved = table.clone();
@@ -240,8 +240,8 @@ fn references_covary_as_their_readings_do() {
     for i in 0..3 {
         for j in 0..3 {
             let wanted: f64 = counts.iter().map(|count| count[i] * count[j]).sum();
-            let found = point(&exact[states[i]]).shared_reference(&point(&exact[states[j]]));
-            assert!((found - wanted).abs() < 1e-6, "{i} {j}: {found} {wanted}");
+            let shared = point(&exact[states[i]]).shared_reference(&point(&exact[states[j]]));
+            assert!((shared - wanted).abs() < 1e-6, "{i} {j}: {shared} {wanted}");
         }
     }
 }

@@ -188,13 +188,13 @@ fn the_trackers_covariance_is_turned_into_base_axes() {
     let result = reduced(&cell, &table);
     let covariance = result.measured[0].displacements[0].covariance.unwrap();
     let reading = &table.postures[0].states[1].readings[0];
-    let own = accuracy.covariance(&reading.position).unwrap();
+    let stated = accuracy.covariance(&reading.position).unwrap();
     let rotation = tracker_pose().rotation;
     let direction = rotation * (reading.position - accuracy.station).normalize();
     let expected = (direction.transpose() * covariance * direction)[0];
     let distance = (reading.position - accuracy.station).norm();
     assert!((expected / (4e-6 + 1e-6 * distance).powi(2) - 1.0).abs() < 1e-9);
-    assert!((covariance.trace() / own.trace() - 1.0).abs() < 1e-12);
+    assert!((covariance.trace() / stated.trace() - 1.0).abs() < 1e-12);
     assert_eq!(covariance, covariance.transpose());
     assert_ne!(covariance, Matrix3::zeros());
 }
@@ -207,8 +207,8 @@ fn what_the_tracker_states_of_a_reading_comes_before_its_accuracy() {
     assert!(reduced(&cell, &table).measured[0].displacements[0].covariance.is_none());
     for state in table.postures.iter_mut().flat_map(|p| &mut p.states) {
         for i in 0..state.readings.len() {
-            let [before, own] = [&state.readings[..i], &state.readings[i..]];
-            let repeats = before.iter().filter(|r| r.target == own[0].target).count();
+            let [before, following] = [&state.readings[..i], &state.readings[i..]];
+            let repeats = before.iter().filter(|r| r.target == following[0].target).count();
             let size = 4e-6 * (repeats + 1) as f64;
             state.readings[i].expanded = Some(Vector3::new(size, 0.0, 2.0 * size));
         }
@@ -216,8 +216,8 @@ fn what_the_tracker_states_of_a_reading_comes_before_its_accuracy() {
     let result = reduced(&cell, &table);
     let rotation = tracker_pose().rotation.to_rotation_matrix();
     // Standard uncertainties 2 and 4 µm, not below 0.5 µm, 4 and 8 µm: means of their squares.
-    let own = Matrix3::from_diagonal(&Vector3::new(10e-12, 0.25e-12, 40e-12));
-    let wanted = rotation * own * rotation.transpose();
+    let expanded = Matrix3::from_diagonal(&Vector3::new(10e-12, 0.25e-12, 40e-12));
+    let wanted = rotation * expanded * rotation.transpose();
     for displacement in result.measured.iter().flat_map(|m| &m.displacements) {
         assert!((displacement.covariance.unwrap() - wanted).norm() < 1e-24);
     }
@@ -229,8 +229,8 @@ fn what_the_tracker_states_of_a_reading_comes_before_its_accuracy() {
     };
     let result = reduced(&cell, &table);
     let of = |d: &Displacement| d.covariance.is_none();
-    let own = &result.measured[0].displacements;
-    assert!(own.iter().all(|d| of(d) == (d.point == point)));
+    let displacements = &result.measured[0].displacements;
+    assert!(displacements.iter().all(|d| of(d) == (d.point == point)));
 }
 
 fn largest_difference(a: &[MeasuredPosture], b: &[MeasuredPosture]) -> f64 {

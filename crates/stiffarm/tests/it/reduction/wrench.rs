@@ -1,6 +1,7 @@
-//! The wrench of the sensor.
+//! The wrench of the sensor is brought to the flange, or refused where it contradicts the cell.
 
 use super::*;
+use crate::common::cases::slip;
 
 #[test]
 fn the_wrench_of_a_flange_sensor_comes_back_in_load_coordinates() {
@@ -95,23 +96,27 @@ fn forces_that_contradict_the_cell_are_errors() {
             Experiment { states: states(&[(first, 0.0, 1), ("loaded", 1.0, 1)]), force, ..Experiment::default() };
         take(&cell, &options, 1)
     };
-    let error = |cell: &Cell, table: &ReadingTable| reduce(cell, table, &given(Isometry3::identity())).unwrap_err();
     let mut measured = cell.clone();
     measured.setup.load = Load::Measured;
-    let nothing = with(ForceRecord::Nothing, "unloaded");
-    assert_eq!(error(&measured, &nothing).code(), Code::MissingKey);
-    let load = with(ForceRecord::Load, "unloaded");
-    assert_eq!(error(&measured, &load).code(), Code::Conflict);
-    for force in [ForceRecord::Force, ForceRecord::Load] {
+    let forgotten = |force| {
         let mut table = with(force, "preload");
         table.postures[2].states[0].wrench = None;
         table.postures[2].states[0].load = None;
-        let error = error(&cell, &table);
-        assert_eq!(error.code(), Code::MissingKey);
-        assert!(error.message().contains("preload"), "{error}");
+        table
+    };
+    let mut report = String::new();
+    for (what, cell, table, code) in [
+        ("no forces", &measured, with(ForceRecord::Nothing, "unloaded"), Code::MissingKey),
+        ("load_n for a measured load", &measured, with(ForceRecord::Load, "unloaded"), Code::Conflict),
+        ("a preload without its wrench", &cell, forgotten(ForceRecord::Force), Code::MissingKey),
+        ("a preload without its load", &cell, forgotten(ForceRecord::Load), Code::MissingKey),
+        ("preloads of unknown force", &cell, with(ForceRecord::Nothing, "preload"), Code::MissingKey),
+    ] {
+        let error = reduce(cell, &table, &given(Isometry3::identity())).expect_err(what);
+        assert_eq!(error.code(), code, "{what}: {error}");
+        report += &slip::<()>(what, Err(error));
     }
-    // A preload of unknown force in a cell with a rope.
-    assert_eq!(error(&cell, &with(ForceRecord::Nothing, "preload")).code(), Code::MissingKey);
+    insta::assert_snapshot!("forces_that_contradict_the_cell", report);
 }
 
 /// A sensor with left-handed axes, whose x counts the other way: named by the forces, and read as stated.
@@ -129,5 +134,5 @@ fn a_mirrored_axis_of_a_sensor_is_named_and_can_be_stated() {
     let wrong = reduced(&plain, &table);
     let said = found(&wrong, "force-direction");
     assert_eq!(said.len(), 1, "{:?}", wrong.findings);
-    assert!(said[0].sentence.contains("mirrored_axis = \"x\""), "{}", said[0].sentence);
+    insta::assert_snapshot!(said[0].sentence, @r#"The measured forces differ from the direction of the rope by 74.8° in the median. With x of the sensor counted the other way they point along it: its axes are left-handed (set sensor.mirrored_axis = "x"), or it is turned by half a turn."#);
 }

@@ -1,4 +1,4 @@
-//! The words and numbers by which controllers tell the postures of a pose apart.
+//! The words and numbers by which KUKA tells the postures of a pose apart; arms without a spherical wrist have none.
 
 use stiffarm::model::pose::{Configuration, kuka_status, kuka_turn};
 use stiffarm::model::robot::Robot;

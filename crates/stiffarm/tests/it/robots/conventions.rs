@@ -1,4 +1,4 @@
-//! Denavit–Hartenberg rows that are given in the wrong convention.
+//! Denavit–Hartenberg rows that are given in the wrong convention are doubted.
 
 use crate::common::prelude::*;
 use stiffarm::model::robot::{CatalogueEntry, catalogue};
@@ -28,8 +28,8 @@ const fn six([d1, a2, a3, a4, d4, d6]: [f64; 6]) -> [[f64; 4]; 6] {
 /// The same arm's standard rows, which end in `last`, α [deg] and a [mm].
 fn standard(modified: &[[f64; 4]], last: [f64; 2]) -> Vec<[f64; 4]> {
     let between = modified.iter().skip(1).map(|row| [row[0], row[1]]);
-    let own = modified.iter().map(|row| [row[2], row[3]]);
-    let rows = between.chain([last]).zip(own);
+    let along = modified.iter().map(|row| [row[2], row[3]]);
+    let rows = between.chain([last]).zip(along);
     rows.map(|([alpha, a], [d, offset])| [alpha, a, d, offset]).collect()
 }
 
@@ -47,8 +47,8 @@ fn said(rows: &[[f64; 4]], convention: DhConvention) -> &'static str {
             "refused"
         }
         Ok(robot) => {
-            let found = robot_doubts(&robot.robot().unwrap());
-            match found.iter().find(|f| f.code == "dh-convention") {
+            let doubts = robot_doubts(&robot.robot().unwrap());
+            match doubts.iter().find(|f| f.code == "dh-convention") {
                 Some(finding) => {
                     assert!(finding.sentence.contains(&format!("robot.dh_{other}")));
                     "doubted"

@@ -1,6 +1,7 @@
-//! The catalogue against the robot descriptions that it comes from.
+//! The catalogue agrees with the robot descriptions that it comes from.
 
 use super::*;
+use crate::common::numbers;
 use crate::urdf::plain::{joints_turned, path, pose_and_jacobian};
 use serde_json::Value;
 use std::f64::consts::FRAC_PI_2;
@@ -20,11 +21,6 @@ pub(super) fn described() -> Vec<(&'static CatalogueEntry, String, Value)> {
     robots.into_iter().map(|(n, v)| (entry(&n), n, v)).collect()
 }
 
-pub(super) fn numbers(value: &Value) -> Vec<f64> {
-    let list = value.as_array().unwrap();
-    list.iter().map(|v| v.as_f64().unwrap()).collect()
-}
-
 fn rows(value: &Value) -> Vec<Vec<f64>> {
     value.as_array().unwrap().iter().map(numbers).collect()
 }
@@ -36,9 +32,9 @@ pub(super) fn pendant(robot: &Value, urdf: &[f64]) -> Vec<f64> {
     let offset = numbers(&robot["pendant_to_urdf"]["offset_rad"]);
     let mut q: Vec<f64> = Vec::new();
     for (i, angle) in urdf.iter().enumerate() {
-        let known: f64 = q.iter().zip(&m[i]).map(|(q, m)| q * m).sum();
+        let before: f64 = q.iter().zip(&m[i]).map(|(q, m)| q * m).sum();
         assert!(m[i][i + 1..].iter().all(|v| *v == 0.0));
-        q.push((angle - offset[i] - known) / m[i][i]);
+        q.push((angle - offset[i] - before) / m[i][i]);
     }
     q
 }
@@ -115,13 +111,13 @@ fn limits_and_speeds_are_those_of_the_descriptions() {
                 })
                 .collect();
             ends.sort_by(f64::total_cmp);
-            let own = robot.joints()[j].limits;
-            for (own, end) in own.iter().zip(&ends) {
-                assert!((own - end).abs() < 1e-10, "{name}: joint {}", j + 1);
+            let limits = robot.joints()[j].limits;
+            for (limit, end) in limits.iter().zip(&ends) {
+                assert!((limit - end).abs() < 1e-10, "{name}: joint {}", j + 1);
             }
         }
         let speeds = numbers(&data["joint_velocity_deg_s"]);
-        let known = speeds.iter().all(|v| *v > 0.0);
-        assert_eq!(entry.speeds_deg_s, if known { &speeds[..] } else { &[] }, "{name}");
+        let has_speeds = speeds.iter().all(|v| *v > 0.0);
+        assert_eq!(entry.speeds_deg_s, if has_speeds { &speeds[..] } else { &[] }, "{name}");
     }
 }

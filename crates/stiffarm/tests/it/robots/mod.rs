@@ -1,4 +1,4 @@
-//! The catalogue of robots, and poses as pendants show them.
+//! The catalogue of robots says of each where it comes from, and stands as its pendant shows it.
 
 mod configuration;
 mod conventions;
@@ -119,9 +119,14 @@ fn the_controllers_base_moves_with_the_robot() {
 fn a_robot_that_the_catalogue_lacks_is_told_with_the_nearest() {
     let error = find_in_catalogue("kuka-kr500-r2800").unwrap_err();
     assert_eq!(error.code().as_str(), "unknown-name");
-    assert!(error.hint_text().unwrap().contains("kuka-kr500-r2800-2"));
-    let error = find_in_catalogue("???").unwrap_err();
-    assert!(error.hint_text().unwrap().contains("stiffarm robots"));
+    insta::assert_snapshot!(error, @r#"
+    The catalogue has no robot "kuka-kr500-r2800".
+      hint: did you mean "kuka-kr500-r2800-2"?
+    "#);
+    insta::assert_snapshot!(find_in_catalogue("???").unwrap_err(), @r#"
+    The catalogue has no robot "???".
+      hint: `stiffarm robots` lists the robots
+    "#);
 }
 
 /// At KUKA's home, A2 = −90°, A3 = 90°, the upper arm is upright, the forearm

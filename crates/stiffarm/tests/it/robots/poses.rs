@@ -1,6 +1,7 @@
-//! Orientations in the makers' conventions, tables of poses, all postures of a pose.
+//! Orientations in the makers' conventions are read, written, refused where they are none, and lead to all their postures.
 
 use super::*;
+use crate::common::cases::slip;
 use proptest::prelude::*;
 use stiffarm::Code;
 use stiffarm::model::inverse::InverseKinematics;
@@ -49,19 +50,19 @@ fn conventions_are_products_of_turns() {
     let turned = Convention::Kuka.rotation(&radians([90.0, 90.0, 0.0])).unwrap();
     let third = 2.0 * std::f64::consts::FRAC_PI_3 / 3_f64.sqrt();
     let vector = Convention::Ur.numbers(&turned);
-    for (own, expected) in vector.iter().zip([-third, third, third]) {
-        assert!((own - expected).abs() < 1e-15, "{vector:?}");
+    for (component, expected) in vector.iter().zip([-third, third, third]) {
+        assert!((component - expected).abs() < 1e-15, "{vector:?}");
     }
     let quaternion = Convention::Abb.numbers(&turned);
-    for (own, expected) in quaternion.iter().zip([0.5, -0.5, 0.5, 0.5]) {
-        assert!((own - expected).abs() < 1e-15, "{quaternion:?}");
+    for (component, expected) in quaternion.iter().zip([0.5, -0.5, 0.5, 0.5]) {
+        assert!((component - expected).abs() < 1e-15, "{quaternion:?}");
     }
 }
 
 /// COMAU's second turn is never negative; where it is none or half a turn the first takes all.
 #[test]
 fn comau_shows_euler_angles() {
-    for (given, shown) in [
+    for (typed, shown) in [
         ([10.0, 30.0, -20.0], [10.0, 30.0, -20.0]),
         ([10.0, -30.0, -20.0], [-170.0, 30.0, 160.0]),
         ([10.0, 0.0, -40.0], [-30.0, 0.0, 0.0]),
@@ -69,10 +70,10 @@ fn comau_shows_euler_angles() {
         ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
         ([180.0, 90.0, 180.0], [180.0, 90.0, 180.0]),
     ] {
-        let rotation = Convention::Comau.rotation(&radians(given)).unwrap();
+        let rotation = Convention::Comau.rotation(&radians(typed)).unwrap();
         let numbers = Convention::Comau.shown(&rotation);
         let off = numbers.iter().zip(shown).map(|(a, b)| (a - b).abs());
-        assert!(off.fold(0.0, f64::max) < 1e-9, "{given:?}: {numbers:?}");
+        assert!(off.fold(0.0, f64::max) < 1e-9, "{typed:?}: {numbers:?}");
     }
     let comau = Robot::from_catalogue("comau-nj165-3.0").unwrap();
     assert_eq!(Convention::of(comau.controller()), Convention::Comau);
@@ -153,18 +154,38 @@ proptest! {
 
 #[test]
 fn numbers_that_are_no_orientation_are_refused() {
-    let refused = |convention: Convention, numbers: &[f64]| {
-        let error = convention.rotation(numbers).unwrap_err();
-        (error.code(), error.message().to_string())
-    };
-    assert_eq!(refused(Convention::Kuka, &[0.0; 2]).0, Code::Dimension);
-    assert_eq!(refused(Convention::Ur, &[f64::NAN, 0.0, 0.0]).0, Code::NotFinite);
-    let (code, message) = refused(Convention::Abb, &[0.7, 0.0, 0.0, 0.0]);
-    assert_eq!(code, Code::InvalidValue);
-    assert!(message.contains("length 0.7000"), "{message}");
     let mirrored = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0];
-    assert!(refused(Convention::Matrix, &mirrored).1.contains("left-handed"));
-    assert!(refused(Convention::Matrix, &[1.0; 9]).1.contains("right angles"));
+    let mut report = String::new();
+    for (convention, numbers, code) in [
+        (Convention::Kuka, &[0.0; 2][..], Code::Dimension),
+        (Convention::Ur, &[f64::NAN, 0.0, 0.0], Code::NotFinite),
+        (Convention::Abb, &[0.7, 0.0, 0.0, 0.0], Code::InvalidValue),
+        (Convention::Matrix, &mirrored, Code::InvalidValue),
+        (Convention::Matrix, &[1.0; 9], Code::InvalidValue),
+    ] {
+        let error = convention.rotation(numbers).unwrap_err();
+        assert_eq!(error.code(), code, "{convention:?} {numbers:?}: {error}");
+        report += &slip::<()>(&format!("{convention:?} {numbers:?}"), Err(error));
+    }
+    insta::assert_snapshot!(report, @"
+    » Kuka [0.0, 0.0]
+    [dimension] An orientation has 3 numbers, got 2.
+
+    » Ur [NaN, 0.0, 0.0]
+    [not-finite] An orientation has a number that is not finite.
+
+    » Abb [0.7, 0.0, 0.0, 0.0]
+    [invalid-value] The quaternion has length 0.7000; it must be 1.
+      hint: q1 is the scalar; look for a number in a wrong column
+
+    » Matrix [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0]
+    [invalid-value] The matrix is not a rotation: its axes are left-handed.
+      hint: r11, r12, r13 are the first row; the columns are the axes of the frame
+
+    » Matrix [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
+    [invalid-value] The matrix is not a rotation: its columns are not at right angles and of length 1.
+      hint: r11, r12, r13 are the first row; the columns are the axes of the frame
+    ");
     // What a pendant rounds is taken.
     assert!(Convention::Abb.rotation(&[0.866, 0.0, 0.5, 0.0]).is_ok());
 }
@@ -198,15 +219,15 @@ fn all_postures_of_a_pose() {
             let q: Vec<f64> = limits.map(|[low, high]| dice.between(low, high)).collect();
             let pose = *Frames::new(&robot, &q).flange();
             let held = held_postures(&inverse, &pose).unwrap();
-            let mut found = 0;
+            let mut matching = 0;
             for other in held.iter().flat_map(|h| &h.turns) {
                 assert_eq!(robot.outside_limits(other), None);
                 let reached = Frames::new(&robot, other).flange().to_homogeneous();
                 assert!((reached - pose.to_homogeneous()).amax() < 1e-8, "{key}");
                 let apart = other.iter().zip(&q).map(|(a, b)| (a - b).abs());
-                found += usize::from(apart.fold(0.0, f64::max) < 1e-6);
+                matching += usize::from(apart.fold(0.0, f64::max) < 1e-6);
             }
-            assert_eq!(found, 1, "{key}: {q:?}");
+            assert_eq!(matching, 1, "{key}: {q:?}");
         }
     }
 }

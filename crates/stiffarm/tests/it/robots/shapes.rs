@@ -1,7 +1,9 @@
-//! The capsules of the catalogue against the distances that came with them.
+//! The capsules of the catalogue keep the distances that came with them.
 
-use super::descriptions::{described, folder, numbers};
+use super::descriptions::{described, folder};
 use super::*;
+use crate::common::cases::slip;
+use crate::common::numbers;
 use crate::common::segments::segments_apart;
 use serde_json::Value;
 use stiffarm::model::robot::LinkCapsule;
@@ -9,27 +11,27 @@ use stiffarm::model::shape::{Capsule, Solid, nearest};
 
 /// Distance of two capsules \[m\], its derivative with respect to θ, and the distance by a
 /// formulation of its own.
-fn distance(frames: &Frames, own: &[LinkCapsule; 2]) -> (f64, Vec<f64>, f64) {
-    let placed = own.map(|own| match own.link {
-        0 => own.capsule,
-        link => own.capsule.placed(&frames.links()[link - 1]),
+fn distance(frames: &Frames, pair: &[LinkCapsule; 2]) -> (f64, Vec<f64>, f64) {
+    let placed = pair.map(|part| match part.link {
+        0 => part.capsule,
+        link => part.capsule.placed(&frames.links()[link - 1]),
     });
     let [moving, still] = &placed;
-    let found = nearest(&Solid::Capsule(*still), &moving.a, &moving.b);
+    let closest = nearest(&Solid::Capsule(*still), &moving.a, &moving.b);
     // Where the segments are nearest: the second point is |distance| behind the first.
-    let first = moving.a + (moving.b - moving.a) * found.t;
-    let second = first - found.direction * (found.distance + still.radius);
+    let first = moving.a + (moving.b - moving.a) * closest.t;
+    let second = first - closest.direction * (closest.distance + still.radius);
     let gradient = (0..frames.joint_count())
         .map(|k| {
             let speed = |link: usize, point: &Vector3<f64>| {
                 if k < link { frames.column(k, point) } else { Vector3::zeros() }
             };
-            found.direction.dot(&(speed(own[0].link, &first) - speed(own[1].link, &second)))
+            closest.direction.dot(&(speed(pair[0].link, &first) - speed(pair[1].link, &second)))
         })
         .collect();
     let apart = segments_apart([moving.a, moving.b], [still.a, still.b]);
     let radii = moving.radius + still.radius;
-    (found.distance - moving.radius, gradient, apart - radii)
+    (closest.distance - moving.radius, gradient, apart - radii)
 }
 
 /// All pairs of capsules of two links.
@@ -75,15 +77,30 @@ fn links_beyond_the_robot_are_refused() {
     let robot = || Robot::from_catalogue("ur10e").unwrap();
     let capsule = Capsule::new(Vector3::zeros(), Vector3::x(), 0.1).unwrap();
     let on = |link| vec![LinkCapsule { link, capsule }];
-    let refused = robot().with_link_capsules(on(7), vec![]).unwrap_err();
-    assert!(refused.message().contains("no link 7"), "{refused}");
-    let refused = robot().with_link_capsules(on(6), vec![(0, 7)]).unwrap_err();
-    assert!(refused.message().contains("no link 7"), "{refused}");
-    let refused = robot().with_link_capsules(on(6), vec![(2, 2)]).unwrap_err();
-    assert!(refused.message().contains("itself"), "{refused}");
     let mut flat = on(6);
     flat[0].capsule.radius = 0.0;
-    assert!(robot().with_link_capsules(flat, vec![]).is_err());
+    let mut report = String::new();
+    for (what, capsules, ignored) in [
+        ("a capsule on link 7", on(7), vec![]),
+        ("a pair with link 7", on(6), vec![(0, 7)]),
+        ("a link beside itself", on(6), vec![(2, 2)]),
+        ("a capsule without a radius", flat, vec![]),
+    ] {
+        report += &slip(what, robot().with_link_capsules(capsules, ignored));
+    }
+    insta::assert_snapshot!(report, @"
+    » a capsule on link 7
+    [invalid-value] There is no link 7: the links of 6 joints are 0 to 6.
+
+    » a pair with link 7
+    [invalid-value] There is no link 7: the links of 6 joints are 0 to 6.
+
+    » a link beside itself
+    [invalid-value] Link 2 makes no pair with itself.
+
+    » a capsule without a radius
+    [invalid-value] A capsule needs two finite end points and a radius above zero.
+    ");
     let set = robot().with_link_capsules(on(6), vec![(5, 2), (2, 5), (0, 3)]);
     assert_eq!(set.unwrap().ignored_pairs(), [(0, 3), (2, 5)]);
 }
@@ -143,14 +160,14 @@ fn distances_are_those_of_the_reference() {
             let frames = Frames::new(&robot, &q);
             for row in posture["pairs"].as_array().unwrap() {
                 let [i, j, expected, meshes] = numbers(row).try_into().unwrap();
-                let mut own = f64::INFINITY;
+                let mut ours = f64::INFINITY;
                 for pair in pairs(&robot, i as usize, j as usize) {
                     let (value, _, again) = distance(&frames, &pair);
-                    own = own.min(value);
+                    ours = ours.min(value);
                     worst_own = worst_own.max((value - again).abs());
                 }
-                worst = worst.max((own - expected).abs());
-                assert!(own <= meshes + 1e-6, "{name}: links {i} and {j}: {own} > {meshes}");
+                worst = worst.max((ours - expected).abs());
+                assert!(ours <= meshes + 1e-6, "{name}: links {i} and {j}: {ours} > {meshes}");
                 compared += 1;
             }
         }

@@ -1,4 +1,4 @@
-//! How often screening finds a fault where there is none.
+//! Screening hardly ever finds a fault where there is none.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Single readings that are wrong.
+//! Single readings that are wrong are found by point and posture.
 
 use super::*;
 
@@ -35,10 +35,10 @@ fn strays(cell: &Cell, runs: u64, arm: Arm, across: bool, off: f64) -> Tally {
                     && f.postures == [(p + 1).to_string()]
                     && f.states == [["unloaded", "loaded"][s]]
             };
-            let found = screening.suspicions.iter().find(here);
-            let right = found.map(|f| f.points.contains(&(a + 1).to_string()));
+            let suspicion = screening.suspicions.iter().find(here);
+            let right = suspicion.map(|f| f.points.contains(&(a + 1).to_string()));
             let mut tally = Tally { extra: usize::from(screening.suspicions.len() > 1), ..Tally::default() };
-            match (found, right) {
+            match (suspicion, right) {
                 (Some(f), Some(true)) if f.certain => tally.named = 1,
                 (Some(_), Some(true)) => tally.one_of = 1,
                 (Some(_), _) => tally.wrong = 1,
@@ -103,16 +103,16 @@ fn repeats_that_stray_and_reflectors_that_move() {
     assert_eq!(reading.target, ReadingTarget::Point(1));
     reading.position.y += 1e-3;
     reading.line = 38;
-    let (screening, found) = alone(&cell(), &table);
-    assert_eq!((found.cause, found.repeat), (Cause::StrayRepeat, Some(3)));
-    assert_eq!((&found.points, &found.lines), (&names(&["2"]), &vec![38]));
+    let (screening, suspicion) = alone(&cell(), &table);
+    assert_eq!((suspicion.cause, suspicion.repeat), (Cause::StrayRepeat, Some(3)));
+    assert_eq!((&suspicion.points, &suspicion.lines), (&names(&["2"]), &vec![38]));
     said.push(sentences(&screening));
     // Of two repeats nobody can say which.
     options.states.iter_mut().for_each(|s| s.repeats = 2);
     let mut table = experiment(&cell(), &numbered(group1()), &truth(&cell()), &options, 14, 0).unwrap();
     table.postures[1].states[0].readings[5].position.y += 1e-3;
-    let (screening, found) = alone(&cell(), &table);
-    assert_eq!((found.cause, found.repeat), (Cause::StrayRepeat, None));
+    let (screening, suspicion) = alone(&cell(), &table);
+    assert_eq!((suspicion.cause, suspicion.repeat), (Cause::StrayRepeat, None));
     said.push(sentences(&screening));
     // A reflector knocked after the fourth posture.
     let mut table = group1_table(14);
@@ -122,10 +122,10 @@ fn repeats_that_stray_and_reflectors_that_move() {
             state.readings[2].position += along.normalize() * 8e-4;
         }
     }
-    let (screening, found) = alone(&cell(), &table);
-    assert_eq!(found.cause, Cause::MovedReflector);
-    assert_eq!(found.postures, ["5", "6"]);
-    assert_eq!(found.points, ["3"]);
+    let (screening, suspicion) = alone(&cell(), &table);
+    assert_eq!(suspicion.cause, Cause::MovedReflector);
+    assert_eq!(suspicion.postures, ["5", "6"]);
+    assert_eq!(suspicion.points, ["3"]);
     said.push(sentences(&screening));
     insta::assert_snapshot!("repeats", said.join("\n"));
 }
@@ -136,16 +136,16 @@ fn a_reading_off_by_a_millimetre_in_words() {
     // Along the plane of the points; across it on an arm that nobody knows well.
     let mut table = group1_table(15);
     table.postures[2].states[1].readings[1].position.x += 1e-3;
-    let (screening, found) = alone(&cell(), &table);
-    assert_eq!(found.points, ["2"]);
+    let (screening, suspicion) = alone(&cell(), &table);
+    assert_eq!(suspicion.points, ["2"]);
     said.push(sentences(&screening));
     let mut table = random_table(&cell(), Arm::Rough, 6, 2);
     let readings = &mut table.postures[2].states[1].readings;
     let edge = |i: usize| readings[i].position - readings[0].position;
     let direction = edge(1).cross(&edge(2)).normalize();
     readings[1].position += direction * 1e-3;
-    let (screening, found) = alone(&cell(), &table);
-    assert!(!found.certain && found.points.len() > 1, "{}", sentences(&screening));
+    let (screening, suspicion) = alone(&cell(), &table);
+    assert!(!suspicion.certain && suspicion.points.len() > 1, "{}", sentences(&screening));
     said.push(sentences(&screening));
     insta::assert_snapshot!("stray_reading", said.join("\n"));
 }
@@ -158,11 +158,11 @@ fn of_three_points_one_is_said_to_be_off_by_its_size() {
     let readings = &mut table.postures[1].states[1].readings;
     let along = (readings[0].position - readings[1].position).normalize();
     readings[1].position += along * 1e-3;
-    let (_, found) = alone(&three, &table);
-    assert_eq!(found.cause, Cause::StrayReading);
-    assert_eq!(found.postures, ["2"]);
+    let (_, suspicion) = alone(&three, &table);
+    assert_eq!(suspicion.cause, Cause::StrayReading);
+    assert_eq!(suspicion.postures, ["2"]);
     // Named by the motion under load, or one of those that the distance allows.
-    assert!(found.points.contains(&"2".to_string()));
-    let off = found.off_m.unwrap();
+    assert!(suspicion.points.contains(&"2".to_string()));
+    let off = suspicion.off_m.unwrap();
     assert!(off > 2e-4 && off < 1.2e-3, "{off}");
 }

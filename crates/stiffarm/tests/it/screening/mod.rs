@@ -5,7 +5,7 @@ mod gross_errors;
 mod moved;
 mod poor_tables;
 mod robots;
-mod single_faults;
+pub(crate) mod single_faults;
 
 use crate::common::prelude::*;
 use rayon::prelude::*;
@@ -85,8 +85,8 @@ fn only(screening: &Screening) -> &Suspicion {
 /// What screening says of a table with one fault, and that fault.
 fn alone(cell: &Cell, table: &ReadingTable) -> (Screening, Suspicion) {
     let screening = screen(cell, table, None).unwrap();
-    let found = only(&screening).clone();
-    (screening, found)
+    let suspicion = only(&screening).clone();
+    (screening, suspicion)
 }
 
 fn relabel(table: &mut ReadingTable, at: Option<(usize, usize)>, a: usize, b: usize) {
@@ -106,7 +106,7 @@ fn relabel(table: &mut ReadingTable, at: Option<(usize, usize)>, a: usize, b: us
     }
 }
 
-fn each_position(table: &mut ReadingTable, change: impl Fn(&mut Vector3<f64>)) {
+pub(crate) fn each_position(table: &mut ReadingTable, change: impl Fn(&mut Vector3<f64>)) {
     let states = table.postures.iter_mut().flat_map(|p| &mut p.states);
     for reading in states.flat_map(|s| &mut s.readings) {
         change(&mut reading.position);

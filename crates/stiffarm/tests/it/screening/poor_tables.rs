@@ -1,4 +1,4 @@
-//! Tables that are poor, mangled or seen from another frame.
+//! Tables that are poor, mangled or seen from another frame are screened without a false word.
 
 use super::*;
 
@@ -9,10 +9,10 @@ fn a_tool_that_differs_from_its_drawing() {
     for off in [8e-4, 3e-2] {
         let mut wrong = cell();
         wrong.setup.tool.measuring_points[2].position.x += off;
-        let (screening, found) = alone(&wrong, &table);
-        assert_eq!(found.cause, Cause::Drawing);
-        assert_eq!(found.points, ["3"]);
-        assert!((found.off_m.unwrap() - off).abs() < 5e-5);
+        let (screening, suspicion) = alone(&wrong, &table);
+        assert_eq!(suspicion.cause, Cause::Drawing);
+        assert_eq!(suspicion.points, ["3"]);
+        assert!((suspicion.off_m.unwrap() - off).abs() < 5e-5);
         let expected = if off < 1e-3 { Severity::Note } else { Severity::Caution };
         assert_eq!(screening.findings[0].severity, expected);
         said.push(sentences(&screening));
@@ -36,8 +36,8 @@ fn too_few_readings_are_said_to_be_too_few() {
     let mut few = cell();
     few.setup.tool.measuring_points.truncate(1);
     let table = simulated(&few, &numbered(group1()[..2].to_vec()), 18);
-    let (screening, found) = alone(&few, &table);
-    assert_eq!((found.cause, screening.unloaded_rms_m), (Cause::NotChecked, None));
+    let (screening, suspicion) = alone(&few, &table);
+    assert_eq!((suspicion.cause, screening.unloaded_rms_m), (Cause::NotChecked, None));
     assert_eq!(screening.findings[0].severity, Severity::Note);
     // With a given transform the model can still be held against them.
     let screening = screen(&few, &table, Some(&tracker_pose(18))).unwrap();

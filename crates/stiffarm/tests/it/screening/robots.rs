@@ -1,4 +1,4 @@
-//! The same faults on robots of other makes.
+//! The same faults are found on robots of other makes.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Days with robot and tracker: what is true, and what was read.
+//! Days with robot and tracker that the tests of the set-up share: what is true, and what was read.
 
 use crate::common::prelude::*;
 use nalgebra::Matrix6;
@@ -194,8 +194,8 @@ pub fn move_states(table: &mut ReadingTable, role: Role, moved: impl Fn(&[f64], 
 pub fn add_displacement(cell: &Cell, table: &mut ReadingTable, role: Role, wrench: impl Fn(&Wrench) -> Option<Wrench>) {
     let compliance = compliance_of(cell.require_prior().unwrap());
     move_states(table, role, |q, _| {
-        let own = PostureTerms::new(&cell.setup, q, None).unwrap();
-        let terms = PostureTerms::new(&cell.setup, q, wrench(own.wrench()).as_ref()).unwrap();
+        let unloaded = PostureTerms::new(&cell.setup, q, None).unwrap();
+        let terms = PostureTerms::new(&cell.setup, q, wrench(unloaded.wrench()).as_ref()).unwrap();
         let moved = terms.block(&cell.setup.robot) * &compliance;
         let points = 0..terms.measuring_points().len();
         points.map(|a| moved.fixed_rows::<3>(3 * a).into_owned()).collect()

@@ -1,4 +1,4 @@
-//! Quantities of the set-up that are identified on purpose, and what the list says of each.
+//! Quantities of the set-up that are identified on purpose come out true, and the list says of each what it is.
 
 use super::days::{Beyond, Day, Kind, day, displacements};
 use super::{mistake, planted};
@@ -34,21 +34,21 @@ fn what_is_free_is_found_and_the_stiffness_with_it() {
         let (mut inside, mut all) = (0, 0);
         for seed in 0..2 {
             let (cell, measurements) = planted(mistake(name), Beyond::Nothing, seed);
-            let found = identified(&cell, measurements.clone(), &[free]).unwrap();
-            assert!(found.rejected().is_none(), "{name}: {:?}", found.rejected());
-            let [own] = &found.freed[..] else { panic!("{:#?}", found.freed) };
-            assert_eq!(own.name, free);
+            let fitted = identified(&cell, measurements.clone(), &[free]).unwrap();
+            assert!(fitted.rejected().is_none(), "{name}: {:?}", fitted.rejected());
+            let [quantity] = &fitted.freed[..] else { panic!("{:#?}", fitted.freed) };
+            assert_eq!(quantity.name, free);
             for (i, truth) in truth.iter().enumerate() {
-                let off = (own.asked[i] - truth) / own.standard_error[i].unwrap();
-                assert!(off.abs() < 5.0, "{name} {seed}: {own:#?}");
+                let off = (quantity.asked[i] - truth) / quantity.standard_error[i].unwrap();
+                assert!(off.abs() < 5.0, "{name} {seed}: {quantity:#?}");
             }
             let truth = cell.require_prior().unwrap();
-            for (joint, k) in found.identification.estimates.joints.iter().zip(truth) {
+            for (joint, k) in fitted.identification.estimates.joints.iter().zip(truth) {
                 let [low, high] = joint.interval;
                 inside += usize::from(low.is_some_and(|low| low <= *k) && high.is_none_or(|high| *k <= high));
                 all += 1;
             }
-            let systematic = found.systematic_errors.as_ref().unwrap();
+            let systematic = fitted.systematic_errors.as_ref().unwrap();
             let source = source(systematic, free);
             assert!(source.free && source.remaining.unwrap() < 0.1, "{source:#?}");
         }
@@ -61,8 +61,8 @@ fn what_is_free_is_found_and_the_stiffness_with_it() {
 fn freeing_widens() {
     let Day { cell, table } = day(Kind::Rope, Beyond::Nothing, 12, 3, 3);
     let [stated, free] = [&[][..], &["anchor"]].map(|names| identified(&cell, table.clone(), names).unwrap());
-    let half = |found: &Identified| -> f64 {
-        let joints = &found.systematic_errors.as_ref().unwrap().uncertainty;
+    let half = |fitted: &Identified| -> f64 {
+        let joints = &fitted.systematic_errors.as_ref().unwrap().uncertainty;
         joints.iter().map(|j| j.total.unwrap()).sum()
     };
     assert!(half(&free) > 1.02 * half(&stated), "{} {}", half(&free), half(&stated));
@@ -141,7 +141,7 @@ fn the_page_has_the_list() {
     let on_page: usize = rows.iter().map(|row| names(row).len()).sum();
     assert_eq!(on_page, quantities().len());
     for (name, assumed, unit) in quantities() {
-        let row = rows.iter().find(|row| names(row).iter().any(|own| own == name));
+        let row = rows.iter().find(|row| names(row).iter().any(|other| other == name));
         let said = row.unwrap_or_else(|| panic!("{name} is not on the page"))[4];
         let expected = match unit {
             _ if assumed == 0.0 => {

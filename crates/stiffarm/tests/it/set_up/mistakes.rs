@@ -1,7 +1,9 @@
-//! Mistakes that people make with a set-up, as a table: one row each, planted on a simulated day.
+//! Mistakes that people make with a set-up, one row each, planted on a simulated day.
 
 use super::days::{Kind, add_displacement, each_loaded};
 use crate::common::prelude::*;
+use crate::screening::each_position;
+use crate::screening::single_faults::couple;
 use stiffarm::model::measurement::Role;
 
 /// What is planted.
@@ -123,18 +125,12 @@ fn exchange(table: &mut ReadingTable, p: usize) {
     std::mem::swap(&mut a[0].readings, &mut b[0].readings);
 }
 
-fn each_position(table: &mut ReadingTable, change: impl Fn(&mut Vector3<f64>)) {
-    let states = table.postures.iter_mut().flat_map(|p| &mut p.states);
-    let readings = states.flat_map(|s| &mut s.readings);
-    readings.for_each(|r| change(&mut r.position));
-}
-
 fn relabel(table: &mut ReadingTable, posture: Option<usize>, a: usize, b: usize) {
-    for (p, own) in table.postures.iter_mut().enumerate() {
+    for (p, readings) in table.postures.iter_mut().enumerate() {
         if posture.is_some_and(|only| only != p) {
             continue;
         }
-        for reading in own.states.iter_mut().flat_map(|s| &mut s.readings) {
+        for reading in readings.states.iter_mut().flat_map(|s| &mut s.readings) {
             reading.target = match reading.target {
                 ReadingTarget::Point(i) if i == a => ReadingTarget::Point(b),
                 ReadingTarget::Point(i) if i == b => ReadingTarget::Point(a),
@@ -142,12 +138,6 @@ fn relabel(table: &mut ReadingTable, posture: Option<usize>, a: usize, b: usize)
             };
         }
     }
-}
-
-fn couple(cell: &mut Cell, change: impl FnOnce(&mut DMatrix<f64>)) {
-    let mut coupling = cell.setup.robot.coupling().clone();
-    change(&mut coupling);
-    cell.setup.robot = cell.setup.robot.clone().with_coupling(coupling).unwrap();
 }
 
 /// The default robot's rows, written as those of the other convention.

@@ -1,4 +1,4 @@
-//! Shapes that contain others.
+//! Shapes that are put around others contain them.
 
 use super::{pose, solid};
 use crate::common::prelude::*;
@@ -61,8 +61,8 @@ proptest! {
                 prop_assert!(capsules_around(&shape).is_empty());
                 return Ok(());
             }
-            Solid::Capsule(own) => {
-                prop_assert_eq!(capsules_around(&Solid::Capsule(*own)), vec![*own]);
+            Solid::Capsule(capsule) => {
+                prop_assert_eq!(capsules_around(&Solid::Capsule(*capsule)), vec![*capsule]);
                 return Ok(());
             }
         }

@@ -1,4 +1,4 @@
-//! Distances of meshes against the smallest signed distance over every triangle.
+//! Distances of meshes are the smallest signed distance over every triangle.
 
 use super::{pose, solid};
 use crate::common::meshes::{box_mesh, capsule_mesh, joined, l_mesh};
@@ -42,12 +42,12 @@ proptest! {
         };
         let (frame, solid) = (pose(&mut dice), solid(&mut dice));
         let body = MeshBody::new(mesh.clone()).unwrap();
-        let own = body.distance_to(&frame, &solid).unwrap();
+        let distance = body.distance_to(&frame, &solid).unwrap();
         let expected = by_triangles(&mesh.placed(&frame), &solid);
         // The solid wholly inside the mesh is 0 apart, and the search says otherwise.
-        if own > 0.0 || expected <= 0.0 {
+        if distance > 0.0 || expected <= 0.0 {
             let tolerance = if matches!(solid, Solid::Cylinder { .. }) { 1e-5 } else { 1e-8 };
-            prop_assert!((own - expected.max(0.0)).abs() < tolerance, "{own} {expected} {solid:?}");
+            prop_assert!((distance - expected.max(0.0)).abs() < tolerance, "{distance} {expected} {solid:?}");
         }
     }
 
@@ -58,7 +58,7 @@ proptest! {
         let frames = [pose(&mut dice), pose(&mut dice)];
         let bodies = half.map(|h| MeshBody::new(box_mesh(-h, h)).unwrap());
         let [first, second] = &bodies;
-        let own = first.distance_to_mesh(&frames[0], second, &frames[1]).unwrap();
+        let distance = first.distance_to_mesh(&frames[0], second, &frames[1]).unwrap();
         // Boxes are solids, too.
         let blocks = [0, 1].map(|i| Solid::Block { pose: frames[i], half: half[i] });
         let one_way = by_triangles(&first.mesh().placed(&frames[0]), &blocks[1]);
@@ -68,9 +68,9 @@ proptest! {
         } else {
             one_way.max(0.0)
         };
-        prop_assert!((own - expected).abs() < 1e-8, "{own} {expected}");
+        prop_assert!((distance - expected).abs() < 1e-8, "{distance} {expected}");
         let back = second.distance_to_mesh(&frames[1], first, &frames[0]).unwrap();
-        prop_assert!((own - back).abs() < 1e-9);
+        prop_assert!((distance - back).abs() < 1e-9);
     }
 }
 

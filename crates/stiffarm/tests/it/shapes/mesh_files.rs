@@ -1,5 +1,6 @@
-//! Meshes of files.
+//! Meshes are read from STL, OBJ and DAE in every way they are written, and refused with a reason.
 
+use crate::common::cases::{shown, slip};
 use crate::common::meshes::{box_mesh, l_mesh};
 use crate::common::prelude::*;
 use std::fmt::Write;
@@ -71,8 +72,8 @@ fn collada(mesh: &TriangleMesh, unit: &str) -> Vec<u8> {
 /// The same corners of the same triangles, to the digits of the file.
 fn same(a: &TriangleMesh, b: &TriangleMesh, tolerance: f64) {
     assert_eq!(a.triangles.len(), b.triangles.len());
-    for (own, other) in a.corners().flatten().zip(b.corners().flatten()) {
-        assert!((own - other).norm() < tolerance, "{own} {other}");
+    for (corner, other) in a.corners().flatten().zip(b.corners().flatten()) {
+        assert!((corner - other).norm() < tolerance, "{corner} {other}");
     }
 }
 
@@ -127,42 +128,41 @@ fn parts_of_collada_are_placed_as_often_as_it_says() {
 #[test]
 fn what_is_no_mesh_is_refused() {
     let mesh = l_mesh();
-    let refused = |bytes: &[u8], name: &str, said: &str| {
-        let error = parse_mesh(bytes, name, 1.0).unwrap_err();
-        assert!(error.message().contains(said), "{error}");
-        assert_eq!(error.place().file.as_deref(), Some(name));
-        assert!(error.hint_text().is_some(), "{error}");
-    };
-    let stl = binary_stl(&mesh);
-    refused(&stl, "part.step", "does not end in .stl");
-    refused(&stl, "part", "does not end in .stl");
-    refused(b"", "a.stl", "too short");
-    refused(&stl[..stl.len() - 50], "a.stl", "says 24 triangles and has bytes for 23");
-    let ascii = ascii_stl(&mesh);
-    refused(&ascii[..ascii.len() / 2], "a.stl", "no endsolid");
-    refused(b"solid a\nendsolid a\n", "a.stl", "");
-    refused(b"v 0 0 0\nv 1 0 0\nv 1 1 0\n", "a.obj", "no triangles");
-    refused(b"v 0 0 0\nf 1 2 3\n", "a.obj", "");
-    refused(b"<a>", "a.dae", "in COLLADA");
-    let dae = String::from_utf8(collada(&mesh, "")).unwrap();
-    let circle = r##"<instance_node url="#outer"/><translate>"##;
-    let lookat = dae.replace("</rotate>", "</lookat>");
-    for (text, from, to, said) in [
-        (&dae, "#part", "#other", "no \"#other\""),
-        (&dae, "<p>0", "<p>99", "corner that is not there"),
-        (&dae, "<p>0", "<p>0.5", "corner that is not there"),
-        (&dae, "<p>0 ", "<p>", "no triangle"),
-        (&lookat, "<rotate>", "<lookat>", "<lookat>"),
-        (&dae, "<translate>", circle, "circle"),
-    ] {
-        refused(text.replace(from, to).as_bytes(), "a.dae", said);
-    }
-    refused(&[0xff, 0xfe, b'<'], "a.dae", "UTF-8");
+    let (stl, ascii) = (binary_stl(&mesh), ascii_stl(&mesh));
     let mut nan = mesh.clone();
     nan.vertices[3].y = f64::NAN;
-    refused(&binary_stl(&nan), "a.stl", "not finite");
-    assert!(parse_mesh(&stl, "a.stl", 0.0).is_err());
-    assert!(parse_mesh(&stl, "a.stl", f64::NAN).is_err());
+    let dae = String::from_utf8(collada(&mesh, "")).unwrap();
+    let edited = |from: &str, to: &str| dae.replace(from, to).into_bytes();
+    let lookat = dae.replace("</rotate>", "</lookat>").replace("<rotate>", "<lookat>");
+    let mut report = String::new();
+    for (what, bytes, name) in [
+        ("another ending", stl.clone(), "part.step"),
+        ("no ending", stl.clone(), "part"),
+        ("nothing", Vec::new(), "a.stl"),
+        ("a triangle less", stl[..stl.len() - 50].to_vec(), "a.stl"),
+        ("half a text", ascii[..ascii.len() / 2].to_vec(), "a.stl"),
+        ("a solid of nothing", b"solid a\nendsolid a\n".to_vec(), "a.stl"),
+        ("a corner that is no number", binary_stl(&nan), "a.stl"),
+        ("corners alone", b"v 0 0 0\nv 1 0 0\nv 1 1 0\n".to_vec(), "a.obj"),
+        ("one corner of three", b"v 0 0 0\nf 1 2 3\n".to_vec(), "a.obj"),
+        ("no COLLADA", b"<a>".to_vec(), "a.dae"),
+        ("no text", vec![0xff, 0xfe, b'<'], "a.dae"),
+        ("another part", edited("#part", "#other"), "a.dae"),
+        ("corner 99", edited("<p>0", "<p>99"), "a.dae"),
+        ("corner 0.5", edited("<p>0", "<p>0.5"), "a.dae"),
+        ("a corner less", edited("<p>0 ", "<p>"), "a.dae"),
+        ("a lookat", lookat.into_bytes(), "a.dae"),
+        ("a node in itself", edited("<translate>", r##"<instance_node url="#outer"/><translate>"##), "a.dae"),
+    ] {
+        let error = parse_mesh(&bytes, name, 1.0).expect_err(what);
+        assert_eq!(error.place().file.as_deref(), Some(name), "{what}");
+        assert!(error.hint_text().is_some(), "{what}: {error}");
+        report += &slip::<()>(what, Err(error));
+    }
+    for unit in [0.0, f64::NAN] {
+        report += &slip(&format!("a unit of {unit} m"), parse_mesh(&stl, "a.stl", unit));
+    }
+    insta::assert_snapshot!("no_meshes", report);
 }
 
 #[test]
@@ -208,11 +208,15 @@ fn the_length_says_whether_an_stl_is_binary() {
         same(&read, &mesh, 1e-6);
     }
     // Behind them there may be a triangle.
-    let error = parse_mesh(&behind(&[7; 50]), "a.stl", 1.0).unwrap_err();
-    assert!(error.message().contains("bytes for 25"), "{error}");
+    insta::assert_snapshot!(parse_mesh(&behind(&[7; 50]), "a.stl", 1.0).unwrap_err(), @"
+    a.stl: The file cannot be read as a mesh in STL: it says 24 triangles and has bytes for 25.
+      hint: export it again, as binary STL where nothing else works
+    ");
     let none = [&[b' '; 80][..], &[0; 4]].concat();
-    let error = parse_mesh(&none, "a.stl", 1.0).unwrap_err();
-    assert!(error.message().contains("no triangles"), "{error}");
+    insta::assert_snapshot!(parse_mesh(&none, "a.stl", 1.0).unwrap_err(), @"
+    a.stl: The mesh has no triangles.
+      hint: give a triangle mesh as .stl, .obj or .dae
+    ");
 }
 
 #[test]
@@ -237,35 +241,35 @@ fn texts_of_stl_may_be_written_in_many_ways() {
     }
     let loud = text.to_uppercase();
     same(&parse_mesh(loud.as_bytes(), "a.stl", 1.0).unwrap(), &mesh, 1e-7);
-    for (from, to, said) in [
-        ("endfacet", "facet", "corners"),
-        ("outer loop", "outer loop\nvertex 1 2 3", "4 corners"),
-        ("vertex", "vertex 1,5", "is not a corner of a triangle"),
-        ("outer loop", "inner loop", "is not a line"),
+    let mut report = String::new();
+    for (from, to) in [
+        ("endfacet", "facet"),
+        ("outer loop", "outer loop\nvertex 1 2 3"),
+        ("vertex", "vertex 1,5"),
+        ("outer loop", "inner loop"),
     ] {
         // Behind the first facet, where what is unknown is no head.
         let (head, tail) = text.split_once("endfacet").unwrap();
         let other = format!("{head}endfacet{}", tail.replacen(from, to, 1));
-        let error = parse_mesh(other.as_bytes(), "a.stl", 1.0).unwrap_err();
-        assert!(error.message().contains(said), "{to}: {error}");
+        report += &slip(&shown(from, to), parse_mesh(other.as_bytes(), "a.stl", 1.0));
     }
+    insta::assert_snapshot!("slips_in_texts_of_stl", report);
 }
 
 #[test]
 fn a_mesh_under_the_ending_of_another_kind_is_named() {
     let mesh = l_mesh();
     let kinds = [
-        ("STL", "stl", binary_stl(&mesh)),
-        ("STL", "stl", ascii_stl(&mesh)),
+        ("binary STL", "stl", binary_stl(&mesh)),
+        ("text of STL", "stl", ascii_stl(&mesh)),
         ("OBJ", "obj", obj(&mesh)),
         ("COLLADA", "dae", collada(&mesh, "")),
     ];
-    for (kind, own, bytes) in &kinds {
-        for ending in ["stl", "obj", "dae"].iter().filter(|ending| *ending != own) {
-            let error = parse_mesh(bytes, &format!("a.{ending}"), 1.0).unwrap_err();
-            let said = format!("ends in .{ending}, and the file is a mesh in {kind}.");
-            assert!(error.message().contains(&said), "{error}");
-            assert!(error.hint_text().unwrap().contains(&format!("….{own}")));
+    let mut report = String::new();
+    for (kind, right, bytes) in &kinds {
+        for ending in ["stl", "obj", "dae"].iter().filter(|ending| *ending != right) {
+            report += &slip(kind, parse_mesh(bytes, &format!("a.{ending}"), 1.0));
         }
     }
+    insta::assert_snapshot!("meshes_under_other_endings", report);
 }

@@ -1,4 +1,4 @@
-//! Solids, their signed distances, and the nearest point of a segment.
+//! Signed distances of solids and nearest points of segments are those of many drawn points.
 
 mod cover;
 mod fit;
@@ -71,8 +71,8 @@ fn flat_ended(dice: &mut Dice) -> Solid {
         Solid::block(pose(dice), size).unwrap()
     } else {
         let along = Vector3::z() * thin(dice);
-        let own = Solid::cylinder(-along, along, thin(dice)).unwrap();
-        own.placed(&pose(dice))
+        let solid = Solid::cylinder(-along, along, thin(dice)).unwrap();
+        solid.placed(&pose(dice))
     }
 }
 
@@ -125,18 +125,18 @@ proptest! {
         let mut dice = Dice::new(seed);
         let first = flat_ended(&mut dice);
         let second = if dice.chance(0.6) { flat_ended(&mut dice) } else { solid(&mut dice) };
-        let found = between(&first, &second, f64::INFINITY).unwrap();
+        let separation = between(&first, &second, f64::INFINITY).unwrap();
         let (points, spacing) = surface(&first);
         let to = |p: &Vector3<f64>| second.signed_distance(p).0;
         let mut best = *points.iter().min_by(|a, b| to(a).total_cmp(&to(b))).unwrap();
         let sampled = to(&best);
         if sampled < 0.0 {
-            prop_assert!(found.distance < 0.0, "{} {sampled}", found.distance);
+            prop_assert!(separation.distance < 0.0, "{} {sampled}", separation.distance);
             return Ok(());
         }
-        prop_assert!(found.distance <= sampled + 1e-12);
-        prop_assert!(found.distance >= sampled - spacing, "{} {sampled}", found.distance);
-        if found.distance < 0.0 {
+        prop_assert!(separation.distance <= sampled + 1e-12);
+        prop_assert!(separation.distance >= sampled - spacing, "{} {sampled}", separation.distance);
+        if separation.distance < 0.0 {
             return Ok(());
         }
         for _ in 0..20_000 {
@@ -146,17 +146,17 @@ proptest! {
             }
             best = next;
         }
-        prop_assert!((found.distance - to(&best)).abs() < 1e-6, "{} {}", found.distance, to(&best));
+        prop_assert!((separation.distance - to(&best)).abs() < 1e-6, "{} {}", separation.distance, to(&best));
         // The point is on the first, the direction leads away from the second, and round the other way it is the same.
-        prop_assert!(first.signed_distance(&found.point).0.abs() < 1e-9);
-        prop_assert!((to(&found.point) - found.distance).abs() < 1e-9);
-        prop_assert!((found.direction.norm() - 1.0).abs() < 1e-9);
+        prop_assert!(first.signed_distance(&separation.point).0.abs() < 1e-9);
+        prop_assert!((to(&separation.point) - separation.distance).abs() < 1e-9);
+        prop_assert!((separation.direction.norm() - 1.0).abs() < 1e-9);
         if !matches!(second, Solid::HalfSpace { .. }) {
             let back = between(&second, &first, f64::INFINITY).unwrap();
-            prop_assert!((back.distance - found.distance).abs() < 1e-9);
+            prop_assert!((back.distance - separation.distance).abs() < 1e-9);
         }
         // Not worth the work where that much is enough, and nowhere else.
-        prop_assert!(between(&first, &second, found.distance + 1e-6).is_some());
+        prop_assert!(between(&first, &second, separation.distance + 1e-6).is_some());
     }
 
     /// A shift changes the distance by no more than itself, and as the direction says, overlapping too.
@@ -256,13 +256,13 @@ proptest! {
             },
             _ => dice.vector(2.0),
         };
-        let found = nearest(&solid, &a, &b);
-        prop_assert!((0.0..=1.0).contains(&found.t));
-        let point = a + (b - a) * found.t;
+        let closest = nearest(&solid, &a, &b);
+        prop_assert!((0.0..=1.0).contains(&closest.t));
+        let point = a + (b - a) * closest.t;
         // Shorter than a unit only where two faces are as near.
-        prop_assert!(found.direction.norm() < 1.0 + 1e-12);
-        prop_assert!((found.direction.norm() - 1.0).abs() < 1e-12 || found.distance < 0.0);
-        prop_assert!((solid.signed_distance(&point).0 - found.distance).abs() < 1e-9);
+        prop_assert!(closest.direction.norm() < 1.0 + 1e-12);
+        prop_assert!((closest.direction.norm() - 1.0).abs() < 1e-12 || closest.distance < 0.0);
+        prop_assert!((solid.signed_distance(&point).0 - closest.distance).abs() < 1e-9);
         let at = |t: f64| solid.signed_distance(&(a + (b - a) * t)).0;
         let (mut low, mut high) = (0.0, 1.0);
         let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
@@ -271,11 +271,11 @@ proptest! {
             if at(left) < at(right) { high = right } else { low = left }
         }
         let expected = at(low).min(at(high)).min(at(0.0)).min(at(1.0));
-        prop_assert!((found.distance - expected).abs() < 1e-9, "{} {}", found.distance, expected);
+        prop_assert!((closest.distance - expected).abs() < 1e-9, "{} {}", closest.distance, expected);
         // The convex function lies above its tangent there: what a linearised limit is built on.
         for t in [0.0, 0.5, 1.0] {
             let other = a + (b - a) * t;
-            let tangent = found.distance + found.direction.dot(&(other - point));
+            let tangent = closest.distance + closest.direction.dot(&(other - point));
             prop_assert!(at(t) >= tangent - 1e-9);
         }
     }
@@ -297,12 +297,12 @@ proptest! {
         };
         let expected = segments_apart([a, b], [c, d]);
         let capsule = Solid::Capsule(Capsule { a: c, b: d, radius: 0.1 });
-        let found = nearest(&capsule, &a, &b);
-        prop_assert!((found.distance + 0.1 - expected).abs() < 1e-9, "{} {}", found.distance + 0.1, expected);
-        prop_assert!((found.direction.norm() - 1.0).abs() < 1e-9);
+        let closest = nearest(&capsule, &a, &b);
+        prop_assert!((closest.distance + 0.1 - expected).abs() < 1e-9, "{} {}", closest.distance + 0.1, expected);
+        prop_assert!((closest.direction.norm() - 1.0).abs() < 1e-9);
         // Both ways round the same.
         let back = nearest(&Solid::Capsule(Capsule { a, b, radius: 0.1 }), &c, &d);
-        prop_assert!((found.distance - back.distance).abs() < 1e-9);
+        prop_assert!((closest.distance - back.distance).abs() < 1e-9);
     }
 }
 

@@ -187,8 +187,10 @@ fn a_displacement_sheet_is_a_table_to_fill_in() -> Check {
     let planned = postures(POSTURES)?;
     let sheet = displacement_sheet(&planned, &["up", "down"], &cell).to_csv();
     insta::assert_snapshot!("displacement_sheet", sheet);
-    let error = displacements(&sheet, &cell).unwrap_err();
-    assert!(error.message().contains("is empty"), "{error}");
+    insta::assert_snapshot!(displacements(&sheet, &cell).unwrap_err(), @"
+    measurements.csv:2:12: dx_mm: The field is empty; it must be a number.
+      hint: fill it in, or remove the row if it was not measured
+    ");
     let filled = sheet.replace(",,,,,,,", ",1,2,3,4,5,6,");
     assert_eq!(displacements(&filled, &cell)?.len(), 4);
     Ok(())

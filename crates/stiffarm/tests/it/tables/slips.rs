@@ -1,4 +1,4 @@
-//! Mistakes in tables of postures and displacements.
+//! Mistakes in tables of postures and displacements are reported with place and hint.
 
 use super::*;
 use crate::common::cases::{cases, slip};

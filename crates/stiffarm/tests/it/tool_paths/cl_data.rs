@@ -1,6 +1,7 @@
-//! CL data as each CAM system means it: senses of arcs, units, frames, and words that move the tool.
+//! CL data is read as each CAM system means it: senses of arcs, units, frames, and words that move the tool.
 
 use super::{Check, axes, cell_with, codes, commanded, moved, positions, read, rounded, stated};
+use crate::common::cases::slip;
 use nalgebra::Vector3;
 use stiffarm::findings::Severity;
 use stiffarm::model::path::PathTarget;
@@ -27,13 +28,13 @@ fn farthest(path: &ReadPath) -> f64 {
 
 /// The severity of a finding, if there is one.
 fn severity(path: &ReadPath, code: &str) -> Option<Severity> {
-    let found = path.findings.iter().find(|finding| finding.code.as_str() == code);
-    found.map(|finding| finding.severity)
+    let first = path.findings.iter().find(|finding| finding.code.as_str() == code);
+    first.map(|finding| finding.severity)
 }
 
 fn sentence(path: &ReadPath, code: &str) -> String {
-    let found = path.findings.iter().find(|finding| finding.code.as_str() == code);
-    found.map_or_else(String::new, |finding| finding.sentence.to_string())
+    let first = path.findings.iter().find(|finding| finding.code.as_str() == code);
+    first.map_or_else(String::new, |finding| finding.sentence.to_string())
 }
 
 #[test]
@@ -66,15 +67,21 @@ fn arcs_run_as_the_system_that_wrote_them_has_them() -> Check {
 
 #[test]
 fn an_arc_that_runs_against_the_moves_beside_it_is_said() -> Check {
+    let mut said = String::new();
     for (name, circle) in
         [("a.ncl", "0,0,0,0,0,-1,15"), ("a.cls", "0,0,0,0,0,1,15,0.06,0.5,10,0"), ("a.apt", "0,0,0,0,0,-1")]
     {
         let path = read(name, &quarter("UNITS/MM\n", circle, "0"))?;
         assert_eq!(codes(&path), ["arc-sense"], "{name}");
-        assert!(sentence(&path, "arc-sense").contains("line 5"), "{}", sentence(&path, "arc-sense"));
+        said += &format!("{name} {circle}: {}\n", sentence(&path, "arc-sense"));
         // As the system has it, and not as the moves beside it.
         assert!(positions(&path).iter().any(|p| p[1] < -14.9 && p[0].abs() < 1.0));
     }
+    insta::assert_snapshot!(said, @"
+    a.ncl 0,0,0,0,0,-1,15: An arc (line 5) would go on smoothly from and to the straight moves beside it if it ran the other way round. It is read as the other arcs of the file: look at its points.
+    a.cls 0,0,0,0,0,1,15,0.06,0.5,10,0: An arc (line 5) would go on smoothly from and to the straight moves beside it if it ran the other way round. It is read as the other arcs of the file: look at its points.
+    a.apt 0,0,0,0,0,-1: An arc (line 5) would go on smoothly from and to the straight moves beside it if it ran the other way round. It is read as the other arcs of the file: look at its points.
+    ");
     let alone = "UNITS/MM\nGOTO/15,0,9\nGOTO/15,0,0\nCIRCLE/0,0,0,0,0,1,15\nGOTO/0,15,0\nRAPID\nGOTO/0,15,9\n";
     let path = read("a.apt", alone)?;
     assert_eq!(severity(&path, "arc-sense-assumed"), Some(Severity::Caution));
@@ -156,27 +163,26 @@ fn arcs_of_apt_set_out_as_their_direction_says() -> Check {
 fn what_an_arc_leaves_open_is_refused() {
     let circle = "CIRCLE/0,0,-2,15";
     let line = "(LINE/0,0,-2,0,15,-2)";
-    for (text, says) in [
-        (apt("1,0,0", circle, line), "does not begin where the tool is"),
-        (apt("0,1,0", "CIRCLE/0,0,-2,14", line), "does not begin where the tool is"),
-        (apt("0,-1,0", circle, line), "another by its count"),
-        (apt("0,1,0", circle, "(PLANE/0,1,0,40)"), "does not meet"),
-        (apt("0,1,0", circle, "3,INTOF,(PLANE/0,1,0,5)"), "does not meet"),
-        (apt("0,1,0", "CONE/0,0,-2,15", line), "not read here"),
-        (apt("0,1,0", circle, "TO,(LINE/0,0,-2,0,15,-2)"), "not read here"),
-        ("CIRCLE/0,0,0,0,0,1,15\nGOTO/15,0,0\n".to_string(), "sets out"),
-        ("GOTO/15,0,0\nGOHOME\nCIRCLE/0,0,0,0,0,1,15\nGOTO/15,0,0\n".to_string(), "sets out"),
-        ("GOTO/15,0,0\nTLON,GOFWD/(CIRCLE/0,0,0,15),ON,(LINE/0,0,0,0,15,0)\n".to_string(), "INDIRV"),
-        ("GOTO/15,0,0\nINDIRV/0,1,0\nGOTO/1,2,3\n".to_string(), "TLON"),
-        (
-            "GOTO/15,0,0\nINDIRV/0,1,0\nTLLFT,GOFWD/(CIRCLE/0,0,0,15),ON,(LINE/0,0,0,0,15,0)\n".to_string(),
-            "changes where",
-        ),
+    let mut report = String::new();
+    for text in [
+        apt("1,0,0", circle, line),
+        apt("0,1,0", "CIRCLE/0,0,-2,14", line),
+        apt("0,-1,0", circle, line),
+        apt("0,1,0", circle, "(PLANE/0,1,0,40)"),
+        apt("0,1,0", circle, "3,INTOF,(PLANE/0,1,0,5)"),
+        apt("0,1,0", "CONE/0,0,-2,15", line),
+        apt("0,1,0", circle, "TO,(LINE/0,0,-2,0,15,-2)"),
+        "CIRCLE/0,0,0,0,0,1,15\nGOTO/15,0,0\n".to_string(),
+        "GOTO/15,0,0\nGOHOME\nCIRCLE/0,0,0,0,0,1,15\nGOTO/15,0,0\n".to_string(),
+        "GOTO/15,0,0\nTLON,GOFWD/(CIRCLE/0,0,0,15),ON,(LINE/0,0,0,0,15,0)\n".to_string(),
+        "GOTO/15,0,0\nINDIRV/0,1,0\nGOTO/1,2,3\n".to_string(),
+        "GOTO/15,0,0\nINDIRV/0,1,0\nTLLFT,GOFWD/(CIRCLE/0,0,0,15),ON,(LINE/0,0,0,0,15,0)\n".to_string(),
     ] {
         let error = read("a.apt", &text).unwrap_err();
-        assert!(error.message().contains(says), "{text}\n{error}");
         assert!(error.place().line.is_some() && error.hint_text().is_some(), "{text}");
+        report += &slip::<()>(text.trim_end(), Err(error));
     }
+    insta::assert_snapshot!("arcs_that_are_left_open", report);
 }
 
 #[test]
@@ -192,8 +198,15 @@ fn arcs_of_apt_are_written_as_straight_moves() -> Check {
         .collect();
     let written = path.program.write(&path.points, &up)?;
     let written = String::from_utf8(written.files[0].1.clone())?;
-    assert!(!written.contains("TLON") && !written.contains("INDIRV"), "{written}");
-    assert!(written.contains("AUTOPS\n"));
+    // The lines that are no points: neither TLON nor INDIRV.
+    let words: Vec<&str> = written.lines().filter(|line| !line.starts_with("GOTO/")).collect();
+    insta::assert_snapshot!(words.join("\n"), @"
+    UNITS/MM
+    TLAXIS/ 0.000000, 0.000000, 1.000000
+    AUTOPS
+    GOTO  /   15.00000,    0.00000,   -1.00000
+    GOTO  /   20.0, 20.0, -1.0000
+    ");
     let again = read("a.apt", &written)?;
     let end = |path: &ReadPath| positions(path).into_iter().find(|p| p[1] == 15.0).unwrap();
     assert_eq!(end(&again), [0.0, 15.0, -1.0]);
@@ -216,22 +229,32 @@ fn units_are_those_that_the_file_names() -> Check {
         assert_eq!(positions(&path)[0], [millimetres, 0.0, 2.0 * millimetres], "{head}");
         assert!(codes(&path).is_empty(), "{head}: {:?}", codes(&path));
     }
-    for head in ["UNITS/CM\n", "UNITS/METER\n", "UNIT/FEET\n", "UNITS/MM,INCH\n", "UNITS\n"] {
-        let error = read("a.apt", &format!("{head}GOTO/1,0,2\n")).unwrap_err();
-        assert!(error.message().contains("unit"), "{head}: {error}");
+    let mut report = String::new();
+    for head in ["UNITS/CM", "UNITS/METER", "UNIT/FEET", "UNITS/MM,INCH", "UNITS"] {
+        report += &slip(head, read("a.apt", &format!("{head}\nGOTO/1,0,2\n")));
     }
+    insta::assert_snapshot!("units_of_cl_data", report);
     Ok(())
 }
 
 #[test]
 fn feeds_in_inches_say_the_unit_that_a_file_leaves_out() -> Check {
     let of = |feeds: &str| read("a.cls", &format!("TOOL PATH/A,TOOL,B\nRAPID\nGOTO/1,0,2\n{feeds}GOTO/2,0,2\n"));
+    let mut said = String::new();
     for feeds in ["FEDRAT/IPM,10.0\n", "FEDRAT/ 0.01, IPR\n", "fedrat/10,ipm\n"] {
         let path = of(feeds)?;
         assert_eq!(positions(&path)[0], [25.4, 0.0, 50.8], "{feeds}");
         assert_eq!(severity(&path, "units-assumed"), Some(Severity::Caution));
-        assert!(sentence(&path, "units-assumed").contains("line 4"));
+        said += &format!("{feeds}{}\n", sentence(&path, "units-assumed"));
     }
+    insta::assert_snapshot!(said, @"
+    FEDRAT/IPM,10.0
+    The file names no unit, and its feeds are in inches (line 4): its numbers are read as inches. `UNITS/MM` or `UNITS/INCH` at its head settles it.
+    FEDRAT/ 0.01, IPR
+    The file names no unit, and its feeds are in inches (line 4): its numbers are read as inches. `UNITS/MM` or `UNITS/INCH` at its head settles it.
+    fedrat/10,ipm
+    The file names no unit, and its feeds are in inches (line 4): its numbers are read as inches. `UNITS/MM` or `UNITS/INCH` at its head settles it.
+    ");
     let metric = of("FEDRAT/MMPM,10.0\n")?;
     assert_eq!(positions(&metric)[0], [1.0, 0.0, 2.0]);
     assert_eq!(severity(&metric, "units-assumed"), Some(Severity::Note));
@@ -252,7 +275,7 @@ fn a_correction_is_written_in_the_unit_of_the_file() -> Check {
         let written = path.program.write(&path.points, &commanded)?;
         let written = String::from_utf8(written.files[0].1.clone())?;
         // 0.43 mm are 0.0169 in.
-        assert!(written.contains("GOTO/1.0,0.0,2.016929\n"), "{written}");
+        assert_eq!(written.lines().find(|line| line.starts_with("GOTO/")), Some("GOTO/1.0,0.0,2.016929"), "{written}");
     }
     Ok(())
 }
@@ -271,7 +294,11 @@ fn set_ups_of_camworks_count_from_one_frame() -> Check {
     assert_eq!(codes(&path), ["set-up"]);
     assert_eq!(severity(&path, "set-up"), Some(Severity::Note));
     let error = read("a.apt", &text("")).unwrap_err();
-    assert!(error.message().contains("set-up changes") && error.place().line == Some(5), "{error}");
+    assert_eq!(error.place().line, Some(5), "{error}");
+    insta::assert_snapshot!(error, @"
+    a.apt:5:1: The set-up changes, and from which frame its points count is not said.
+      hint: `TRNTYP/WORLD,0,0,0` says that all points count from one frame; or give each set-up a file of its own
+    ");
     // One set-up says nothing.
     assert!(
         codes(&read(
@@ -302,7 +329,7 @@ fn comments_of_creo_go_on_and_their_frame_is_held() -> Check {
     assert_eq!(rounded(&stated(&one)).len(), 3);
     let two = read("a.ncl", &text("50.0"))?;
     assert_eq!(severity(&two, "set-up"), Some(Severity::Caution));
-    assert!(sentence(&two, "set-up").contains("line 10"), "{}", sentence(&two, "set-up"));
+    insta::assert_snapshot!(sentence(&two, "set-up"), @"The frame that the file names in comments (`CSYS`) is another one (line 10): all points are read in one frame.");
     Ok(())
 }
 
@@ -387,8 +414,8 @@ fn words_weigh_what_they_do_to_the_path() -> Check {
         ("FINI\n\n$$ the end", None),
     ] {
         let path = read("a.apt", &format!("UNITS/MM\nGOTO/1,0,0\nGOTO/1,0,1\n{line}\n"))?;
-        let found = path.findings.first().map(|finding| finding.severity);
-        assert_eq!(found, expected, "{line}: {:?}", path.findings);
+        let weight = path.findings.first().map(|finding| finding.severity);
+        assert_eq!(weight, expected, "{line}: {:?}", path.findings);
         assert!(path.findings.len() < 2, "{line}");
         assert_eq!(stated(&path).len(), 2, "{line}");
     }

@@ -111,8 +111,8 @@ fn each_word_is_read_as_the_interpreter_drives_it() {
                 let stops: Vec<Stop> =
                     path.points[1..].iter().map(|point: &PathPoint| (on_workpiece(point).0, point.rapid)).collect();
                 let codes = |least| {
-                    let found = path.findings.iter().filter(move |finding| finding.severity >= least);
-                    let codes: Vec<&str> = found.map(|finding| finding.code.as_str()).collect();
+                    let findings = path.findings.iter().filter(move |finding| finding.severity >= least);
+                    let codes: Vec<&str> = findings.map(|finding| finding.code.as_str()).collect();
                     codes.join(", ")
                 };
                 let (said, noted) = (codes(Severity::Caution), codes(Severity::Note));

@@ -1,4 +1,4 @@
-//! What a path is written in.
+//! What a path is written in is told by its ending, by what stands in it, or by the caller.
 
 use stiffarm::Code;
 use stiffarm_files::program::Language;
@@ -32,11 +32,14 @@ fn endings_that_say_nothing_are_looked_into() {
         ("a.txt", "GLOBAL X1\n", None, false),
         ("a.txt", "", None, false),
     ];
+    let mut report = String::new();
     for (name, text, kind, is_said) in rows {
-        let (found, said) = recognised(name, text.as_bytes(), None).unwrap();
-        assert_eq!((found, said.is_some()), (kind, is_said), "{name}: {text}");
-        assert!(said.is_none_or(|said| said.sentence.contains("--language")));
+        let (recognised, finding) = recognised(name, text.as_bytes(), None).unwrap();
+        assert_eq!((recognised, finding.is_some()), (kind, is_said), "{name}: {text}");
+        let sentence = finding.map_or("nothing is said".to_string(), |finding| finding.sentence);
+        report += &format!("{name}: {}: {sentence}\n", text.lines().next().unwrap_or_default());
     }
+    insta::assert_snapshot!("recognised_paths", report);
 }
 
 #[test]
@@ -46,8 +49,8 @@ fn the_caller_decides() {
             PathLanguage::Table => None,
             PathLanguage::Program(kind) => Some(*kind),
         };
-        let found = recognised("a.nc", GCODE.as_bytes(), Some(*language)).unwrap();
-        assert_eq!(found, (wanted, None));
+        let outcome = recognised("a.nc", GCODE.as_bytes(), Some(*language)).unwrap();
+        assert_eq!(outcome, (wanted, None));
     }
 }
 

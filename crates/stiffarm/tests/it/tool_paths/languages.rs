@@ -1,4 +1,4 @@
-//! The same path in every language, and what each has of its own.
+//! The same path is the same in every language, and each keeps what it has of its own.
 
 use super::{Check, apart, axes, cell_with, codes, positions, read, rounded, stated, unit};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
@@ -224,7 +224,7 @@ fn the_frames_of_a_program_are_held_against_the_cell() -> Check {
     assert!(read("a.src", &krl(base, tool))?.findings.is_empty());
     let high = read("a.src", &krl("{X 1500.5,Y -200,Z 1112.25,A 35,B -20,C 10}", tool))?;
     assert_eq!(codes(&high), ["program-frame"]);
-    assert!(high.findings[0].sentence.contains("500.0 mm and 0.00°"), "{}", high.findings[0].sentence);
+    insta::assert_snapshot!(high.findings[0].sentence, @"The base $BASE (line 1) of the program lies 500.0 mm and 0.00° from the workpiece frame of the cell ([work] workpiece_mm): the robot goes elsewhere than the cell says.");
     let point = "[[0,0,0],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]";
     let rapid = |tool: &str, objects: &str| {
         format!("PERS tooldata t:=[TRUE,[{tool},[1,0,0,0]],[5,[0,0,50],[1,0,0,0],0,0,0]];\n{objects}")

@@ -1,4 +1,4 @@
-//! Feeds of a path, and the loads that follow from them or from a log.
+//! Feeds of a path, and the loads that follow from them or from a log, are the same in every language.
 
 use super::{Check, cell_with, read, read_with};
 use crate::common::set_ups::path_point;
@@ -108,7 +108,7 @@ fn every_language_gives_its_feeds() -> Check {
     ];
     for (name, text) in programs {
         let points = read(name, &text)?.points;
-        let ends: Vec<&PathPoint> = points.iter().filter(|own| !own.rapid).collect();
+        let ends: Vec<&PathPoint> = points.iter().filter(|point| !point.rapid).collect();
         // Points on the way have the feed of the move that they are on.
         let mut by_line: Vec<PathPoint> = Vec::new();
         for point in ends {
@@ -120,9 +120,9 @@ fn every_language_gives_its_feeds() -> Check {
                 _ => by_line.push(point.clone()),
             }
         }
-        let found = feeds(&by_line);
-        assert_eq!(found[..3], [600.0, 600.0, 150.0], "{name}");
-        assert!(found[3].is_nan(), "{name}: {found:?}");
+        let rates = feeds(&by_line);
+        assert_eq!(rates[..3], [600.0, 600.0, 150.0], "{name}");
+        assert!(rates[3].is_nan(), "{name}: {rates:?}");
     }
     Ok(())
 }
@@ -165,24 +165,24 @@ fn the_load_of_a_cut_follows_from_the_feed() -> Check {
     let rows = "0,0,0,0,0,-1,600\n1,0,0,0,0,-1,1200\n2,0,0,0,0,-1,2400\n";
     let table = format!("{POINTS},feed_mm_per_min\n{rows}");
     let points = read_path(table.as_bytes(), "a.csv", &at_speed, None)?.points;
-    let found = loads(&at_speed, &points)?;
+    let by_point = loads(&at_speed, &points)?;
     // 6000/min with two teeth: 0.05, 0.1, 0.2 mm a tooth.
-    for (found, chip) in found.iter().zip(["0.05", "0.1", "0.2"]) {
+    for (load, chip) in by_point.iter().zip(["0.05", "0.1", "0.2"]) {
         let fixed = cell_with(&format!("{CUT}feed_per_tooth_mm = {chip}\n"));
-        for (found, expected) in found.iter().zip(loads(&fixed, &points[..1])?[0]) {
-            assert!((found - expected).abs() < 1e-12 * 100.0, "{found} {expected}");
+        for (component, expected) in load.iter().zip(loads(&fixed, &points[..1])?[0]) {
+            assert!((component - expected).abs() < 1e-12 * 100.0, "{component} {expected}");
         }
     }
     // A feature has its own spindle, and a point without feed stops it with its line.
-    let own = CUT.replace("work.milling", "work.feature.milling");
-    let featured = cell_with(&format!("[[work.feature]]\nname = 'A'\n{own}spindle_rpm = 6000\n"));
+    let cut = CUT.replace("work.milling", "work.feature.milling");
+    let featured = cell_with(&format!("[[work.feature]]\nname = 'A'\n{cut}spindle_rpm = 6000\n"));
     let table =
         format!("{POINTS},feed,feature\n0,0,0,0,0,-1,10,A\n1,0,0,0,0,-1,,A\n").replace("feed,", "feed_mm_per_s,");
     let mut points = read_path(table.as_bytes(), "a.csv", &featured, None)?.points;
     let error = featured.work.put_on(&mut points).unwrap_err();
     assert_eq!(error.place().line, Some(3), "{error}");
     let load = points[0].load.unwrap();
-    assert!((Vector3::from_column_slice(&found[0][..3]) - load.force).norm() < 1e-9);
+    assert!((Vector3::from_column_slice(&by_point[0][..3]) - load.force).norm() < 1e-9);
     Ok(())
 }
 
@@ -224,7 +224,7 @@ fn a_log_gives_each_point_the_mean_around_it() -> Check {
     let findings = log.put_on(&cell, &mut points)?;
     // A quarter of the peak is within half the way, three quarters around it.
     let forces = force_of(&points).into_iter().zip([0.0, 12.5, 75.0, 25.0]);
-    forces.for_each(|(found, expected)| assert!((found - expected).abs() < 1e-9));
+    forces.for_each(|(force, expected)| assert!((force - expected).abs() < 1e-9));
     let load = points[2].load.unwrap();
     assert_eq!((load.axes, load.force.y), (ForceAxes::Tool, 1.0));
     assert!((load.moment.z - 0.5).abs() < 1e-15);

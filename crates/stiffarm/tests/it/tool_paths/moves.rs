@@ -1,4 +1,4 @@
-//! New programs of linear moves.
+//! New programs of linear moves read back as the points that they were written from.
 
 use super::{Check, apart, stated};
 use crate::common::set_ups::path_point;
@@ -8,7 +8,7 @@ use stiffarm::model::path::{PathPoint, PathTarget};
 use stiffarm::{Code, Error};
 use stiffarm_files::cell::parse_cell;
 use stiffarm_files::program::Language;
-use stiffarm_files::tool_path::{Kind, MoveOptions, Posed, read_tool_path, write_moves};
+use stiffarm_files::tool_path::{Kind, MoveOptions, PosedPoint, read_tool_path, write_moves};
 
 /// Robots of the catalogue with a posture each \[deg\], and the language of their controllers.
 const ROBOTS: [(&str, Language, [f64; 6]); 4] = [
@@ -45,7 +45,7 @@ fn points(cell: &Cell, q: &[f64; 6]) -> (Vec<Vec<f64>>, Vec<PathPoint>) {
     (postures, points)
 }
 
-fn posed<'a>(q: &'a [Vec<f64>], points: &[PathPoint]) -> Vec<Posed<'a>> {
+fn posed<'a>(q: &'a [Vec<f64>], points: &[PathPoint]) -> Vec<PosedPoint<'a>> {
     let pairs = q.iter().zip(points).map(|(q, point)| match &point.target {
         PathTarget::Pose(pose) => (*pose, q.as_slice()),
         _ => panic!("the points are poses"),

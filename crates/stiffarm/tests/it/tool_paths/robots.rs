@@ -1,6 +1,7 @@
-//! Programs of robots as their controllers run them: order, frames, names, and what they cannot say.
+//! Programs of robots are read as their controllers run them: order, frames, names, and what they cannot say.
 
 use super::{Check, cell_with, codes, positions, read, rounded, stated};
+use crate::common::cases::slip;
 use nalgebra::Vector3;
 use stiffarm::findings::Severity;
 use stiffarm_files::program::Language;
@@ -29,8 +30,8 @@ fn xs(read: &ReadPath) -> Vec<f64> {
 
 fn sentence<'a>(read: &'a ReadPath, code: &str) -> &'a str {
     let mut findings = read.findings.iter();
-    let found = findings.find(|finding| finding.code.as_str() == code);
-    found.map_or("", |finding| finding.sentence.as_str())
+    let first = findings.find(|finding| finding.code.as_str() == code);
+    first.map_or("", |finding| finding.sentence.as_str())
 }
 
 /// The work object of the cell as RAPID has it, in two frames whose product it is.
@@ -139,14 +140,14 @@ fn procedures_run_where_they_are_called() -> Check {
     assert_eq!(xs(&path), [2.0, 1.0, 3.0, 2.0]);
     let features = stated(&path).into_iter().map(|point| point.feature.unwrap_or_default().to_string());
     assert_eq!(features.collect::<Vec<_>>(), ["b", "a", "main", "b"]);
-    assert!(sentence(&path, "procedure-uncalled").contains("procedure c (line 15)"), "{:?}", path.findings);
+    insta::assert_snapshot!(sentence(&path, "procedure-uncalled"), @"The procedure c (line 15) is called by nothing that is read: its moves are no part of the path.");
     // Without one that is started, nobody knows.
     let path = read("a.mod", &format!("PROC a()\n{one}ENDPROC\nPROC b()\n{two}gripper_on;\nENDPROC\n"))?;
     assert_eq!(xs(&path), [1.0, 2.0]);
     assert!(codes(&path).contains(&"procedure-order"));
-    assert!(sentence(&path, "not-followed").contains("gripper_on"));
+    insta::assert_snapshot!(sentence(&path, "not-followed"), @"gripper_on (line 6) is a procedure that is not in the file: what it does is not known here.");
     let path = read("a.mod", &format!("PROC a()\n{one}a;\nENDPROC\n"))?;
-    assert!(sentence(&path, "not-followed").contains("calls itself"));
+    insta::assert_snapshot!(sentence(&path, "not-followed"), @"The procedure a, which calls itself, (line 1) is not followed here.");
     let text = format!(
         "DEF a ( )\nLIN {POINT}\nb ( )\nLIN {{X 3}}\nc ( )\nEND\nDEF b ( )\nLIN {{X 2}}\nEND\nDEF d ( )\nLIN {{X 9}}\nEND\n"
     );
@@ -168,12 +169,19 @@ fn procedures_run_where_they_are_called() -> Check {
 #[test]
 fn moves_of_rapid_that_are_not_read_are_refused_by_their_target() {
     let point = format!("CONST robtarget p1:={TARGET};\nMoveL p1,v50,z1,t;\n");
-    for line in ["ArcL p1,v100,seam1,weld1,z10,t;", "DrillAt p1;", "TriggAbsJ j,v1,t1,fine,t;", "EOffsSet [1];"] {
-        let error = read("a.mod", &format!("{point}{line}\n")).unwrap_err();
-        assert_eq!(error.place().line, Some(3), "{line}: {}", error.message());
+    let mut report = String::new();
+    for line in [
+        "ArcL p1,v100,seam1,weld1,z10,t;",
+        "DrillAt p1;",
+        "TriggAbsJ j,v1,t1,fine,t;",
+        "EOffsSet [1];",
+        "VAR robtarget p2; p2:=Offs(p1,0,0,5); MoveL p2,v50,z1,t;",
+    ] {
+        let error = read("a.mod", &format!("{point}{line}\n")).expect_err(line);
+        assert_eq!(error.place().line, Some(3), "{line}: {error}");
+        report += &slip::<()>(line, Err(error));
     }
-    let error = read("a.mod", "VAR robtarget p2;\np2:=Offs(p1,0,0,5);\nMoveL p2,v50,z1,t;\n").unwrap_err();
-    assert!(error.message().starts_with("p2 is calculated"), "{}", error.message());
+    insta::assert_snapshot!("moves_of_rapid_not_read", report);
     for line in ["WaitTime 1;", "ConfL\\Off;", "VAR robtarget p2;", "VAR robtarget p2:=CRobT();", "p1.trans.x := 5;"] {
         assert!(read("a.mod", &format!("{point}{line}\n")).is_ok(), "{line}");
     }
@@ -344,10 +352,19 @@ fn fanuc_points_count_where_a_move_goes_there() -> Check {
     let path =
         read("a.ls", &ls(&["L P[1] 50mm/sec FINE", "  A[875]=ON", "  S[1]=3", "L P[3] 50mm/sec FINE"], &points))?;
     assert!(path.findings.is_empty() && xs(&path) == [1.0, 3.0], "{:?}", path.findings);
-    let error = read("a.ls", &ls(&["L P[1] 50mm/sec FINE", "L P[2] 50mm/sec FINE"], &points)).unwrap_err();
-    assert!(error.message().contains("P[2] has no X"), "{}", error.message());
-    let error = read("a.ls", &ls(&["L P[1] 50mm/sec FINE", "A P[3] 50mm/sec FINE"], &points)).unwrap_err();
-    assert!(error.message().contains("A is a move"), "{}", error.message());
+    let mut report = String::new();
+    for second in ["L P[2] 50mm/sec FINE", "A P[3] 50mm/sec FINE"] {
+        report += &slip(second, read("a.ls", &ls(&["L P[1] 50mm/sec FINE", second], &points)));
+    }
+    insta::assert_snapshot!(report, @"
+    » L P[2] 50mm/sec FINE
+    [program] a.ls:12:3: P[2] has no X.
+      hint: the file is read as FANUC TP, by the ending of its name; docs/paths.md says what is read
+
+    » A P[3] 50mm/sec FINE
+    [program] a.ls:4:6: A is a move that is not read here.
+      hint: the file is read as FANUC TP, by the ending of its name; docs/paths.md says what is read
+    ");
     Ok(())
 }
 
@@ -429,25 +446,23 @@ fn external_axes_that_stand_still_are_part_of_the_base() -> Check {
         |a: String, b: String| ls(&moves, &[listed(1, "1.0", &a), listed(2, "2.0", &b), listed(3, "3.0", &group("7"))]);
     let with = |at: &str, other: &str| {
         [
-            ("a.src", format!("LIN {{X 1,Y 2,Z 3,A 0,B 0,C 180,E1 {at}}}\nLIN {{X 2,E1 {other}}}\n"), "E1"),
-            ("a.mod", format!("MoveL {},v50,z1,t;\nMoveL {},v50,z1,t;\n", target(at), target(other)), "eax_a"),
-            ("a.ls", two(group(at), group(other)), "J1 of group 2"),
-            ("a.ls", two(track(at), track(other)), "E1"),
+            ("a.src", format!("LIN {{X 1,Y 2,Z 3,A 0,B 0,C 180,E1 {at}}}\nLIN {{X 2,E1 {other}}}\n")),
+            ("a.mod", format!("MoveL {},v50,z1,t;\nMoveL {},v50,z1,t;\n", target(at), target(other))),
+            ("a.ls", two(group(at), group(other))),
+            ("a.ls", two(track(at), track(other))),
         ]
     };
-    for (name, text, axis) in with("1000", "1000.0") {
-        let path = read(name, &text)?;
-        let said = sentence(&path, "external-axis");
-        assert!(said.contains(axis) && said.contains("stands at 1000 at every point"), "{name}: {:?}", path.findings);
+    let mut report = String::new();
+    for (name, text) in with("1000", "1000.0") {
+        report += &format!("» {name}\n{}\n\n", sentence(&read(name, &text)?, "external-axis"));
     }
-    for (name, text, _) in with("0", "0.0") {
+    for (name, text) in with("0", "0.0") {
         assert_eq!(sentence(&read(name, &text)?, "external-axis"), "");
     }
-    for (name, text, axis) in with("0", "100") {
-        let error = read(name, &text).unwrap_err();
-        assert!(error.message().contains(axis) && error.hint_text().is_some(), "{name}: {}", error.message());
-        assert!(error.place().line > Some(1));
+    for (name, text) in with("0", "100") {
+        report += &slip(&format!("{name}, moved"), read(name, &text));
     }
+    insta::assert_snapshot!("external_axes", report);
     // What a line leaves out stands where the last move left it.
     let text = format!("LIN {POINT}\nPTP {{A1 0,A2 -90,A3 90,A4 0,A5 0,A6 0,E1 500}}\nLIN {{X 5}}\n");
     assert!(read("a.src", &text).is_err());

@@ -1,4 +1,4 @@
-//! How each slip is reported.
+//! Each slip in a tool path is reported with its place and a hint.
 
 use super::{cell_with, read_with};
 

@@ -1,4 +1,4 @@
-//! Capsules of a written cell against the shapes of the URDF, moved by the plain chain.
+//! Capsules of a written cell hold the shapes of the URDF, moved by the plain chain.
 
 use super::shapes::ARM;
 use super::*;
@@ -80,8 +80,8 @@ fn capsules_of_a_written_cell_hold_every_point_of_the_urdf() {
     let written = template_with_shapes(&read.robot, "A robot.", &capsules).unwrap();
     assert!(written.contains(&format!("# Shapes of the links: {} capsules around 3 links", capsules.len())));
     let robot = parse_cell(&written, "cell.toml").unwrap().setup.robot;
-    let own: &[LinkCapsule] = robot.link_capsules();
-    assert_eq!(own.len(), capsules.len());
+    let written_capsules: &[LinkCapsule] = robot.link_capsules();
+    assert_eq!(written_capsules.len(), capsules.len());
     let plain = joints(&text);
     let names = &read.robot.joint_names;
     let mut dice = Dice::new(7);
@@ -95,13 +95,13 @@ fn capsules_of_a_written_cell_hold_every_point_of_the_urdf() {
             let (pose, _) = pose_and_jacobian(&plain, "base", link, &named, names);
             for point in points(&shape.geometry) {
                 let at: Vector4<f64> = pose * origin * point.push(1.0);
-                let outside = own
+                let outside = written_capsules
                     .iter()
-                    .filter(|own| own.link == shape.link)
-                    .map(|own| {
-                        let capsule = match own.link {
-                            0 => own.capsule,
-                            i => own.capsule.placed(&frames.links()[i - 1]),
+                    .filter(|part| part.link == shape.link)
+                    .map(|part| {
+                        let capsule = match part.link {
+                            0 => part.capsule,
+                            i => part.capsule.placed(&frames.links()[i - 1]),
                         };
                         capsule.distance_to(&at.xyz())
                     })
@@ -130,5 +130,8 @@ fn a_size_in_millimetres_is_refused() {
     let text = ARM.replace("<box size=\"1 1 0.5\"/>", "<box size=\"900 900 500\"/>");
     let read = read_urdf(&text, "arm.urdf", &options("base", "hand")).unwrap();
     let error = read.link_capsules(|path, unit| Ok(mesh(path, unit))).unwrap_err();
-    assert!(error.message().contains("\"pedestal\" is 900 m across"), "{error}");
+    insta::assert_snapshot!(error, @r#"
+    A shape of the link "pedestal" is 900 m across: probably its unit is mm.
+      hint: a URDF gives all lengths in m
+    "#);
 }

@@ -66,7 +66,7 @@ fn urdf(specs: &[Spec]) -> String {
         let quarter = std::f64::consts::FRAC_PI_2;
         // Along the axis before.
         let along = axis.map(|v| v * spec.xyz[0]);
-        let (xyz, rpy, own) = match spec.lie {
+        let (xyz, rpy, turn_axis) = match spec.lie {
             Lie::Any => (spec.xyz, spec.rpy, spec.axis),
             Lie::Parallel => (spec.xyz, [0.0; 3], axis),
             Lie::Nearly(decade) => (spec.xyz, spec.rpy.map(|v| v * 10f64.powi(decade)), axis),
@@ -74,7 +74,7 @@ fn urdf(specs: &[Spec]) -> String {
             Lie::Same => (along, [0.0; 3], axis),
             Lie::Square => (spec.xyz, spec.rpy.map(|v| v.round() * quarter), [0.0, 0.0, 1.0]),
         };
-        axis = own;
+        axis = turn_axis;
         let kind = match (spec.is_fixed, i % 2) {
             (true, _) => "fixed",
             (false, 0) => "revolute",
@@ -88,7 +88,7 @@ fn urdf(specs: &[Spec]) -> String {
             i + 1,
             words(xyz),
             words(rpy),
-            words(own)
+            words(turn_axis)
         );
         let beside = match spec.beside {
             0 => "type=\"prismatic\"><limit lower=\"0\" upper=\"1\" effort=\"0\" velocity=\"0\"/>".to_string(),
@@ -109,8 +109,8 @@ proptest! {
     fn chains_of_any_axes_are_exact(specs in prop::collection::vec(spec(), 2..9), seed in 0..u64::MAX) {
         prop_assume!(specs.iter().any(|spec| !spec.is_fixed));
         let text = urdf(&specs);
-        let asked = options("l0", &format!("l{}", specs.len()));
-        let read = read_urdf(&text, "chain.urdf", &asked).unwrap();
+        let ends = options("l0", &format!("l{}", specs.len()));
+        let read = read_urdf(&text, "chain.urdf", &ends).unwrap();
         let worst = differences(&text, &read, &mut Dice::new(seed), 5);
         prop_assert!(worst.pose < 1e-11, "pose {:e}\n{}", worst.pose, text);
         prop_assert!(worst.jacobian < 1e-11, "Jacobian {:e}\n{}", worst.jacobian, text);

@@ -54,8 +54,8 @@ fn differences(text: &str, read: &UrdfRobot, dice: &mut Dice, postures: usize) -
         let flange = frames.flange().to_homogeneous();
         worst.pose = worst.pose.max((flange - pose).amax());
         let tip = frames.flange().translation.vector;
-        let own = frames.jacobian(&tip) * robot.coupling();
-        worst.jacobian = worst.jacobian.max((own - jacobian).amax());
+        let ours = frames.jacobian(&tip) * robot.coupling();
+        worst.jacobian = worst.jacobian.max((ours - jacobian).amax());
         if let Some(in_cell) = &in_cell {
             let flange = Frames::new(in_cell, &q).flange().to_homogeneous();
             worst.cell = worst.cell.max((flange - pose).amax());

@@ -64,13 +64,13 @@ pub fn joints_turned(urdf: &str, turned: impl Fn(f64) -> f64) -> Vec<PlainJoint>
     parts
         .map(|part| {
             let head = format!("<joint {part}");
-            let own = |name: &str| attribute(&head, "joint", name).unwrap().to_string();
+            let of_joint = |name: &str| attribute(&head, "joint", name).unwrap().to_string();
             let number =
                 |name: &str, default: f64| attribute(part, "mimic", name).map_or(default, |v| v.parse().unwrap());
             let axis = Vector3::from(three(attribute(part, "axis", "xyz"), [1.0, 0.0, 0.0]));
             PlainJoint {
-                name: own("name"),
-                kind: own("type"),
+                name: of_joint("name"),
+                kind: of_joint("type"),
                 parent: attribute(part, "parent", "link").unwrap().to_string(),
                 child: attribute(part, "child", "link").unwrap().to_string(),
                 origin: pose(
@@ -140,8 +140,8 @@ pub fn pose_and_jacobian(
         };
         let linear = axis.cross(&(point - origin));
         let column = Vector6::new(linear.x, linear.y, linear.z, axis.x, axis.y, axis.z);
-        let mut own = jacobian.column_mut(j);
-        own += column * factor;
+        let mut entry = jacobian.column_mut(j);
+        entry += column * factor;
     }
     (at, jacobian)
 }

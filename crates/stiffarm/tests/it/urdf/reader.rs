@@ -1,4 +1,4 @@
-//! What a URDF may leave out or write in another way, and what it may not give twice.
+//! A URDF may leave out or write in another way what it likes, and may not give anything twice.
 
 use super::*;
 use std::f64::consts::TAU;
@@ -125,10 +125,10 @@ fn faults_are_named_with_line_and_column() {
     ] {
         let text = with(&[(from, to)]);
         let error = read_urdf(&text, "robot.urdf", &UrdfOptions::default()).unwrap_err();
-        let found = error.place();
+        let at = error.place();
         assert_eq!(error.code(), code, "{error}");
         let place = (Some(place.0), Some(place.1));
-        assert_eq!((found.line, found.column), place, "{error}");
+        assert_eq!((at.line, at.column), place, "{error}");
     }
 }
 
@@ -158,9 +158,9 @@ fn what_is_no_xml_is_said_with_its_place() {
         (&format!("<robot>\n<link{crowd}/></robot>"), (2, 1)),
     ] {
         let error = read_urdf(text, "robot.urdf", &UrdfOptions::default()).unwrap_err();
-        let found = error.place();
+        let at = error.place();
         let place = (Some(place.0), Some(place.1));
-        assert_eq!((found.line, found.column), place, "{text}: {error}");
+        assert_eq!((at.line, at.column), place, "{text}: {error}");
         assert!(error.hint_text().is_some(), "{error}");
     }
 }

@@ -1,32 +1,24 @@
-//! Descriptions of real arms.
+//! Descriptions of real arms move as other software has them.
 
 use super::*;
+use crate::common::{numbers, reference_folder};
 use serde_json::Value;
 use std::path::PathBuf;
-
-fn folder() -> PathBuf {
-    crate::common::reference_folder()
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    let list = value.as_array().unwrap();
-    list.iter().map(|v| v.as_f64().unwrap()).collect()
-}
 
 #[test]
 #[ignore = "needs STIFFARM_REFERENCE_DATA"]
 fn poses_and_jacobians_are_those_of_the_descriptions() {
-    let text = std::fs::read_to_string(folder().join("robots/robots_catalogue.json")).unwrap();
+    let text = std::fs::read_to_string(reference_folder().join("robots/robots_catalogue.json")).unwrap();
     let robots: Value = serde_json::from_str(&text).unwrap();
     let robots = robots.as_object().unwrap();
     assert_eq!(robots.len(), 40);
     let mut dice = Dice::new(31);
     for (name, data) in robots {
-        let file = folder().join(format!("robots/urdf/{name}.urdf"));
+        let file = reference_folder().join(format!("robots/urdf/{name}.urdf"));
         let text = std::fs::read_to_string(file).unwrap();
-        let own = |key: &str| data[key].as_str().unwrap();
-        let asked = options(own("base_frame"), own("flange_frame"));
-        let read = read_urdf(&text, name, &asked).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let field = |key: &str| data[key].as_str().unwrap();
+        let ends = options(field("base_frame"), field("flange_frame"));
+        let read = read_urdf(&text, name, &ends).unwrap_or_else(|e| panic!("{name}: {e}"));
         let worst = differences(&text, &read, &mut dice, 20);
         println!("{name}: {:.1e} {:.1e} {:.1e}", worst.pose, worst.jacobian, worst.cell);
         assert!(worst.pose < 1e-12, "{name}: {:e}", worst.pose);
@@ -34,18 +26,18 @@ fn poses_and_jacobians_are_those_of_the_descriptions() {
         assert!(worst.cell < 1e-9, "{name}: {:e}", worst.cell);
         let names: Vec<&str> = data["joint_names"].as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect();
         assert_eq!(read.robot.joint_names, names, "{name}");
-        let known = data["joint_limits_deg"].as_array().unwrap();
+        let stated = data["joint_limits_deg"].as_array().unwrap();
         let endless = |joint: &str| read.findings.iter().any(|f| f.subject == joint);
         let Some(limits) = read.robot.limits.as_ref() else {
             assert!(names.iter().all(|joint| endless(joint)), "{name} has no limits");
             continue;
         };
-        for ((own, limit), joint) in limits.iter().zip(known).zip(names) {
-            for (own, limit) in own.iter().zip(numbers(limit)) {
+        for ((ours, stated), joint) in limits.iter().zip(stated).zip(names) {
+            for (end, limit) in ours.iter().zip(numbers(stated)) {
                 let limit = if endless(joint) { 360.0 * limit.signum() } else { limit };
-                let own = own.to_degrees();
+                let end = end.to_degrees();
                 // Rounded to what the digits of the radians mean.
-                assert!((own - limit).abs() < 6e-3, "{name}: {own} {limit}");
+                assert!((end - limit).abs() < 6e-3, "{name}: {end} {limit}");
             }
         }
     }
@@ -56,7 +48,7 @@ fn poses_and_jacobians_are_those_of_the_descriptions() {
 fn base_and_tip_are_found() {
     let mut refused = Vec::new();
     let mut files: Vec<PathBuf> =
-        std::fs::read_dir(folder().join("robots/urdf")).unwrap().map(|entry| entry.unwrap().path()).collect();
+        std::fs::read_dir(reference_folder().join("robots/urdf")).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
     for file in files {
         let name = file.file_stem().unwrap().to_string_lossy().into_owned();
@@ -78,12 +70,12 @@ fn base_and_tip_are_found() {
 #[ignore = "needs STIFFARM_REFERENCE_DATA"]
 fn poses_and_jacobians_are_those_of_pinocchio() {
     for (name, base) in [("ur10", "base_link"), ("panda", "panda_link0")] {
-        let folder = folder().join("pinocchio");
+        let folder = reference_folder().join("pinocchio");
         let text = std::fs::read_to_string(folder.join(format!("{name}.urdf"))).unwrap();
         let data = std::fs::read_to_string(folder.join(format!("{name}.json"))).unwrap();
         let data: Value = serde_json::from_str(&data).unwrap();
-        let asked = options(base, data["frame"].as_str().unwrap());
-        let read = read_urdf(&text, name, &asked).unwrap();
+        let ends = options(base, data["frame"].as_str().unwrap());
+        let read = read_urdf(&text, name, &ends).unwrap();
         let robot = read.robot.robot().unwrap();
         let mut worst = 0.0_f64;
         for sample in data["samples"].as_array().unwrap() {

@@ -2,7 +2,7 @@
 
 use crate::figure::drawing::{DISTINCT_ITEMS, Tone};
 use crate::figure::svg::canvas::{Canvas, INK, Point, Stroke};
-use crate::figure::svg::look::Look;
+use crate::figure::svg::series_style::SeriesStyle;
 
 /// Red that no other mark has; 5.9 to 1 against white.
 pub(super) const CAUTION: &str = "#c8102e";
@@ -75,7 +75,7 @@ pub(super) fn marker_colour(tone: Tone, caution: bool) -> &'static str {
 /// Draws the marker of a tone.
 pub(super) fn marker(canvas: &mut Canvas, at: Point, tone: Tone, caution: bool) {
     let ring = |colour| Stroke::solid(colour, 1.4);
-    let look = |colour, variant| Look { colour, dash: "", variant };
+    let look = |colour, variant| SeriesStyle { colour, dash: "", variant };
     let colour = marker_colour(tone, caution);
     match tone {
         Tone::Item(n) if n >= DISTINCT_ITEMS => {}
@@ -104,13 +104,13 @@ mod tests {
 
     #[test]
     fn no_two_items_look_alike() {
-        let looks: HashSet<String> = (0..DISTINCT_ITEMS)
+        let markers: HashSet<String> = (0..DISTINCT_ITEMS)
             .map(|n| {
                 let mut canvas = Canvas::default();
                 marker(&mut canvas, (0.0, 0.0), Tone::Item(n), false);
                 canvas.finish()
             })
             .collect();
-        assert_eq!(looks.len(), DISTINCT_ITEMS);
+        assert_eq!(markers.len(), DISTINCT_ITEMS);
     }
 }

@@ -81,7 +81,7 @@ fn best(name: &Name, shown: &str, area: Rect, places: &[Point], taken: &[Rect]) 
     let (w, h) = (text::width(shown, SIZE) + 3.0, 1.15 * SIZE);
     let directions =
         [(1.0, -0.6), (-1.0, -0.6), (1.0, 0.6), (-1.0, 0.6), (0.0, -1.0), (0.0, 1.0), (1.0, 0.0), (-1.0, 0.0)];
-    let mut found: Option<(Rect, f64, f64)> = None;
+    let mut cheapest: Option<(Rect, f64, f64)> = None;
     for distance in DISTANCES {
         for (dx, dy) in directions {
             let x = name.at.0 + dx * (distance + 0.5 * w) - 0.5 * w;
@@ -95,12 +95,12 @@ fn best(name: &Name, shown: &str, area: Rect, places: &[Point], taken: &[Rect]) 
             let over = taken.iter().filter(|other| overlap(&rect, other)).count();
             let hidden = places.iter().filter(|p| near(&rect, **p)).count();
             let cost = 50.0 * over as f64 + 4.0 * hidden as f64 + distance / 10.0;
-            if found.as_ref().is_none_or(|(_, before, _)| cost < *before) {
-                found = Some((rect, cost, distance));
+            if cheapest.as_ref().is_none_or(|(_, before, _)| cost < *before) {
+                cheapest = Some((rect, cost, distance));
             }
         }
     }
-    found.map_or((Rect { x: name.at.0, y: name.at.1, w, h }, 0.0), |(rect, _, distance)| (rect, distance))
+    cheapest.map_or((Rect { x: name.at.0, y: name.at.1, w, h }, 0.0), |(rect, _, distance)| (rect, distance))
 }
 
 fn overlap(a: &Rect, b: &Rect) -> bool {

@@ -106,16 +106,16 @@ fn fitting<'a>(drawing: &'a Drawing, has_notes: bool, room: (f64, f64), tallest:
     while heights[heights.len() - 1] > LOWERED {
         heights.push(heights[heights.len() - 1] - STEP);
     }
-    let mut found = arrange(&choices[0], HIGHEST);
+    let mut arrangement = arrange(&choices[0], HIGHEST);
     for views in &choices {
         for highest in &heights {
-            if found.height <= tallest {
-                return found;
+            if arrangement.height <= tallest {
+                return arrangement;
             }
-            found = arrange(views, *highest);
+            arrangement = arrange(views, *highest);
         }
     }
-    found
+    arrangement
 }
 
 /// These views, none higher than `highest`, with the key and the notes.

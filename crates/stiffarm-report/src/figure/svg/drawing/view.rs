@@ -170,11 +170,11 @@ fn cut(corners: &[Point], area: &Rect) -> Vec<Point> {
     let (right, bottom) = (area.x + area.w, area.y + area.h);
     let sides: [&dyn Fn(&Point) -> f64; 4] =
         [&|p| p.0 - area.x, &|p| right - p.0, &|p| p.1 - area.y, &|p| bottom - p.1];
-    let mut kept = corners.to_vec();
+    let mut inner = corners.to_vec();
     for inside in sides {
-        let mut next = Vec::with_capacity(kept.len() + 1);
-        for (i, here) in kept.iter().enumerate() {
-            let before = &kept[(i + kept.len() - 1) % kept.len()];
+        let mut next = Vec::with_capacity(inner.len() + 1);
+        for (i, here) in inner.iter().enumerate() {
+            let before = &inner[(i + inner.len() - 1) % inner.len()];
             let (a, b) = (inside(before), inside(here));
             if (a < 0.0) != (b < 0.0) {
                 let t = a / (a - b);
@@ -184,9 +184,9 @@ fn cut(corners: &[Point], area: &Rect) -> Vec<Point> {
                 next.push(*here);
             }
         }
-        kept = next;
+        inner = next;
     }
-    kept
+    inner
 }
 
 #[cfg(test)]

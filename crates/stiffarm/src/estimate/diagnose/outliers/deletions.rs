@@ -3,15 +3,15 @@
 use crate::error::Result;
 use crate::estimate::diagnose::tails::f_tail;
 use crate::estimate::identify::{Fit, Whitened};
-use crate::estimate::mixed::Seen;
+use crate::estimate::mixed::ResidualMaker;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// A displacement with less than this share of its information left over is
 /// fitted exactly and cannot be judged.
-const EXACT: f64 = 1e-9;
+const FITTED_EXACTLY_SHARE: f64 = 1e-9;
 
 /// One displacement against all others.
-pub(super) struct Deleted {
+pub(super) struct DeletionResidual {
     /// Measured minus predicted \[m\].
     pub(super) deviation: Vector3<f64>,
     /// Its standard errors \[m\].
@@ -23,7 +23,7 @@ pub(super) struct Deleted {
 /// What each part of the data does to the fit.
 pub(super) struct Deletions {
     /// Each displacement; `None` for one that the fit meets exactly whatever it is.
-    pub(super) displacements: Vec<Option<Deleted>>,
+    pub(super) displacements: Vec<Option<DeletionResidual>>,
     /// Probability of each measuring point's residuals by the fit to the others.
     pub(super) points: Vec<Option<f64>>,
 }
@@ -32,17 +32,17 @@ impl Deletions {
     /// Every displacement and every point against the prediction from all other
     /// data, with the ratio of the two variances that all data have.
     ///
-    /// With P = V⁻¹ − V⁻¹Ψ(ΨᵀV⁻¹Ψ)⁻¹ΨᵀV⁻¹, V with the random effects where there are any, and q = P Δ, leaving the rows
-    /// S out takes q_Sᵀ P_SS⁻¹ q_S off the squares (Cook & Weisberg 1982, ch. 2.2 for V = I).
-    pub(super) fn of(fit: &Fit, all: &Seen) -> Result<Self> {
+    /// With P = V⁻¹ − V⁻¹Ψ(ΨᵀV⁻¹Ψ)⁻¹ΨᵀV⁻¹, V with the random effects where there are any, and q = P Δ, leaving the rows S out takes
+    /// q_Sᵀ P_SS⁻¹ q_S off the squares (Cook & Weisberg 1982, ch. 2.2 for V = I).
+    pub(super) fn of(fit: &Fit, all: &ResidualMaker) -> Result<Self> {
         let system = fit.system();
-        let Seen { basis, residual, size, free, gamma } = all;
+        let ResidualMaker { basis, residual, size, free, gamma } = all;
         let (size, free, gamma) = (*size, *free, *gamma);
         let rows = system.delta.len();
         let whitened = fit.prepared().whitened();
         let mut displacements = Vec::with_capacity(rows / 3);
         let of_tool = fit.cell().setup.tool.point_count();
-        let mut points = vec![OfPoint::new(basis.ncols()); of_tool];
+        let mut points = vec![PointDeletion::new(basis.ncols()); of_tool];
         for (b, block) in system.blocks.iter().enumerate() {
             fit.control().check()?;
             let (from, count) = (block.rows.start, block.rows.len());
@@ -59,14 +59,14 @@ impl Deletions {
                 let full: Matrix3<f64> = whole.tr_mul(&whole).fixed_view::<3, 3>(0, 0).into_owned();
                 let projection = full - seen * seen.transpose();
                 let q: Vector3<f64> = q.fixed_rows::<3>(3 * i).into_owned();
-                let judged = free > 3 && projection.symmetric_eigenvalues().min() > EXACT * full.trace();
+                let judged = free > 3 && projection.symmetric_eigenvalues().min() > FITTED_EXACTLY_SHARE * full.trace();
                 let inverse = projection.try_inverse().filter(|_| judged);
                 displacements.push(inverse.and_then(|inverse| {
                     let deviation = inverse * q;
                     let explained = q.dot(&deviation);
                     let left = (size - explained).max(f64::EPSILON * size);
                     let variance = left / (free - 3) as f64;
-                    Some(Deleted {
+                    Some(DeletionResidual {
                         deviation,
                         error: inverse.diagonal().map(|v| (v * variance).max(0.0).sqrt()),
                         p_value: f_tail(explained / 3.0 / variance, 3, free - 3)?,
@@ -86,7 +86,7 @@ impl Deletions {
 /// with D posture by posture, so that
 /// P_SS⁻¹ = D⁻¹ + D⁻¹K (I − KᵀD⁻¹K)⁻¹ KᵀD⁻¹.
 #[derive(Clone)]
-struct OfPoint {
+struct PointDeletion {
     /// Rows.
     rows: usize,
     /// KᵀD⁻¹K.
@@ -99,9 +99,15 @@ struct OfPoint {
     singular: bool,
 }
 
-impl OfPoint {
+impl PointDeletion {
     fn new(rank: usize) -> Self {
-        OfPoint { rows: 0, seen: DMatrix::zeros(rank, rank), moved: DVector::zeros(rank), size: 0.0, singular: false }
+        PointDeletion {
+            rows: 0,
+            seen: DMatrix::zeros(rank, rank),
+            moved: DVector::zeros(rank),
+            size: 0.0,
+            singular: false,
+        }
     }
 
     /// Adds a posture: the point's columns of V^(−1/2), its rows of K and of q.
@@ -134,7 +140,7 @@ impl OfPoint {
         if self.singular || self.rows == 0 || free <= self.rows {
             return None;
         }
-        if rank > 0 && left_over.symmetric_eigenvalues().min() <= EXACT {
+        if rank > 0 && left_over.symmetric_eigenvalues().min() <= FITTED_EXACTLY_SHARE {
             return None;
         }
         let more = left_over.cholesky()?.solve(&self.moved);

@@ -13,20 +13,20 @@
 //! point) is named instead.
 
 mod deletions;
-mod kept;
+mod fitted_data;
 
 use super::noise::{NoiseTest, noise_test};
 use crate::error::Result;
 use crate::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource};
 use crate::estimate::mixed::MixedFit;
 use crate::findings::{Finding, codes, length, length_with_error, list, probability};
-use kept::Kept;
+use fitted_data::FittedData;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// Outliers after which the search ends: beyond, the model is at fault.
-const MOST: usize = 5;
+const MOST_OUTLIERS: usize = 5;
 
 /// What does not fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -132,8 +132,8 @@ pub(super) fn outliers_in(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Outlier
         ..fit.options().clone()
     };
     let mut rest = match mixed {
-        Some(mixed) => Kept::new(mixed.fit().clone(), Some(Cow::Borrowed(mixed))),
-        None => Kept::new(fit.with(&options)?, None),
+        Some(mixed) => FittedData::new(mixed.fit().clone(), Some(Cow::Borrowed(mixed))),
+        None => FittedData::new(fit.with(&options)?, None),
     };
     let mut out = Outliers {
         found: Vec::new(),
@@ -144,7 +144,7 @@ pub(super) fn outliers_in(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Outlier
     };
     let mut nothing_left = false;
     while let Some(outlier) = rest.worst()? {
-        if out.found.len() == MOST {
+        if out.found.len() == MOST_OUTLIERS {
             out.more = true;
             break;
         }
@@ -173,8 +173,8 @@ impl Outliers {
         // Naming each would blame readings for what the model does.
         let worst: Vec<String> = self.found.iter().map(Outlier::subject).collect();
         let message = format!(
-            "More than {MOST} parts of the data contradict the rest (first {}): the model or the set-up is at fault \
-             rather than single readings.",
+            "More than {MOST_OUTLIERS} parts of the data contradict the rest (first {}): the model or the set-up is at fault rather \
+             than single readings.",
             list(&worst)
         );
         vec![Finding::serious(codes::MORE_OUTLIERS, "measurements", message)]

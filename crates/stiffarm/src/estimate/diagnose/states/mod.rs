@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 use series::{Series, series};
 
 /// Degrees of freedom from which the scatter about the curves is used.
-const ENOUGH: usize = 6;
+const FEWEST_DEGREES: usize = 6;
 /// Level of each of the three pooled tests.
 const FAMILY: f64 = LEVEL / 3.0;
 
@@ -104,7 +104,7 @@ pub fn load_states(fit: &Fit, noise: Option<&NoiseTest>) -> Result<Option<LoadSt
     let (size, free) =
         all.iter().filter_map(Series::scatter).fold((0.0, 0), |(s, f), (size, free)| (s + size, f + free));
     let expected = fit.cell().noise.displacement_std();
-    let (scatter, degrees) = if free >= ENOUGH {
+    let (scatter, degrees) = if free >= FEWEST_DEGREES {
         ((size / free as f64).sqrt(), Some(free))
     } else {
         // The cell's noise, if the residuals bear it out.

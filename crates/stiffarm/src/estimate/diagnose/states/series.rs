@@ -2,14 +2,12 @@
 //! curves through them.
 
 use crate::error::Result;
-use crate::estimate::identify::{Block, Covariance, Fit, RowLabel};
+use crate::estimate::identify::{ALIKE_TORQUE_COSINE, Block, Covariance, Fit, RowLabel};
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 
-/// States whose joint torques point this much alike belong to one line.
-const ALIKE: f64 = 0.9;
 /// Loads that differ by less, relative to the largest, are equal.
-const EQUAL: f64 = 0.05;
+const EQUAL_LOADS: f64 = 0.05;
 
 /// Load states of a posture, projected.
 pub(super) struct Series {
@@ -54,7 +52,7 @@ pub(super) fn series(fit: &Fit, block: &Block) -> Result<Option<Series>> {
     // Of several load cases the states of one: others pull from elsewhere, however alike
     // their torques.
     let case = |s: usize| cell.setup.load.case_of(&measured[states[s]].state).ok();
-    let alike = |t: &DVector<f64>| t.dot(leader) > ALIKE * t.norm() * leader.norm();
+    let alike = |t: &DVector<f64>| t.dot(leader) > ALIKE_TORQUE_COSINE * t.norm() * leader.norm();
     let of_case: Vec<usize> = (0..states.len()).filter(|&s| alike(&torques[s]) && case(s) == case(first)).collect();
     let point_of = |l: &RowLabel| measured[l.measured].displacements[l.displacement].point;
     let has = |state: usize, point: usize| labels.iter().any(|l| l.measured == state && point_of(l) == point);
@@ -129,9 +127,9 @@ fn directions(states: &[String], load: &DVector<f64>) -> Vec<Option<bool>> {
             let before = if s == 0 { 0.0 } else { load[s - 1] };
             if states[s].starts_with("down") {
                 Some(true)
-            } else if states[s].starts_with("up") || load[s] > before + EQUAL {
+            } else if states[s].starts_with("up") || load[s] > before + EQUAL_LOADS {
                 Some(false)
-            } else if load[s] < before - EQUAL {
+            } else if load[s] < before - EQUAL_LOADS {
                 Some(true)
             } else {
                 None
@@ -144,7 +142,7 @@ fn directions(states: &[String], load: &DVector<f64>) -> Vec<Option<bool>> {
 fn levels(load: &DVector<f64>) -> usize {
     let mut sorted: Vec<f64> = load.iter().copied().collect();
     sorted.sort_by(f64::total_cmp);
-    1 + sorted.windows(2).filter(|w| w[1] - w[0] > EQUAL).count()
+    1 + sorted.windows(2).filter(|w| w[1] - w[0] > EQUAL_LOADS).count()
 }
 
 impl Series {
@@ -237,7 +235,7 @@ impl Series {
         for d in of(true) {
             let gap = |u: &usize| (self.load[*u] - self.load[d]).abs();
             let up = of(false).min_by(|a, b| gap(a).total_cmp(&gap(b)));
-            if let Some(u) = up.filter(|u| gap(u) <= EQUAL) {
+            if let Some(u) = up.filter(|u| gap(u) <= EQUAL_LOADS) {
                 contrast[d] += 1.0;
                 contrast[u] -= 1.0;
                 size += 0.5 * (self.z[d] + self.z[u]);

@@ -1,6 +1,6 @@
 //! Robust fit over postures, and how sure its turn is.
 
-use super::Seen;
+use super::UnloadedPosture;
 use crate::error::Result;
 use crate::measure::registration::{Agreement, Pair, PointPair, Registration, TurnSums, register, robust};
 use nalgebra::Vector3;
@@ -22,13 +22,13 @@ pub(super) struct Fit {
 }
 
 /// The pairs of the postures that are `used`.
-fn pairs(seen: &[Seen<'_>], used: &[bool]) -> Vec<PointPair> {
+fn pairs(seen: &[UnloadedPosture<'_>], used: &[bool]) -> Vec<PointPair> {
     let chosen = seen.iter().zip(used).filter(|(_, used)| **used);
     chosen.flat_map(|(s, _)| s.pairs.iter().cloned()).collect()
 }
 
 /// Fits the postures that agree with each other.
-pub(super) fn robust_fit(seen: &[Seen<'_>], reading_std: f64) -> Result<Fit> {
+pub(super) fn robust_fit(seen: &[UnloadedPosture<'_>], reading_std: f64) -> Result<Fit> {
     let floor = (ABOVE_NOISE * reading_std).max(ROUNDING);
     let agreement = Agreement {
         factor: DISAGREES,
@@ -46,16 +46,16 @@ pub(super) fn robust_fit(seen: &[Seen<'_>], reading_std: f64) -> Result<Fit> {
 }
 
 /// Jackknife standard error of the turn, base axes.
-pub(super) fn jackknife(seen: &[Seen<'_>], full: &Fit) -> Option<[f64; 3]> {
+pub(super) fn jackknife(seen: &[UnloadedPosture<'_>], full: &Fit) -> Option<[f64; 3]> {
     let chosen = seen.iter().zip(&full.used).filter(|(_, used)| **used);
-    let used: Vec<&Seen<'_>> = chosen.map(|(s, _)| s).collect();
+    let used: Vec<&UnloadedPosture<'_>> = chosen.map(|(s, _)| s).collect();
     if used.len() < 3 {
         return None;
     }
     let base = full.registration.centroid;
     let to_tracker = full.registration.base_from_tracker.inverse();
     let origins = (to_tracker.rotation * base + to_tracker.translation.vector, base);
-    let sums = |seen: &Seen<'_>| TurnSums::of(seen.positions(), &origins);
+    let sums = |seen: &UnloadedPosture<'_>| TurnSums::of(seen.positions(), &origins);
     let all = TurnSums::of(used.iter().flat_map(|s| s.positions()), &origins);
     let inverse = full.registration.base_from_tracker.rotation.inverse();
     let turns = used.iter().map(|left_out| {

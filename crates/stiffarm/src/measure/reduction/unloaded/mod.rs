@@ -24,9 +24,9 @@ use serde::{Deserialize, Serialize};
 
 /// Residual above which the model as a whole is in doubt \[m\]: calibrated or
 /// not, an industrial arm is better than this.
-const LARGE: f64 = 3e-3;
+const LARGE_RESIDUAL: f64 = 3e-3;
 /// A given transform whose residual is so many times that of the best one is wrong.
-const WORSE: f64 = 3.0;
+const WRONG_TRANSFORM_RATIO: f64 = 3.0;
 
 /// Residual of one measuring point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -76,13 +76,13 @@ pub struct UnloadedRegistration {
 }
 
 /// The unloaded points of one posture in both frames.
-struct Seen<'a> {
+struct UnloadedPosture<'a> {
     posture: &'a str,
     points: Vec<usize>,
     pairs: Vec<PointPair>,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> UnloadedPosture<'a> {
     /// `None` where no point was read without load, nor under a preload.
     fn new(cell: &Cell, posture: &PostureSeries<'a>) -> Option<Self> {
         let tool = &cell.setup.tool;
@@ -117,7 +117,7 @@ impl<'a> Seen<'a> {
                 base: mean(&|s| frames[s.state].point(&point.position)),
             });
         }
-        (!pairs.is_empty()).then_some(Seen { posture: posture.name(), points, pairs })
+        (!pairs.is_empty()).then_some(UnloadedPosture { posture: posture.name(), points, pairs })
     }
 
     /// Tracker and base position of each point.
@@ -148,7 +148,7 @@ pub(super) fn registration(
     reading_std: f64,
     findings: &mut Vec<Finding>,
 ) -> Result<(Option<UnloadedRegistration>, Isometry3<f64>)> {
-    let seen: Vec<Seen<'_>> = series.iter().filter_map(|p| Seen::new(cell, p)).collect();
+    let seen: Vec<UnloadedPosture<'_>> = series.iter().filter_map(|p| UnloadedPosture::new(cell, p)).collect();
     let fitted = enough(&seen).and_then(|()| robust_fit(&seen, reading_std));
     if let Some(transform) = stated_transform {
         let all = vec![true; seen.len()];
@@ -175,7 +175,7 @@ pub(in crate::measure) fn by_themselves(
     cell: &Cell,
     series: &[PostureSeries<'_>],
 ) -> Result<(Isometry3<f64>, Vec<Pair>)> {
-    let seen: Vec<Seen<'_>> = series.iter().filter_map(|p| Seen::new(cell, p)).collect();
+    let seen: Vec<UnloadedPosture<'_>> = series.iter().filter_map(|p| UnloadedPosture::new(cell, p)).collect();
     enough(&seen)?;
     let fit = robust_fit(&seen, cell.noise.reading_variance.sqrt())?;
     let used = seen.iter().zip(&fit.used).filter(|(_, used)| **used);
@@ -186,11 +186,11 @@ pub(in crate::measure) fn by_themselves(
 /// True where a transform fits pairs as well as the best one does, which leaves `best` \[m\].
 pub(in crate::measure) fn fits(cell: &Cell, transform: &Isometry3<f64>, pairs: &[Pair], best: f64) -> bool {
     let noise = ABOVE_NOISE * cell.noise.reading_variance.sqrt();
-    rms(transform, pairs) <= (WORSE * best).max(noise).max(ROUNDING)
+    rms(transform, pairs) <= (WRONG_TRANSFORM_RATIO * best).max(noise).max(ROUNDING)
 }
 
 /// At least three points that are not on a line.
-fn enough(seen: &[Seen<'_>]) -> Result<()> {
+fn enough(seen: &[UnloadedPosture<'_>]) -> Result<()> {
     let points: Vec<Vector3<f64>> = seen.iter().flat_map(|s| &s.pairs).map(|p| p.tracker).collect();
     let mean = points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64;
     let from_mean: Vec<Vector3<f64>> = points.iter().map(|p| p - mean).collect();
@@ -215,7 +215,7 @@ fn enough(seen: &[Seen<'_>]) -> Result<()> {
 
 fn describe(
     cell: &Cell,
-    seen: &[Seen<'_>],
+    seen: &[UnloadedPosture<'_>],
     used: &[bool],
     transform: &Isometry3<f64>,
     is_stated: bool,
@@ -271,7 +271,7 @@ fn check_own(summary: &UnloadedRegistration, findings: &mut Vec<Finding>) {
             ),
         ));
     }
-    if summary.rms_m > LARGE {
+    if summary.rms_m > LARGE_RESIDUAL {
         findings.push(Finding::caution(
             codes::REGISTRATION_RESIDUAL,
             "registration",
@@ -289,7 +289,7 @@ fn check_given(
     summary: &UnloadedRegistration,
     stated_transform: &Isometry3<f64>,
     best: &Fit,
-    seen: &[Seen<'_>],
+    seen: &[UnloadedPosture<'_>],
     reading_std: f64,
     findings: &mut Vec<Finding>,
 ) {
@@ -300,7 +300,7 @@ fn check_given(
         (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
     };
     let (ours, theirs) = (typical(fit), typical(stated_transform));
-    let limit = (WORSE * ours).max(ABOVE_NOISE * reading_std).max(ROUNDING);
+    let limit = (WRONG_TRANSFORM_RATIO * ours).max(ABOVE_NOISE * reading_std).max(ROUNDING);
     if theirs > limit {
         let turn = (stated_transform.rotation * fit.rotation.inverse()).angle();
         findings.push(Finding::new(

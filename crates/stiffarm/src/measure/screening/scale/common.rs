@@ -13,21 +13,21 @@ use super::fit::Fitted;
 use crate::numerics::order::sort_by_number;
 
 /// How much likelier than the commonest slip it is that nothing is wrong (logarithm).
-const SOUND: f64 = 4.5;
+const SOUND_LOG_PRIOR: f64 = 4.5;
 /// What numbers in the names of states count where they agree with a factor.
-const NAMED: f64 = 5.0;
+const NAMED_STATES_EVIDENCE: f64 = 5.0;
 /// How much rarer it is that cell and table have the same slip (logarithm).
-const BOTH: f64 = 1.0;
+const BOTH_SLIPS: f64 = 1.0;
 /// Explanations this much below the best are not named (logarithm of a likelihood).
-const ALIKE: f64 = 7.5;
+const ALIKE_LOG_LIKELIHOOD: f64 = 7.5;
 /// What the file itself must add to make a finding serious.
-const CONFIRMED: f64 = 3.0;
+const CONFIRMING_EVIDENCE: f64 = 3.0;
 /// Ratio to prior or class that no robot explains (logarithm of 20).
-const BEYOND: f64 = 3.0;
+const BEYOND_ROBOTS: f64 = 3.0;
 /// What gives way beyond the axes makes an arm softer than its joints: mean and spread (logarithm).
 const SOFTER: [f64; 2] = [0.15, 0.1];
 /// Misfit of the states beyond which their sizes say nothing.
-const POOR: f64 = 0.5;
+const POOR_MISFIT: f64 = 0.5;
 
 /// A factor on everything, or none.
 struct Explanation {
@@ -55,7 +55,7 @@ impl Explanation {
 
 /// A table whose scale as a whole is not the one stated.
 pub(super) fn check(work: &Work, moves: &[Move], fitted: &Fitted) -> Option<Suspicion> {
-    if fitted.level > POOR {
+    if fitted.level > POOR_MISFIT {
         return None;
     }
     let sizes = Sizes::of(work, moves);
@@ -71,7 +71,7 @@ pub(super) fn check(work: &Work, moves: &[Move], fitted: &Fitted) -> Option<Susp
     let spread = fitted.common_std.hypot(SOFTER[1]);
     let normal = |value: f64, spread: f64| -(value / spread).powi(2) / 2.0;
     // The cell's own load may be typed in the same unit as the table's.
-    let stated = |load: f64| sizes.stated(load).max(sizes.stated(1.0) - BOTH);
+    let stated = |load: f64| sizes.stated(load).max(sizes.stated(1.0) - BOTH_SLIPS);
     let judge = |slip: Option<(Cause, Unit)>| {
         let mut out = Explanation { slip, all: 0.0, file: 0.0 };
         let [load, displacement] = out.factors();
@@ -84,9 +84,9 @@ pub(super) fn check(work: &Work, moves: &[Move], fitted: &Fitted) -> Option<Susp
         if let Some(ratio) = beside_prior {
             out.all += normal(ratio - SOFTER[0] - expected, spread);
         }
-        let named = if sizes.is_named(load) { NAMED } else { 0.0 };
+        let named = if sizes.is_named(load) { NAMED_STATES_EVIDENCE } else { 0.0 };
         out.file = stated(load) + sizes.plausible(load, displacement) + named;
-        out.all += out.file - slip.map_or(-SOUND, |(_, unit)| unit.rare);
+        out.all += out.file - slip.map_or(-SOUND_LOG_PRIOR, |(_, unit)| unit.rare);
         out
     };
     let sound = judge(None);
@@ -100,7 +100,7 @@ pub(super) fn check(work: &Work, moves: &[Move], fitted: &Fitted) -> Option<Susp
     let mut all: Vec<Explanation> = all.into_iter().map(|slip| judge(Some(slip))).collect();
     all.retain(|e| e.all > sound.all);
     sort_by_number(&mut all, |a| -a.all);
-    let limit = all.first()?.all - ALIKE;
+    let limit = all.first()?.all - ALIKE_LOG_LIKELIHOOD;
     all.retain(|e| e.all >= limit);
     let best = all.remove(0);
     let mut out = best.suspicion(work)?;
@@ -108,8 +108,8 @@ pub(super) fn check(work: &Work, moves: &[Move], fitted: &Fitted) -> Option<Susp
     let off = beside_prior.unwrap_or(beside_class);
     out.ratio = Some((-off).exp());
     out.evidence = Some(Evidence::Prior);
-    out.certain = off.abs() > BEYOND;
-    if best.file - sound.file > CONFIRMED {
+    out.certain = off.abs() > BEYOND_ROBOTS;
+    if best.file - sound.file > CONFIRMING_EVIDENCE {
         let [load, displacement] = best.factors();
         out.evidence = Some(Evidence::File);
         out.certain = true;

@@ -4,7 +4,7 @@
 //! everything fits with it and little fits without.
 
 use super::super::motion::Move;
-use super::super::slip::{Place, Rule, Settled, Slip, Undo, settle};
+use super::super::slip::{Rule, SettledSlip, Slip, StateIndex, Undo, settle};
 use super::super::units::{LENGTHS, of_angles};
 use super::super::{Cause, Evidence, Work};
 use super::fit::{Fitted, clear_moves, fit, misfit_of};
@@ -12,14 +12,14 @@ use crate::numerics::arrangements::orders;
 use nalgebra::Isometry3;
 
 /// Mean misfit, over the larger of read and expected, above which causes are tried.
-const POOR: f64 = 0.1;
+const POOR_MISFIT: f64 = 0.1;
 /// What a change must leave of the mean misfit, and least distance to the next best.
-const FALLEN: f64 = 0.5;
+const REMAINING_SHARE: f64 = 0.5;
 const DISTINCT: f64 = 0.75;
 /// Misfit of a posture that is looked into: at least, and in medians.
-const OFF: [f64; 2] = [0.2, 2.0];
+const SUSPECT_MISFIT: [f64; 2] = [0.2, 2.0];
 /// Share of the displacements that the right case must explain beyond the stated one.
-const EXPLAINS: f64 = 0.15;
+const EXPLAINED_SHARE: f64 = 0.15;
 /// Load cases of which every order is tried.
 const MOST_CASES: usize = 5;
 /// A loading point this near to the flange's origin, and not on it, is a metre typed as a
@@ -82,7 +82,7 @@ fn best_of(
     other: f64,
 ) -> Option<Undo> {
     let before = fitted.mean_misfit();
-    if before < POOR {
+    if before < POOR_MISFIT {
         return None;
     }
     let tried = slips.into_iter().map(|slip| {
@@ -91,13 +91,13 @@ fn best_of(
         (slip, after.map(|after| after.mean_misfit()))
     });
     let rule = Rule { most: f64::MAX, alike: [1.0 / DISTINCT, 0.0], beside: f64::MAX };
-    let most = (FALLEN * before).min(DISTINCT * other);
+    let most = (REMAINING_SHARE * before).min(DISTINCT * other);
     let settled = settle(tried, &rule)?;
     (settled.others.is_empty() && settled.after <= most).then(|| note(work, settled, before))
 }
 
 /// Says what readings under load show, and goes on without it.
-fn note(work: &mut Work, settled: Settled, before: f64) -> Undo {
+fn note(work: &mut Work, settled: SettledSlip, before: f64) -> Undo {
     let mut out = settled.slip.suspicion(work);
     out.misfits = Some([before, settled.after]);
     out.evidence = Some(Evidence::Readings);
@@ -111,23 +111,24 @@ pub(super) fn cases_of_postures(work: &mut Work, base_from_tracker: &Isometry3<f
     if !(2..=MOST_CASES).contains(&cases) {
         return;
     }
-    let limit = OFF[0].max(OFF[1] * fitted.level);
+    let limit = SUSPECT_MISFIT[0].max(SUSPECT_MISFIT[1] * fitted.level);
     for p in 0..work.sheet.postures.len() {
         let of_posture = fitted.states.iter().filter(|s| s.at.0 == p);
         if !of_posture.clone().any(|s| s.misfit > limit) {
             continue;
         }
-        let places: Vec<Place> = of_posture.map(|s| s.at).collect();
+        let places: Vec<StateIndex> = of_posture.map(|s| s.at).collect();
         let left = |work: &Work| misfit_of(work, base_from_tracker, &places, fitted);
         let Some(before) = left(work) else { continue };
         let states = 0..work.sheet.postures[p].states.len();
-        let rows: Vec<Place> = states.map(|s| (p, s)).collect();
+        let rows: Vec<StateIndex> = states.map(|s| (p, s)).collect();
         let tried = orders(cases).into_iter().map(|order| {
             let slip = Slip::new(Undo::Cases(order)).at(&rows);
             let after = left(&work.without(&slip));
             (slip, after)
         });
-        let rule = Rule { most: (FALLEN * before).min(before - EXPLAINS), alike: [1.0, 0.0], beside: 0.0 };
+        let rule =
+            Rule { most: (REMAINING_SHARE * before).min(before - EXPLAINED_SHARE), alike: [1.0, 0.0], beside: 0.0 };
         if let Some(settled) = settle(tried, &rule) {
             note(work, settled, before);
         }

@@ -4,7 +4,7 @@
 
 use super::super::motion::{Move, load_of};
 use super::super::sheet::{Posture, Sheet};
-use super::super::slip::{Place, Rule, Settled, Slip, Undo, settle};
+use super::super::slip::{Rule, SettledSlip, Slip, StateIndex, Undo, settle};
 use super::super::units::{DISPLACEMENTS, ENTRIES, Unit};
 use super::super::{Cause, Evidence, Work};
 use super::evidence::number_in;
@@ -14,18 +14,18 @@ use nalgebra::Isometry3;
 
 /// Misfit of a state, over the larger of read and expected, that is looked into:
 /// at least, and in medians of all states.
-const OFF: [f64; 2] = [0.5, 2.5];
+const SUSPECT_MISFIT: [f64; 2] = [0.5, 2.5];
 /// Misfit that a factor must leave: at most, in medians, and of what it was.
-const SETTLED: [f64; 2] = [0.3, 2.5];
-const FALLEN: f64 = 0.4;
+const SETTLED_MISFIT: [f64; 2] = [0.3, 2.5];
+const REMAINING_SHARE: f64 = 0.4;
 /// Misfits that are alike.
-const ALIKE: f64 = 0.04;
+const ALIKE_MISFIT: f64 = 0.04;
 /// Relative distance of two typed loads that are the same but for a factor.
-const SAME: f64 = 0.01;
+const SAME_LOAD: f64 = 0.01;
 /// Postures in which a state of the same name shows what its load is.
 const PATTERN: usize = 3;
 /// Share of the states beyond which it is not they that are wrong.
-const MANY: f64 = 0.4;
+const WRONG_STATES_SHARE: f64 = 0.4;
 
 /// What states of the same name say of a typed load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,19 +43,19 @@ enum Pattern {
 struct Entry {
     cause: Cause,
     unit: Unit,
-    settled: Settled,
+    settled: SettledSlip,
     before: f64,
 }
 
 impl Entry {
-    fn at(&self) -> impl Iterator<Item = Place> {
+    fn at(&self) -> impl Iterator<Item = StateIndex> {
         self.settled.slip.at.iter().flatten().copied()
     }
 }
 
 /// Names loads of single states that are off by a factor, and goes on with what they should be.
 pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, moves: &[Move], fitted: &Fitted) {
-    let limit = OFF[0].max(OFF[1] * fitted.level);
+    let limit = SUSPECT_MISFIT[0].max(SUSPECT_MISFIT[1] * fitted.level);
     let mut entries: Vec<Entry> = Vec::new();
     for p in 0..work.sheet.postures.len() {
         let posture_moves: Vec<usize> = (0..moves.len()).filter(|i| moves[*i].posture == p).collect();
@@ -71,7 +71,7 @@ pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, moves: 
             })
             .collect();
         // All states of a posture alike, then its reference, then each alone.
-        let mut groups: Vec<Vec<Place>> = Vec::new();
+        let mut groups: Vec<Vec<StateIndex>> = Vec::new();
         let by_wrench = posture_moves.iter().any(|i| {
             let one = &moves[*i];
             work.sheet.at((p, one.reference)).wrench.is_some()
@@ -95,7 +95,7 @@ pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, moves: 
             if !is_slip && !touched.iter().any(|i| open.contains(i)) {
                 continue;
             }
-            let states: Vec<Place> = touched.iter().map(|i| fitted.states[*i].at).collect();
+            let states: Vec<StateIndex> = touched.iter().map(|i| fitted.states[*i].at).collect();
             let entry = mended(work, base_from_tracker, &group, &states, fitted, pattern);
             if let Some(entry) = entry {
                 open.retain(|i| !touched.contains(i));
@@ -116,12 +116,12 @@ pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, moves: 
 fn mended(
     work: &Work,
     base_from_tracker: &Isometry3<f64>,
-    group: &[Place],
-    touched: &[Place],
+    group: &[StateIndex],
+    touched: &[StateIndex],
     fitted: &Fitted,
     pattern: Pattern,
 ) -> Option<Entry> {
-    let has_load = |at: &Place| {
+    let has_load = |at: &StateIndex| {
         let state = work.sheet.at(*at);
         state.load.is_some_and(|l| l != 0.0) || state.wrench.is_some()
     };
@@ -134,11 +134,11 @@ fn mended(
     if work.is_displacements && group.len() == 1 {
         units.extend(DISPLACEMENTS.map(|unit| (Cause::DisplacementUnits, unit)));
     }
-    let settled = SETTLED[0].max(SETTLED[1] * fitted.level);
-    let mut rule = Rule { most: settled.min(FALLEN * before), alike: [1.0, ALIKE], beside: f64::MAX };
+    let settled = SETTLED_MISFIT[0].max(SETTLED_MISFIT[1] * fitted.level);
+    let mut rule = Rule { most: settled.min(REMAINING_SHARE * before), alike: [1.0, ALIKE_MISFIT], beside: f64::MAX };
     // What states of this name have elsewhere, or the name itself says, decides.
     if let Pattern::Times(factor) = pattern {
-        units.retain(|(cause, u)| *cause == Cause::LoadEntry && (u.factor / factor - 1.0).abs() < SAME);
+        units.retain(|(cause, u)| *cause == Cause::LoadEntry && (u.factor / factor - 1.0).abs() < SAME_LOAD);
         rule.most = 0.9 * before;
     }
     // Numbers of a sensor, and all of a posture, are not typed one by one.
@@ -160,7 +160,7 @@ fn mended(
 
 /// What states of this name have in other postures, or else the name itself, says
 /// of the load typed for this state.
-fn pattern(sheet: &Sheet, at: Place) -> Pattern {
+fn pattern(sheet: &Sheet, at: StateIndex) -> Pattern {
     let state = sheet.at(at);
     let Some(load) = state.load.filter(|l| *l > 0.0) else {
         return Pattern::Open;
@@ -173,7 +173,7 @@ fn pattern(sheet: &Sheet, at: Place) -> Pattern {
     let others: Vec<f64> = others.filter_map(|p| of_name(&sheet.postures[p])).collect();
     let usual = if others.len() >= PATTERN {
         let middle = median(&others);
-        let alike = others.iter().filter(|l| (*l / middle - 1.0).abs() < SAME);
+        let alike = others.iter().filter(|l| (*l / middle - 1.0).abs() < SAME_LOAD);
         (alike.count() * 4 > others.len() * 3).then_some(middle)
     } else {
         number_in(&state.name)
@@ -181,7 +181,7 @@ fn pattern(sheet: &Sheet, at: Place) -> Pattern {
     let Some(factor) = usual.map(|usual| usual / load) else {
         return Pattern::Open;
     };
-    let near = |f: f64| (f / factor - 1.0).abs() < SAME;
+    let near = |f: f64| (f / factor - 1.0).abs() < SAME_LOAD;
     if near(1.0) {
         Pattern::Same
     } else if ENTRIES.iter().any(|u| near(u.factor)) {
@@ -193,22 +193,22 @@ fn pattern(sheet: &Sheet, at: Place) -> Pattern {
 
 /// Where as many states are off as not, prior and names tell which.
 fn those_wrong(work: &Work, moves: &[Move], fitted: &Fitted, entries: Vec<Entry>) -> Vec<Entry> {
-    let flagged: Vec<Place> = entries.iter().flat_map(Entry::at).collect();
+    let flagged: Vec<StateIndex> = entries.iter().flat_map(Entry::at).collect();
     let unit = entries[0].unit;
     let alike = |e: &Entry| e.unit == unit && e.cause == Cause::LoadEntry;
     let all = moves.iter().map(|m| (m.posture, m.state));
-    let others: Vec<Place> = all.filter(|at| !flagged.contains(at)).collect();
-    let is_most = flagged.len() as f64 >= MANY * moves.len() as f64;
+    let others: Vec<StateIndex> = all.filter(|at| !flagged.contains(at)).collect();
+    let is_most = flagged.len() as f64 >= WRONG_STATES_SHARE * moves.len() as f64;
     if !entries.iter().all(alike) || others.is_empty() || !is_most {
         return entries;
     }
     // Names first: loads of these states agree with their names.
-    let agreeing = |at: &[Place]| {
+    let agreeing = |at: &[StateIndex]| {
         let matching = at.iter().filter(|at| {
             let state = work.sheet.at(**at);
             let number = number_in(&state.name);
             let load = load_of(work, state);
-            number.zip(load).is_some_and(|(n, l)| (l / n - 1.0).abs() < SAME)
+            number.zip(load).is_some_and(|(n, l)| (l / n - 1.0).abs() < SAME_LOAD)
         });
         matching.count() as f64 / at.len().max(1) as f64
     };
@@ -223,7 +223,7 @@ fn those_wrong(work: &Work, moves: &[Move], fitted: &Fitted, entries: Vec<Entry>
     let Some(inverse) = inverse.filter(|_| flip) else {
         return entries;
     };
-    let turned = |at: Place| {
+    let turned = |at: StateIndex| {
         let mut out = entries[0].clone();
         out.unit = *inverse;
         out.settled.slip = Slip::new(Undo::Times(Cause::LoadEntry, *inverse)).at(&[at]);
@@ -243,7 +243,7 @@ fn report(work: &mut Work, entries: &[Entry]) {
         }
         done.push(key);
         let alike = entries.iter().filter(|e| (e.cause, e.unit.factor) == key);
-        let at: Vec<Place> = alike.clone().flat_map(Entry::at).collect();
+        let at: Vec<StateIndex> = alike.clone().flat_map(Entry::at).collect();
         let after = alike.map(|e| e.settled.after).fold(0.0, f64::max);
         let mut all = entry.settled.clone();
         all.slip = all.slip.at(&at);

@@ -3,14 +3,14 @@
 
 use super::super::Work;
 use super::super::motion::{Move, load_of};
-use crate::model::implausible::payload_weight;
+use crate::model::implausible::{LARGEST_FORCE, payload_weight};
 use crate::numerics::sample::median;
 use crate::units::STANDARD_GRAVITY;
 
 /// Numbers in names are rounded: relative tolerance.
 const ROUNDED: f64 = 0.02;
 /// Share of the numbered states that must agree.
-const MOST: f64 = 0.8;
+const AGREEING_SHARE: f64 = 0.8;
 /// Numbers in names below this may be counters.
 const COUNTER: f64 = 5.0;
 /// A measured force agrees with the rope's or weight's size to this (logarithm).
@@ -18,17 +18,15 @@ const SAME_FORCE: f64 = 0.1;
 /// The largest load of a table over the cell's own, as people choose it.
 const OF_NOMINAL: [f64; 2] = [0.2, 1.3];
 /// Loads that a test is done with: at least \[N\], and in weights of the payload at most.
-const LEAST: f64 = 10.0;
-const PAYLOADS: f64 = 5.0;
-/// Largest load where the payload is unknown \[N\].
-const MOST_FORCE: f64 = 2e4;
+const SMALLEST_TEST_LOAD: f64 = 10.0;
+const LARGEST_TEST_PAYLOADS: f64 = 5.0;
 /// Displacements that a test gives \[m\].
 const DISPLACEMENT: [f64; 2] = [5e-6, 2e-2];
 /// Softness of these ranges (logarithm), and most that each may count.
 const SOFT: f64 = 0.3;
 const COUNTS: f64 = 8.0;
 /// What is worth a word (logarithm of a likelihood).
-const WORTH: f64 = 1.0;
+const WORTH_NAMING: f64 = 1.0;
 
 /// What is known of the sizes of loads and displacements.
 #[derive(Debug, Clone, Default)]
@@ -106,7 +104,7 @@ impl Sizes {
             out.of_nominal = Some(typed_largest / nominal);
         }
         let weight = payload_weight(&work.setup().robot);
-        out.most = weight.map_or(MOST_FORCE, |weight| PAYLOADS * weight);
+        out.most = weight.map_or(LARGEST_FORCE, |weight| LARGEST_TEST_PAYLOADS * weight);
         if !loads.is_empty() {
             out.load = median(&loads);
             let sizes: Vec<f64> =
@@ -135,7 +133,7 @@ impl Sizes {
     pub fn is_named(&self, factor: f64) -> bool {
         let agree = |(load, number): &&(f64, f64)| (factor * load / number).ln().abs() < ROUNDED;
         let count = self.named.iter().filter(agree).count();
-        count > 0 && count as f64 >= MOST * self.named.len() as f64
+        count > 0 && count as f64 >= AGREEING_SHARE * self.named.len() as f64
     }
 
     /// What says that loads and displacements are these multiples of what is typed.
@@ -149,11 +147,11 @@ impl Sizes {
             };
             out.push(format!("the numbers in the names of states ({of_loads} the loads)"));
         }
-        if self.stated(load) - self.stated(1.0) > WORTH {
+        if self.stated(load) - self.stated(1.0) > WORTH_NAMING {
             out.push("the load that cell or table states".to_string());
         }
         let plausible = |load, displacement| self.plausible(load, displacement);
-        if plausible(load, displacement) - plausible(1.0, 1.0) > WORTH {
+        if plausible(load, displacement) - plausible(1.0, 1.0) > WORTH_NAMING {
             out.push(if load < 1.0 {
                 format!("{} N, more than such a robot can carry", short(self.load))
             } else if load > 1.0 {
@@ -170,7 +168,8 @@ impl Sizes {
         if self.load <= 0.0 {
             return 0.0;
         }
-        -outside(self.load * load, [LEAST, self.most]) - outside(self.displacement * displacement, DISPLACEMENT)
+        -outside(self.load * load, [SMALLEST_TEST_LOAD, self.most])
+            - outside(self.displacement * displacement, DISPLACEMENT)
     }
 }
 

@@ -5,27 +5,25 @@
 //! disagree with the others lose their weight round by round.
 
 use super::super::Work;
-use super::super::motion::{Move, displacement, moves};
-use super::super::slip::Place;
+use super::super::motion::{CLEAR_STDS, Move, displacement, moves};
+use super::super::slip::StateIndex;
 use super::class::{PRIOR_SPREAD, expected_stiffness};
 use crate::numerics::sample::median;
 use nalgebra::{DMatrix, DVector, Isometry3};
 
-/// Displacements below this many standard deviations say nothing.
-const CLEAR: f64 = 10.0;
 /// Spread of a joint's compliance about the common ratio to what is expected:
 /// standard deviation of the ratio, as a share of it.
 const SPREAD: f64 = 0.8;
 /// What an arm of joint springs leaves unexplained of a displacement: at least, at most.
-const LEFT: [f64; 2] = [0.03, 0.5];
+const UNEXPLAINED_SHARE: [f64; 2] = [0.03, 0.5];
 /// Logarithm of a state's ratio at which it has lost half its weight: at first, and later.
-const HALF: [f64; 2] = [0.8, 0.5];
+const HALF_WEIGHT_RATIO: [f64; 2] = [0.8, 0.5];
 /// Rounds of weighing.
 const ROUNDS: usize = 10;
 
 /// One load state against the fit.
 #[derive(Debug, Clone)]
-pub(super) struct Scaled {
+pub(super) struct StateScale {
     /// Posture and state.
     pub at: (usize, usize),
     /// Size over what the fit gives, along the latter; below zero against it.
@@ -44,7 +42,7 @@ pub(super) struct Fitted {
     pub common: f64,
     pub common_std: f64,
     /// The states, in the order of the moves.
-    pub states: Vec<Scaled>,
+    pub states: Vec<StateScale>,
     /// Median misfit.
     pub level: f64,
 }
@@ -58,10 +56,10 @@ impl Fitted {
 }
 
 /// How far `one` is from what `compliance` gives.
-fn scaled(one: &Move, compliance: &DVector<f64>) -> Scaled {
+fn scaled(one: &Move, compliance: &DVector<f64>) -> StateScale {
     let (measured, expected) = (&one.shift - &one.series_shift, &one.block * compliance);
     let (measured_size, size) = (measured.norm(), expected.norm());
-    Scaled {
+    StateScale {
         at: (one.posture, one.state),
         ratio: measured.dot(&expected) / (size * size).max(f64::MIN_POSITIVE),
         misfit: (measured - expected).norm() / measured_size.max(size).max(f64::MIN_POSITIVE),
@@ -69,7 +67,12 @@ fn scaled(one: &Move, compliance: &DVector<f64>) -> Scaled {
 }
 
 /// Mean misfit of the displacements of the states `at`; `None` where one is not known.
-pub(super) fn misfit_of(work: &Work, base_from_tracker: &Isometry3<f64>, at: &[Place], fitted: &Fitted) -> Option<f64> {
+pub(super) fn misfit_of(
+    work: &Work,
+    base_from_tracker: &Isometry3<f64>,
+    at: &[StateIndex],
+    fitted: &Fitted,
+) -> Option<f64> {
     let mut sum = 0.0;
     for (p, s) in at {
         let reference = *work.sheet.postures[*p].references().first()?;
@@ -83,7 +86,7 @@ pub(super) fn misfit_of(work: &Work, base_from_tracker: &Isometry3<f64>, at: &[P
 /// In a table of displacements that is every one: typed in metres none would.
 pub(super) fn clear_moves(work: &Work, base_from_tracker: &Isometry3<f64>) -> Vec<Move> {
     let mut out = moves(work, base_from_tracker);
-    let least = if work.is_displacements { 0.0 } else { CLEAR };
+    let least = if work.is_displacements { 0.0 } else { CLEAR_STDS };
     out.retain(|m| m.shift.norm() > least * m.std * (m.shift.len() as f64).sqrt() && m.block.amax() > 0.0);
     out
 }
@@ -111,7 +114,7 @@ pub(super) fn fit(work: &Work, all: &[Move]) -> Option<Fitted> {
     let sizes: Vec<f64> = rows.iter().map(|(_, measured)| measured.norm()).collect();
     let mut common = median(&sizes);
     let weight = |log: f64, half: f64| 1.0 / (1.0 + (log / half).powi(4));
-    let mut weights: Vec<f64> = sizes.iter().map(|s| weight((s / common).ln(), HALF[0])).collect();
+    let mut weights: Vec<f64> = sizes.iter().map(|s| weight((s / common).ln(), HALF_WEIGHT_RATIO[0])).collect();
     let n = expected.len();
     let mut left = 0.2;
     let mut out = None;
@@ -128,14 +131,20 @@ pub(super) fn fit(work: &Work, all: &[Move]) -> Option<Fitted> {
         let covariance = information.clone().try_inverse()?;
         let ratio: DVector<f64> = (&covariance * right).map(|x| x.max(0.02 * common));
         let compliance = ratio.component_mul(&expected);
-        let states: Vec<Scaled> = all.iter().map(|one| scaled(one, &compliance)).collect();
+        let states: Vec<StateScale> = all.iter().map(|one| scaled(one, &compliance)).collect();
         weights = states
             .iter()
-            .map(|s| if s.ratio > 0.05 { weight(s.ratio.ln(), HALF[1]) } else { weight(3.0, HALF[1]) })
+            .map(|s| {
+                if s.ratio > 0.05 {
+                    weight(s.ratio.ln(), HALF_WEIGHT_RATIO[1])
+                } else {
+                    weight(3.0, HALF_WEIGHT_RATIO[1])
+                }
+            })
             .collect();
         let misfits: Vec<f64> = states.iter().map(|s| s.misfit).collect();
         let level = median(&misfits);
-        left = level.clamp(LEFT[0], LEFT[1]);
+        left = level.clamp(UNEXPLAINED_SHARE[0], UNEXPLAINED_SHARE[1]);
         let (mut sum, mut total) = (0.0, 0.0);
         for j in 0..n {
             let error = covariance[(j, j)].sqrt() / ratio[j];

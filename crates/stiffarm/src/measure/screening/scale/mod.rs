@@ -22,7 +22,7 @@ use fit::{Fitted, clear_moves, fit};
 use nalgebra::Isometry3;
 
 /// Postures that show which of them disagrees.
-const ENOUGH: usize = 4;
+const FEWEST_POSTURES: usize = 4;
 
 /// Number of postures behind the moves.
 fn postures(moves: &[Move]) -> usize {
@@ -76,7 +76,7 @@ pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>) {
     let all = clear_moves(work, base_from_tracker);
     moments::check(work, &all);
     // A few states fit whatever is tried.
-    let enough = postures(&all) >= ENOUGH;
+    let enough = postures(&all) >= FEWEST_POSTURES;
     for check in [described::check, described::cases_of_postures, entries::check] {
         if let Some((all, scale_fit)) = fitted(work).filter(|_| enough) {
             check(work, base_from_tracker, &all, &scale_fit);

@@ -10,9 +10,9 @@ use crate::model::kinematics::Frames;
 use crate::model::load::Load;
 
 /// Distance of the slope from a factor that still counts (logarithm).
-const NEAR: f64 = 0.2;
+const SLOPE_TOLERANCE: f64 = 0.2;
 /// Cosine between measured and expected moments.
-const ALONG: f64 = 0.9;
+const ALONG_COSINE: f64 = 0.9;
 /// Mean lever below which moments say nothing \[m\].
 const LEVER: f64 = 0.02;
 
@@ -46,11 +46,11 @@ pub(super) fn check(work: &mut Work, moves: &[Move]) {
     }
     let aligned = product / (measured * expected).sqrt();
     // Not true for a number that is none.
-    if !(aligned > ALONG && expected > LEVER * LEVER * forces) {
+    if !(aligned > ALONG_COSINE && expected > LEVER * LEVER * forces) {
         return;
     }
     let slope = product / expected;
-    let near = |f: f64| (slope * f).ln().abs() < NEAR;
+    let near = |f: f64| (slope * f).ln().abs() < SLOPE_TOLERANCE;
     let Some(unit) = MOMENTS.into_iter().find(|u| near(u.factor)) else {
         return;
     };

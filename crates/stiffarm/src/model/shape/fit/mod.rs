@@ -13,7 +13,7 @@ use around::{Effort, capsule_around};
 use cut::{Polygon, cut, planes};
 
 /// A cut must leave no more than this share of a capsule's volume.
-const WORTH: f64 = 0.75;
+const WORTH_CUTTING_SHARE: f64 = 0.75;
 /// So many of the best planes are looked at closely.
 const FINALISTS: usize = 4;
 
@@ -90,6 +90,6 @@ impl Part {
         let parts = finalists.map(|(_, halves)| halves.into_iter().map(Part::new).collect());
         self.halves = parts
             .min_by(|a: &Vec<Part>, b: &Vec<Part>| volume(a).total_cmp(&volume(b)))
-            .filter(|halves| volume(halves) <= WORTH * self.volume());
+            .filter(|halves| volume(halves) <= WORTH_CUTTING_SHARE * self.volume());
     }
 }

@@ -20,7 +20,7 @@ mod model;
 mod reverse;
 mod scene;
 
-pub use model::Wanted;
+pub use model::KernelRequest;
 
 use crate::error::Result;
 use crate::model::cell::Cell;
@@ -33,13 +33,13 @@ use scene::SceneKernel;
 #[derive(Debug, Clone)]
 pub struct Kernel {
     /// One per load; a posture counts with the sum over them.
-    cases: Vec<Case>,
+    cases: Vec<LoadKernel>,
     count: usize,
 }
 
 /// All postures under one load.
 #[derive(Debug, Clone)]
-struct Case {
+struct LoadKernel {
     model: Model,
     batches: Vec<Batch>,
     /// What shapes, beams and torques ask, where limits are wanted.
@@ -51,15 +51,15 @@ impl Kernel {
     ///
     /// # Errors
     /// A load that only a measurement gives; k(J_N) with fewer than six joints.
-    pub fn new(cell: &Cell, wanted: Wanted<'_>, count: usize) -> Result<Self> {
+    pub fn new(cell: &Cell, wanted: KernelRequest<'_>, count: usize) -> Result<Self> {
         let each = cell.limit_cases().into_iter().enumerate();
         let cases = each.map(|(number, case)| {
-            let wanted = Wanted {
+            let wanted = KernelRequest {
                 // k(J_N) is the posture's, whatever the load.
                 dexterity: wanted.dexterity.filter(|_| number == 0),
                 ..wanted
             };
-            Case::new(&case, wanted, count)
+            LoadKernel::new(&case, wanted, count)
         });
         let cases = cases.collect::<Result<_>>()?;
         Ok(Kernel { cases, count })
@@ -155,7 +155,7 @@ impl Kernel {
     /// (base axes) and the loading point (flange axes), where there is a single load.
     pub fn load_gradient(&self) -> ([f64; 3], [f64; 3]) {
         let (mut anchor, mut loading) = ([0.0; 3], [0.0; 3]);
-        let Case { model, batches, .. } = &self.cases[0];
+        let LoadKernel { model, batches, .. } = &self.cases[0];
         for (b, batch) in batches.iter().enumerate() {
             for lane in 0..self.live(b) {
                 let mut local = [0.0; 3];
@@ -202,7 +202,7 @@ impl Kernel {
 
     /// Number of limits per posture.
     pub fn limit_count(&self) -> usize {
-        let of = |case: &Case| case.batches.first().map_or(0, |batch| batch.margins.len());
+        let of = |case: &LoadKernel| case.batches.first().map_or(0, |batch| batch.margins.len());
         self.cases.iter().map(of).sum()
     }
 
@@ -259,7 +259,7 @@ impl Kernel {
         together: impl Fn(f64, f64) -> f64,
     ) -> impl Iterator<Item = f64> {
         (0..self.count).map(move |p| {
-            let of_case = |case: &Case| of(&case.batches[p / WIDTH]).0[p % WIDTH];
+            let of_case = |case: &LoadKernel| of(&case.batches[p / WIDTH]).0[p % WIDTH];
             let (first, others) = (&self.cases[0], &self.cases[1..]);
             let others = others.iter().map(of_case);
             others.fold(of_case(first), &together)
@@ -277,13 +277,13 @@ fn live(count: usize, b: usize) -> usize {
     (count - b * WIDTH).min(WIDTH)
 }
 
-impl Case {
-    fn new(cell: &Cell, wanted: Wanted<'_>, count: usize) -> Result<Self> {
+impl LoadKernel {
+    fn new(cell: &Cell, wanted: KernelRequest<'_>, count: usize) -> Result<Self> {
         let model = Model::new(cell, wanted)?;
         let scene = if wanted.limits { SceneKernel::new(cell, count)?.map(Box::new) } else { None };
         let margins = model.limit_count + scene.as_ref().map_or(0, |scene| scene.count());
         let batches = vec![Batch::new(&model, margins); count.div_ceil(WIDTH)];
-        Ok(Case { model, batches, scene })
+        Ok(LoadKernel { model, batches, scene })
     }
 
     fn forward(&mut self, q: &[f64], count: usize) {

@@ -33,7 +33,7 @@ pub(super) enum KernelLoad {
 
 /// What is to be computed.
 #[derive(Debug, Clone, Copy)]
-pub struct Wanted<'a> {
+pub struct KernelRequest<'a> {
     /// k(J_N) with this characteristic length \[m\].
     pub dexterity: Option<f64>,
     /// Information, in units of `compliance` (1/k per spring) and whitened
@@ -78,7 +78,7 @@ pub(super) struct Model {
 }
 
 impl Model {
-    pub fn new(cell: &Cell, wanted: Wanted<'_>) -> Result<Self> {
+    pub fn new(cell: &Cell, wanted: KernelRequest<'_>) -> Result<Self> {
         let setup = &cell.setup;
         let robot = &setup.robot;
         let n = robot.joint_count();

@@ -1,7 +1,7 @@
 //! The index `prediction` as a function of the postures, with its gradient.
 
 use super::motion::ArmMotion;
-use super::posterior::{Equations, Held, Posterior};
+use super::posterior::{Equations, GroupCovariance, Posterior};
 use super::{PredictionModel, Rows};
 use crate::error::Result;
 use crate::model::cell::Cell;
@@ -20,7 +20,7 @@ pub(crate) struct PredictionFunction {
     /// Rows of the given postures.
     base_row_count: usize,
     /// What is held beside one free posture, without given ones.
-    held: Option<Held>,
+    held: Option<GroupCovariance>,
     /// Derivative of ln(index) by the rows, after an evaluation.
     adjoint: Option<DMatrix<f64>>,
 }
@@ -77,7 +77,7 @@ impl PredictionFunction {
     pub(crate) fn hold(&mut self, rows: [&DMatrix<f64>; 2]) {
         let mut equations = Equations::new(self.model.unknowns(), self.rows.fixed);
         rows.into_iter().for_each(|block| equations.add(block));
-        self.held = Held::new(&equations, self.model.targets());
+        self.held = GroupCovariance::new(&equations, self.model.targets());
     }
 
     /// ln of the index at the free postures `q` \[rad\], one after the other; infinite

@@ -15,7 +15,7 @@ mod work;
 
 pub(crate) use function::PredictionFunction;
 use posterior::Posterior;
-pub(crate) use posterior::{Equations, Held, Rows};
+pub(crate) use posterior::{Equations, GroupCovariance, Rows};
 pub(crate) use work::work_of;
 
 use crate::error::{Code, Error, Result};
@@ -38,7 +38,7 @@ const MOST_ROWS: usize = 1 << 10;
 const SAMPLES: u32 = 64;
 /// Directions of the flange in which the points move less than this share of the one in
 /// which they move most (squared) are not seen.
-const UNSEEN: f64 = 1e-13;
+const UNSEEN_SHARE: f64 = 1e-13;
 
 /// What the index `prediction` needs of a cell.
 #[derive(Debug, Clone)]
@@ -189,7 +189,7 @@ impl PredictionModel {
             each.flatten().for_each(|terms| add(&self.readings(&[terms])));
         }
         let (values, vectors) = eigen(gram)?;
-        let least = UNSEEN * values.max();
+        let least = UNSEEN_SHARE * values.max();
         let directions: Vec<usize> = (0..random).filter(|i| values[*i] > least).collect();
         let seen = vectors.select_columns(&directions);
         self.prior.root *= &seen;
@@ -332,7 +332,7 @@ fn seen(tool: &Tool, common_weight: f64) -> Result<DMatrix<f64>> {
     whiten_posture(&mut rows, common_weight);
     let (values, vectors) = eigen(rows.tr_mul(&rows))?;
     let most = values.max();
-    let directions: Vec<usize> = (0..6).filter(|i| values[*i] > UNSEEN * most).collect();
+    let directions: Vec<usize> = (0..6).filter(|i| values[*i] > UNSEEN_SHARE * most).collect();
     Ok(DMatrix::from_fn(directions.len(), 6, |i, j| vectors[(j, directions[i])] * values[directions[i]].sqrt()))
 }
 

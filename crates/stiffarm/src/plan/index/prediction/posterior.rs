@@ -67,11 +67,11 @@ impl<'a> Posterior<'a> {
     }
 
     /// What the group leaves open of `rows`; `None` where an entry is not finite.
-    pub(crate) fn open<'b>(&self, rows: &'b Rows) -> Option<Open<'b>> {
+    pub(crate) fn open<'b>(&self, rows: &'b Rows) -> Option<RemainingCovariance<'b>> {
         let c = self.rows.u() * rows.u().transpose();
         let c = self.covariance.l_dirty().solve_lower_triangular(&c)?;
         let d = (rows.h() - c.tr_mul(&self.axes)) * self.factor.right_inverse();
-        Some(Open { rows, c, d })
+        Some(RemainingCovariance { rows, c, d })
     }
 
     /// F: the sum over the targets of the mean square error of their prediction.
@@ -85,7 +85,7 @@ impl<'a> Posterior<'a> {
     pub(crate) fn error_and_gradient(&self, targets: &Rows) -> Option<(f64, DMatrix<f64>)> {
         let open = self.open(targets)?;
         let error = open.variance();
-        let Open { c, d, .. } = open;
+        let RemainingCovariance { c, d, .. } = open;
         let e = d * self.factor.right_inverse().transpose();
         let mut b = c + &self.axes * e.transpose();
         if !self.covariance.l_dirty().tr_solve_lower_triangular_mut(&mut b) {
@@ -102,7 +102,7 @@ impl<'a> Posterior<'a> {
 
 /// What the readings of a group leave open of further rows: their covariance is
 /// U Uᵀ − cᵀc + d dᵀ.
-pub(crate) struct Open<'b> {
+pub(crate) struct RemainingCovariance<'b> {
     rows: &'b Rows,
     /// L⁻¹C.
     c: DMatrix<f64>,
@@ -110,7 +110,7 @@ pub(crate) struct Open<'b> {
     d: DMatrix<f64>,
 }
 
-impl Open<'_> {
+impl RemainingCovariance<'_> {
     /// Sum of all variances.
     pub(crate) fn variance(&self) -> f64 {
         let prior = self.rows.u().norm_squared();
@@ -129,7 +129,7 @@ pub(crate) struct Equations {
 /// Relative standard deviation of a compliance of which nothing is known, where a group leaves some open.
 const NOTHING_KNOWN: f64 = 100.0;
 /// What the other unknowns leave of the information about a fixed effect, below which it is not determined.
-const DETERMINED: f64 = 1e-10;
+const DETERMINED_SHARE: f64 = 1e-10;
 
 impl Equations {
     /// Of no readings at all.
@@ -156,7 +156,7 @@ impl Equations {
         let scaled = DMatrix::from_fn(fixed, fixed, |i, j| left[(i, j)] / (scale[i] * scale[j]));
         let least = symmetric_eigen(scaled)?.0.min();
         let mut a = self.a.clone();
-        if least < DETERMINED {
+        if least < DETERMINED_SHARE {
             for i in 0..fixed {
                 a[(i, i)] += NOTHING_KNOWN.powi(-2);
             }
@@ -167,7 +167,7 @@ impl Equations {
 
 /// What is open under a group, for the question what one more posture would take from it.
 #[derive(Debug, Clone)]
-pub(crate) struct Held {
+pub(crate) struct GroupCovariance {
     /// A⁻¹.
     inverse: DMatrix<f64>,
     /// A⁻¹Tᵀ.
@@ -176,13 +176,13 @@ pub(crate) struct Held {
     pub(crate) error: f64,
 }
 
-impl Held {
+impl GroupCovariance {
     /// `None` where the equations have no solution.
     pub(crate) fn new(equations: &Equations, targets: &Rows) -> Option<Self> {
         let inverse = equations.inverse()?;
         let with = &inverse * targets.all.transpose();
         let error = targets.all.transpose().dot(&with);
-        Some(Held { inverse, with, error })
+        Some(GroupCovariance { inverse, with, error })
     }
 
     /// X A⁻¹Tᵀ of readings: the squares of a row are the derivative of the error by its weight, with the other sign.
@@ -192,7 +192,7 @@ impl Held {
 
     /// What the readings `x` would take: ‖(I + X A⁻¹Xᵀ)^(−1/2) Y‖² with Y = X A⁻¹Tᵀ.
     pub(crate) fn gain(&self, x: &DMatrix<f64>) -> Option<f64> {
-        Held::taken(&(x * &self.inverse), x, x * &self.with)
+        GroupCovariance::taken(&(x * &self.inverse), x, x * &self.with)
     }
 
     /// The same of each candidate, the rows of `all` in `of`.
@@ -202,7 +202,7 @@ impl Held {
             let (start, count) = (rows.start, rows.len());
             let moved_rows = moved.rows(start, count).into_owned();
             let seen = seen.rows(start, count).into_owned();
-            Held::taken(&moved_rows, &all.rows(start, count).into_owned(), seen)
+            GroupCovariance::taken(&moved_rows, &all.rows(start, count).into_owned(), seen)
         };
         of.iter().map(gain).collect()
     }

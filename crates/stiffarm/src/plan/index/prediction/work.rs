@@ -8,7 +8,7 @@ use crate::plan::random::{StartKind, random_group};
 use nalgebra::Vector3;
 
 /// Postures that stand for the work of a cell without tasks.
-const STATED: usize = 20;
+const WORK_POSTURES: usize = 20;
 /// Seed and stream of their draw.
 const STATED_DRAW: (u64, u64) = (1, 0x5747);
 
@@ -54,7 +54,7 @@ fn anywhere(cell: &Cell) -> Result<Vec<(Setup, PostureTerms)>> {
     let cases = cell.setup.cases();
     let (seed, stream) = STATED_DRAW;
     let (mut all_directions, mut as_it_is) = (Vec::new(), Vec::new());
-    for q in random_group(cell, StartKind::Uniform, STATED, seed, stream)? {
+    for q in random_group(cell, StartKind::Uniform, WORK_POSTURES, seed, stream)? {
         let loaded: Vec<PostureTerms> =
             cases.iter().map(|setup| PostureTerms::new(setup, &q, None)).collect::<Result<_>>()?;
         let sizes = loaded.iter().map(|terms| terms.wrench().force.norm());

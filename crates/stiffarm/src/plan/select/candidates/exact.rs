@@ -1,16 +1,14 @@
 //! Branch and bound over the groups of a list.
 
+use super::LEAST_IMPROVEMENT;
 use super::judge::Bounded;
 use super::tangent::Tangent;
 use crate::numerics::arrangements::choose;
 use crate::numerics::control::Control;
 use crate::numerics::order::order_by_number;
 
-/// Groups must be better by this in ln(index) to count as better.
-const SAME: f64 = 1e-9;
-
 /// The best group, and what is known of all others.
-pub(super) struct Found {
+pub(super) struct BestGroup {
     /// ln of the index.
     pub(super) value: f64,
     /// Ascending.
@@ -42,7 +40,7 @@ pub(super) fn branch_and_bound<J: Bounded>(
     of: usize,
     affordable: u64,
     control: Control<'_>,
-    incumbent: &mut Found,
+    incumbent: &mut BestGroup,
 ) {
     let tangent = tangent.as_ref();
     incumbent.bound = tangent.map(|tangent| tangent.bound_of(count));
@@ -62,7 +60,7 @@ pub(super) fn branch_and_bound<J: Bounded>(
 impl<J: Bounded> Tree<'_, J> {
     /// All groups that go on from `chosen` with candidates from position `from` on;
     /// `sum` are the scores of those chosen.
-    fn branch(&mut self, chosen: &mut Vec<usize>, from: usize, sum: f64, incumbent: &mut Found) {
+    fn branch(&mut self, chosen: &mut Vec<usize>, from: usize, sum: f64, incumbent: &mut BestGroup) {
         let missing = self.count - chosen.len();
         if missing == 1 {
             self.judge.hold(chosen);
@@ -72,7 +70,7 @@ impl<J: Bounded> Tree<'_, J> {
             if let Some(tangent) = self.tangent {
                 let next = self.order[at..at + missing].iter();
                 let most = sum + next.map(|c| tangent.scores[*c]).sum::<f64>();
-                if tangent.bound(most) >= incumbent.value - SAME {
+                if tangent.bound(most) >= incumbent.value - LEAST_IMPROVEMENT {
                     return;
                 }
             }
@@ -84,7 +82,7 @@ impl<J: Bounded> Tree<'_, J> {
             if missing == 1 {
                 self.left -= 1;
                 let value = self.judge.with(candidate);
-                if value < incumbent.value - SAME {
+                if value < incumbent.value - LEAST_IMPROVEMENT {
                     incumbent.value = value;
                     incumbent.chosen = chosen.iter().copied().chain([candidate]).collect();
                     incumbent.chosen.sort_unstable();

@@ -23,7 +23,7 @@ use crate::plan::index::prediction::PredictionModel;
 use crate::plan::index::{GroupEvaluation, Index};
 use crate::plan::select::exchange::Exchange;
 use crate::plan::select::predicting::PredictionJudge;
-use exact::{Found, branch_and_bound};
+use exact::{BestGroup, branch_and_bound};
 use judge::{Bounded, InformationJudge};
 use rand::seq::index::sample;
 use serde::{Deserialize, Serialize};
@@ -31,8 +31,8 @@ use tangent::{Tangent, moved};
 
 /// Passes of an exchange; it ends when nothing improves.
 const PASSES: usize = 30;
-/// Relative improvement below which a swap is not worth it.
-const LEAST: f64 = 1e-9;
+/// Groups must be better by this in ln(index) to count as better.
+const LEAST_IMPROVEMENT: f64 = 1e-9;
 /// Steps towards the best mixture.
 const STEPS: usize = 200;
 
@@ -231,10 +231,10 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn run<J: Bounded>(&self, judge: J) -> Result<Found> {
+    fn run<J: Bounded>(&self, judge: J) -> Result<BestGroup> {
         let all: Vec<usize> = (0..self.of).collect();
         let stop = || self.control.stopped();
-        let exchange = Exchange { passes: PASSES, least: LEAST, repeats: false, stop: &stop };
+        let exchange = Exchange { passes: PASSES, least: LEAST_IMPROVEMENT, repeats: false, stop: &stop };
         let starts: Vec<u64> = (0..self.options.starts.max(1) as u64).collect();
         let ends = in_order(&starts, |(_, start)| {
             let mut judge = judge.clone();
@@ -248,7 +248,7 @@ impl Search<'_> {
             .into_iter()
             .reduce(|best, next| if next.0 < best.0 { next } else { best })
             .unwrap_or((f64::INFINITY, (0..self.count).collect()));
-        let mut incumbent = Found { value, chosen, exact: false, bound: None, compared: 0 };
+        let mut incumbent = BestGroup { value, chosen, exact: false, bound: None, compared: 0 };
         if self.options.bound && !self.control.stopped() {
             let mut judge = judge;
             let tangent = self.best_tangent(&mut judge);

@@ -19,7 +19,7 @@ const CANDIDATES: usize = 128;
 /// Tries without improvement after which a chain starts afresh.
 const PATIENCE: usize = 60;
 /// A rough search that ends within this of ln(index) of the incumbent goes on.
-const NEAR: f64 = 0.01;
+const NEAR_INCUMBENT: f64 = 0.01;
 /// Largest shift of an angle when postures are shaken \[rad\].
 const SHAKE: f64 = 0.5;
 
@@ -150,7 +150,7 @@ impl Chain {
     fn together(&mut self, start: Vec<f64>) -> Plan {
         let plan = self.local.improve(start, Effort::Rough);
         // Compare the end of the valley, not where a rough search stops.
-        let near = |old: &Option<Plan>| old.as_ref().is_none_or(|old| plan.value < old.value + NEAR);
+        let near = |old: &Option<Plan>| old.as_ref().is_none_or(|old| plan.value < old.value + NEAR_INCUMBENT);
         if plan.value.is_finite() && near(&self.current) { self.local.refine(plan, Effort::Fine) } else { plan }
     }
 

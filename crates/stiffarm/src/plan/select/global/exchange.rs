@@ -3,7 +3,7 @@
 use super::pool::Pool;
 use crate::plan::index::Index;
 use crate::plan::index::criterion::Criterion;
-use crate::plan::index::inputs::Given;
+use crate::plan::index::inputs::FixedPostures;
 use crate::plan::select::exchange::Judge;
 
 /// What the postures of a group are chosen beside.
@@ -19,7 +19,7 @@ pub(super) struct Base {
 
 impl Base {
     /// What `fixed_postures` bring to an index; `triangle` entries of information.
-    pub fn new(index: Index, fixed_postures: &Given, triangle: usize) -> Self {
+    pub fn new(index: Index, fixed_postures: &FixedPostures, triangle: usize) -> Self {
         let size = if index.uses_observation() { triangle } else { 0 };
         let mut information = vec![0.0; size];
         fixed_postures.add_information(&mut information);

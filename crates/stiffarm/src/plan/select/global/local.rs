@@ -6,7 +6,7 @@ use super::plan::Plan;
 use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::numerics::optimise::smooth::{SmoothOptions, minimise_smooth};
-use crate::plan::index::inputs::Given;
+use crate::plan::index::inputs::FixedPostures;
 use crate::plan::index::prediction::PredictionFunction;
 use crate::plan::index::{Index, IndexFunction};
 use crate::plan::select::accept::Accept;
@@ -125,7 +125,7 @@ impl Local {
     }
 
     /// The postures that are measured whatever the search does.
-    pub fn fixed_postures(&self) -> &Given {
+    pub fn fixed_postures(&self) -> &FixedPostures {
         self.function.fixed_postures()
     }
 

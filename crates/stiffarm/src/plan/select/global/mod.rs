@@ -48,9 +48,9 @@ const SHARING: usize = 4;
 /// Rounds after which that many chains are put onto it, where minima are few.
 const MIGRATION: u64 = 6;
 /// Minima this near to each other in ln(index) count as one.
-const SAME: f64 = 1e-3;
+const SAME_MINIMUM: f64 = 1e-3;
 /// Relative improvement that counts.
-const LEAST: f64 = 1e-6;
+const LEAST_IMPROVEMENT: f64 = 1e-6;
 
 /// Selects `count` postures that make `index` best, within the bounds and the
 /// limits of the cell: the best of many local searches. Postures given in the
@@ -240,7 +240,7 @@ impl<'a> Global<'a> {
                 most.min(1 << 30) as usize,
             );
             let improved = match (before, now) {
-                (Some(before), Some(now)) => now < before - LEAST,
+                (Some(before), Some(now)) => now < before - LEAST_IMPROVEMENT,
                 (_, now) => now.is_some(),
             };
             idle = if improved { 0 } else { idle + 1 };
@@ -303,7 +303,7 @@ impl<'a> Global<'a> {
             if !values[chain].is_finite() {
                 continue;
             }
-            if values[chain] - minimum > SAME {
+            if values[chain] - minimum > SAME_MINIMUM {
                 most = if there == 0 { SHARING } else { 1 };
                 (minimum, there) = (values[chain], 0);
             }

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::model::cell::Cell;
 use crate::numerics::streams::{candidate_rng, uniform};
 use crate::plan::feasibility::nothing_meets;
-use crate::plan::index::kernel::{Kernel, Wanted};
+use crate::plan::index::kernel::{Kernel, KernelRequest};
 use crate::plan::index::prediction::PredictionFunction;
 use crate::plan::select::accept::Accept;
 use crate::plan::select::predicting::PredictionJudge;
@@ -39,7 +39,7 @@ impl Pool {
     ///
     /// # Errors
     /// No posture inside the limits was found.
-    pub fn new(cell: &Cell, wanted: Wanted<'_>, seed: u64, accept: Option<&Accept>) -> Result<Self> {
+    pub fn new(cell: &Cell, wanted: KernelRequest<'_>, seed: u64, accept: Option<&Accept>) -> Result<Self> {
         let n = cell.setup.robot.joint_count();
         let springs = cell.setup.robot.spring_count();
         let mut kernel = Kernel::new(cell, wanted, CHUNK)?;
@@ -132,7 +132,7 @@ impl Pool {
     }
 
     /// Keeps those of a chunk of postures, or of fewer, that are inside the limits and accepted; how many are inside.
-    fn take(&mut self, kernel: &mut Kernel, q: &[f64], wanted: Wanted<'_>, accept: Option<&Accept>) -> usize {
+    fn take(&mut self, kernel: &mut Kernel, q: &[f64], wanted: KernelRequest<'_>, accept: Option<&Accept>) -> usize {
         if q.is_empty() {
             return 0;
         }
