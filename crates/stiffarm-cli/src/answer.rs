@@ -5,7 +5,7 @@
 use crate::files::Files;
 use crate::finding::finding_line;
 use crate::input::Line;
-use crate::output::{Exit, told};
+use crate::output::{Exit, summary};
 use crate::page::page_of;
 use crate::target::Target;
 use crate::text;
@@ -17,7 +17,7 @@ use stiffarm::findings::Finding;
 use stiffarm::model::cell::Cell;
 use stiffarm_files::envelope::{Envelope, write_result};
 use stiffarm_files::source::NamedCell;
-use stiffarm_report::tell::Telling;
+use stiffarm_report::summary::Summarise;
 
 /// What came out of a command.
 pub struct Answer {
@@ -103,7 +103,7 @@ impl Answer {
     }
 
     /// A result that tells itself, made with `cell` where it has one.
-    pub fn told<O: Serialize + 'static, R: Serialize + Telling<O> + 'static>(
+    pub fn summary<O: Serialize + 'static, R: Serialize + Summarise<O> + 'static>(
         exit: Exit,
         envelope: Envelope<O, R>,
         cell: impl Into<Option<NamedCell>>,
@@ -111,14 +111,14 @@ impl Answer {
     ) -> Self {
         let named: Option<NamedCell> = cell.into();
         Answer::made(exit, Rc::new(envelope), move |envelope| {
-            let told = told(envelope, named.as_ref().map(|named| &named.cell))?;
-            Ok(text::told(&told, details) + &named.as_ref().map_or_else(String::new, Line::line))
+            let summary = summary(envelope, named.as_ref().map(|named| &named.cell))?;
+            Ok(text::summary(&summary, details) + &named.as_ref().map_or_else(String::new, Line::line))
         })
     }
 
     /// A result at work, made with this cell and stiffness. Where a table of points goes to standard output, only what
     /// is serious among its `findings` is said.
-    pub fn at_work<O: Serialize + 'static, R: Serialize + Telling<O> + 'static>(
+    pub fn at_work<O: Serialize + 'static, R: Serialize + Summarise<O> + 'static>(
         exit: Exit,
         envelope: Rc<Envelope<O, R>>,
         findings: &[Finding],
@@ -129,8 +129,8 @@ impl Answer {
         let beside = Some(serious.map(finding_line).collect());
         let lines = named.line() + &stiffness.line();
         let answer = Answer::made(exit, envelope, move |envelope| {
-            let told = told(envelope, Some(&named.cell))?;
-            Ok(text::told(&told, details) + &lines)
+            let summary = summary(envelope, Some(&named.cell))?;
+            Ok(text::summary(&summary, details) + &lines)
         });
         Answer { beside, ..answer }
     }

@@ -53,7 +53,7 @@ pub fn report(session: &Session, error: &Error) -> u8 {
         // A reader that has gone needs no error.
         let _ = session.print_exact(&json(error));
     } else {
-        session.print_error(&in_words(session, error));
+        session.print_error(&to_text(session, error));
     }
     exit_code(error.code())
 }
@@ -63,14 +63,14 @@ pub fn report_beside(session: &Session, error: &Error) -> u8 {
     if let Some(captured) = &session.captured {
         captured.borrow_mut().failure = Some(json(error));
     }
-    session.print_error(&in_words(session, error));
+    session.print_error(&to_text(session, error));
     exit_code(error.code())
 }
 
 /// The error with the option of `command` for the field of the library that it is about, where the command has one of
 /// that name: `tolerance_mm` is `--tolerance-mm`. What it says of fields in backticks it says of the options, and a
 /// value that is not allowed is a wrong use of the command line.
-pub fn of_option(error: Error, command: &clap::Command) -> Error {
+pub fn into_option_error(error: Error, command: &clap::Command) -> Error {
     let option = |field: &str| {
         let long = field.replace('_', "-");
         let mut options = command.get_arguments().filter_map(clap::Arg::get_long);
@@ -211,7 +211,7 @@ fn json(error: &Error) -> String {
 }
 
 /// The error with the lines of the file it is about, where a command goes on after it.
-pub fn in_words(session: &Session, error: &Error) -> String {
+pub fn to_text(session: &Session, error: &Error) -> String {
     draw(error, |file| session.text_of(file))
 }
 
@@ -294,14 +294,14 @@ mod tests {
         let command = clap::Command::new("x").args(["near-deg", "axes"].map(|long| clap::Arg::new(long).long(long)));
         let wrong = Error::invalid("Wrong `axes`, not `tool`.").hint("give `near_deg`");
         let key = |e: &Error| e.place().key.clone();
-        let usage = of_option(wrong.clone().key("near_deg"), &command);
+        let usage = into_option_error(wrong.clone().key("near_deg"), &command);
         assert_eq!(key(&usage).as_deref(), Some("--near-deg"));
         assert_eq!(usage.code(), Code::Usage);
         let said = (usage.message(), usage.hint_text());
         assert_eq!(said, ("Wrong --axes, not `tool`.", Some("give --near-deg")));
         // A key of a file is no option, nor is what the command does not have.
         for other in [wrong.clone().key("axes").file("cell.toml"), wrong.key("rounds")] {
-            let same = of_option(other.clone(), &command);
+            let same = into_option_error(other.clone(), &command);
             let parts = |e: &Error| (e.code(), key(e), e.message().to_string());
             assert_eq!(parts(&same), parts(&other));
         }

@@ -35,7 +35,7 @@ mod text;
 pub use commands::generated::generated as schemas;
 pub use described::{Argument, Described, Kind, described};
 pub use host::Host;
-pub use saved::{Telling, drawing, figures, page, told};
+pub use saved::{SummaryForm, drawing, figures, page, summary};
 
 use answer::Answer;
 use args::{Cli, Command};
@@ -100,7 +100,7 @@ fn run_words(words: &[OsString], captured: Option<Rc<RefCell<Captured>>>, host: 
     });
     ran.unwrap_or_else(|fault| {
         let subcommand = command.find_subcommand(&named).unwrap_or(&command);
-        error::report(&session, &error::of_option(fault, subcommand))
+        error::report(&session, &error::into_option_error(fault, subcommand))
     })
 }
 

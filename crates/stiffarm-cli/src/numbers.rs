@@ -1,7 +1,7 @@
 //! Numbers as tables show them.
 
 use stiffarm::units::{m_to_mm, rounded, significant_text};
-pub use stiffarm_report::tell::counted;
+pub use stiffarm_report::summary::counted;
 
 /// Shown where a value does not exist.
 pub const NONE: &str = "-";

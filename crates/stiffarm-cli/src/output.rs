@@ -8,7 +8,7 @@ use stiffarm::findings::{Finding, Severity, codes};
 use stiffarm::model::cell::Cell;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::envelope::Envelope;
-use stiffarm_report::tell::{Given, Telling, Told};
+use stiffarm_report::summary::{Context, Summarise, Summary};
 
 /// How a command ended, where it ended without an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -114,7 +114,7 @@ impl Session {
 ///
 /// # Errors
 /// A cell that cannot take its postures.
-pub fn told<O, R: Telling<O>>(envelope: &Envelope<O, R>, cell: Option<&Cell>) -> Result<Told> {
-    let context = Given { command: &envelope.command, name: "result", cell, pictures: false };
-    envelope.result.told(&envelope.options, &context)
+pub fn summary<O, R: Summarise<O>>(envelope: &Envelope<O, R>, cell: Option<&Cell>) -> Result<Summary> {
+    let context = Context { command: &envelope.command, name: "result", cell, pictures: false };
+    envelope.result.summary(&envelope.options, &context)
 }

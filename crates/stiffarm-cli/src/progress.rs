@@ -63,7 +63,7 @@ impl Progress {
     }
 
     /// Tells how work stands whose end is not known.
-    pub fn tell(&self, what: &str) {
+    pub fn show(&self, what: &str) {
         if self.host.is_some() {
             return self.report(what, 0, 0);
         }

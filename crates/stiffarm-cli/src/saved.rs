@@ -10,12 +10,12 @@ use stiffarm_files::envelope::to_json;
 use stiffarm_files::result::read_result;
 use stiffarm_report::page::{pictures, render_told};
 use stiffarm_report::report::report;
-use stiffarm_report::tell::{WithCell, tell};
+use stiffarm_report::summary::{WithCell, summarise};
 use stiffarm_report::{Full, cell_drawing, shown_drawing, shown_figure, usual_posture};
 
 /// How much of a result is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Telling {
+pub enum SummaryForm {
     /// What came out, what is serious, every caution: a few lines.
     Verdict,
     /// What the command prints.
@@ -30,21 +30,21 @@ pub enum Telling {
 ///
 /// # Errors
 /// A text that holds no result, or one that is not told.
-pub fn told(json: &str, cell: Option<&Cell>, how: Telling) -> Result<String> {
+pub fn summary(json: &str, cell: Option<&Cell>, how: SummaryForm) -> Result<String> {
     let saved = read_result(json.as_bytes(), "result")?;
-    let told = tell(&WithCell::new(&saved, cell).in_words())?;
+    let summary = summarise(&WithCell::new(&saved, cell).without_pictures())?;
     Ok(match how {
-        Telling::Verdict => plain(&text::verdict(&told)),
-        Telling::Summary => plain(&text::told(&told, false)),
-        Telling::Details => plain(&text::told(&told, true)),
-        Telling::Html => render_told(&told),
+        SummaryForm::Verdict => plain(&text::verdict(&summary)),
+        SummaryForm::Summary => plain(&text::summary(&summary, false)),
+        SummaryForm::Details => plain(&text::summary(&summary, true)),
+        SummaryForm::Html => render_told(&summary),
     })
 }
 
 /// The page of a result as `--json` prints it, with its cell where that is at hand.
 ///
 /// # Errors
-/// As [`told`].
+/// As [`summary`].
 pub fn page(json: &str, cell: Option<&Cell>) -> Result<String> {
     page_of_saved(&read_result(json.as_bytes(), "result")?, cell)
 }
@@ -53,7 +53,7 @@ pub fn page(json: &str, cell: Option<&Cell>) -> Result<String> {
 /// look.
 ///
 /// # Errors
-/// As [`told`].
+/// As [`summary`].
 pub fn figures(json: &str, cell: Option<&Cell>) -> Result<String> {
     let saved = read_result(json.as_bytes(), "result")?;
     let (figures, drawings) = pictures(&report(&[WithCell::new(&saved, cell)])?);

@@ -5,16 +5,17 @@ use crate::table::{Align, Table, title, weight};
 use anstyle::Style;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::units::sentence_with_minus;
-use stiffarm_report::tell::{Block, DataTable, Depth, Piece, SEEN_AT_ONCE, Section, Text, Told};
+use stiffarm_report::summary::{Block, DataTable, Depth, Piece, SEEN_AT_ONCE, Section, Summary, Text};
 
 /// Most rows of a table without details: a few dozen can be read.
 const MOST_ROWS: usize = 36;
 
 /// What came out, and what is serious.
-fn opening(told: &Told) -> String {
-    let [_, outcome, _] = &told.verdict;
+fn opening(summary: &Summary) -> String {
+    let [_, outcome, _] = &summary.verdict;
     // What is serious may be what came out.
-    let (first, serious): (Vec<&Finding>, Vec<&Finding>) = of(told, Severity::Serious).partition(|f| outcome.says(f));
+    let (first, serious): (Vec<&Finding>, Vec<&Finding>) =
+        of(summary, Severity::Serious).partition(|f| outcome.says(f));
     let mut out = if first.is_empty() {
         sentence(outcome)
     } else {
@@ -26,23 +27,23 @@ fn opening(told: &Told) -> String {
 }
 
 /// Findings of a weight.
-fn of(told: &Told, severity: Severity) -> impl Iterator<Item = &Finding> {
-    told.findings.iter().filter(move |f| f.severity == severity)
+fn of(summary: &Summary, severity: Severity) -> impl Iterator<Item = &Finding> {
+    summary.findings.iter().filter(move |f| f.severity == severity)
 }
 
 /// The result in a few lines: what came out, what is serious, every caution.
-pub fn verdict(told: &Told) -> String {
-    opening(told) + &of(told, Severity::Caution).map(finding).collect::<String>()
+pub fn verdict(summary: &Summary) -> String {
+    opening(summary) + &of(summary, Severity::Caution).map(finding).collect::<String>()
 }
 
 /// The verdict, the table to read first, what to know and to do, and the rest as far as it is asked for.
-pub fn told(told: &Told, details: bool) -> String {
-    let [done, _, next] = &told.verdict;
-    let mut out = opening(told);
-    if let Some(key) = &told.key {
+pub fn summary(summary: &Summary, details: bool) -> String {
+    let [done, _, next] = &summary.verdict;
+    let mut out = opening(summary);
+    if let Some(key) = &summary.key {
         out += &format!("\n{}\n", table(key, details));
     }
-    let cautions: Vec<&Finding> = of(told, Severity::Caution).collect();
+    let cautions: Vec<&Finding> = of(summary, Severity::Caution).collect();
     let seen = if details { cautions.len() } else { SEEN_AT_ONCE };
     out.extend(cautions.iter().copied().take(seen).map(finding));
     if cautions.len() > seen {
@@ -51,10 +52,10 @@ pub fn told(told: &Told, details: bool) -> String {
         out += &line(&format!("{word}: {more} more, with --details"));
     }
     if details {
-        out.extend(of(told, Severity::Note).map(finding));
+        out.extend(of(summary, Severity::Note).map(finding));
     }
     out += &sentence(&Text::new("Next: ").then(next.clone()));
-    let (shown, hidden): (Vec<&Section>, Vec<&Section>) = told
+    let (shown, hidden): (Vec<&Section>, Vec<&Section>) = summary
         .sections
         .iter()
         .filter(|section| has_words(&section.blocks))
@@ -68,7 +69,7 @@ pub fn told(told: &Told, details: bool) -> String {
     out += &sentence(done);
     let titles = hidden.iter().map(|section| &*section.title);
     let mut hidden: Vec<&str> = folded.into_iter().chain(titles).collect();
-    if of(told, Severity::Note).next().is_some() {
+    if of(summary, Severity::Note).next().is_some() {
         hidden.push("Notes");
     }
     if !hidden.is_empty() && !details {

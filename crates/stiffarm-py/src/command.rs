@@ -6,13 +6,13 @@ use crate::long::watched;
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
-use stiffarm_cli::{Host, Telling, described, run_captured};
+use stiffarm_cli::{Host, SummaryForm, described, run_captured};
 use stiffarm_files::envelope::to_json;
 use stiffarm_files::source::beside;
 
 /// An input that is no file.
 #[derive(FromPyObject)]
-pub enum Given<'py> {
+pub enum Input<'py> {
     /// A cell with its meshes.
     Cell(PyRef<'py, PyCell>),
     /// The bytes of a table or of a saved result.
@@ -26,19 +26,19 @@ pub enum Given<'py> {
 pub fn run(
     py: Python<'_>,
     words: Vec<OsString>,
-    inputs: BTreeMap<String, Given<'_>>,
+    inputs: BTreeMap<String, Input<'_>>,
     accept: Option<Py<PyAny>>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(u8, String, String, bool)> {
     let mut memory = BTreeMap::new();
     for (name, input) in inputs {
         match input {
-            Given::Cell(cell) => {
+            Input::Cell(cell) => {
                 let meshes = cell.files.iter();
                 memory.extend(meshes.map(|(file, bytes)| (beside(&name, file), bytes.clone())));
                 memory.insert(name, cell.text.clone());
             }
-            Given::Bytes(bytes) => {
+            Input::Bytes(bytes) => {
                 memory.insert(name, bytes);
             }
         }
@@ -65,15 +65,15 @@ pub fn commands(py: Python<'_>) -> PyResult<String> {
 /// What a result says: `how` is "verdict", "summary", "details" or "html".
 #[pyfunction]
 #[pyo3(signature = (json, cell, how))]
-pub fn told(py: Python<'_>, json: &str, cell: Option<&PyCell>, how: &str) -> PyResult<String> {
+pub fn summary(py: Python<'_>, json: &str, cell: Option<&PyCell>, how: &str) -> PyResult<String> {
     let how = match how {
-        "verdict" => Telling::Verdict,
-        "details" => Telling::Details,
-        "html" => Telling::Html,
-        _ => Telling::Summary,
+        "verdict" => SummaryForm::Verdict,
+        "details" => SummaryForm::Details,
+        "html" => SummaryForm::Html,
+        _ => SummaryForm::Summary,
     };
     let cell = cell.map(|cell| &cell.cell);
-    py.detach(|| stiffarm_cli::told(json, cell, how)).raised(py)
+    py.detach(|| stiffarm_cli::summary(json, cell, how)).raised(py)
 }
 
 /// The page of a result.

@@ -26,7 +26,7 @@ mod _stiffarm {
     #[pymodule_export]
     use crate::cell::PyCell;
     #[pymodule_export]
-    use crate::command::{commands, figures, page, run, told};
+    use crate::command::{commands, figures, page, run, summary};
     #[pymodule_export]
     use crate::cores::set_threads;
     #[pymodule_export]

@@ -16,13 +16,13 @@ use crate::error::Raised;
 const TICK: Duration = Duration::from_millis(50);
 
 /// What was told last: what is done, how much, of how much.
-type Told = (String, usize, usize);
+type Step = (String, usize, usize);
 
 /// Between the work and the thread of the interpreter.
 #[derive(Default)]
 struct Shared {
     stop: AtomicBool,
-    latest: Mutex<Option<Told>>,
+    latest: Mutex<Option<Step>>,
     /// What a function of the caller raised.
     failure: Mutex<Option<PyErr>>,
 }
@@ -32,7 +32,7 @@ impl Shared {
         self.stop.load(Ordering::Relaxed)
     }
 
-    fn tell(&self, what: &str, done: usize, of: usize) {
+    fn report(&self, what: &str, done: usize, of: usize) {
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         *latest = Some((what.to_string(), done, of));
     }
@@ -43,7 +43,7 @@ impl Shared {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    fn take(&self) -> Option<Told> {
+    fn take(&self) -> Option<Step> {
         self.latest.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 }
@@ -55,7 +55,7 @@ impl Watched {
     /// For a value whose later questions can take long.
     pub fn shared(&self) -> Watch {
         let (stop, report) = (Arc::clone(&self.0), Arc::clone(&self.0));
-        Watch::new(move || stop.stopped(), move |what, done, of| report.tell(what, done, of))
+        Watch::new(move || stop.stopped(), move |what, done, of| report.report(what, done, of))
     }
 
     /// A function of the caller that says of angles \[rad\] whether they may be chosen; what it raises stops the work.
@@ -79,7 +79,7 @@ impl Watched {
     /// Runs `work` with what it borrows.
     pub fn with<T>(&self, work: impl FnOnce(Control<'_>) -> T) -> T {
         let stop = || self.0.stopped();
-        let report = |what: &str, done: usize, of: usize| self.0.tell(what, done, of);
+        let report = |what: &str, done: usize, of: usize| self.0.report(what, done, of);
         work(Control { stop: Some(&stop), progress: Some(&report) })
     }
 }

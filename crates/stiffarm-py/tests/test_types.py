@@ -75,7 +75,7 @@ others: list[stiffarm.Result] = [
     stiffarm.zones(cell, steps=5),
 ]
 keys: dict[str, object] = stiffarm.schema("cell")
-words: str = fit.told(details=True) + fit.command_line
+words: str = fit.summary(details=True) + fit.command_line
 '''
 
 

@@ -194,7 +194,7 @@ def test_every_result_tells_itself(
         shown = one._repr_html_()
         assert shown.startswith("<p><b>") and one.page()._repr_html_().startswith("<iframe srcdoc=")
         assert repr(one.page()).startswith("<Page of ")
-        assert str(one) == one.told().rstrip("\n") and len(one.told(details=True)) >= len(one.told()) > 80
+        assert str(one) == one.summary().rstrip("\n") and len(one.summary(details=True)) >= len(one.summary()) > 80
         page = one.report(tmp_path / "page.html", overwrite=True).read_text(encoding="utf-8")
         assert page.lower().startswith("<!doctype html>")
         again = kind.load(one.save(tmp_path / "result.json", overwrite=True))

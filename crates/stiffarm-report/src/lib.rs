@@ -8,7 +8,7 @@
 //!
 //! A [`scene::Scene`] is a cell at postures as data: a script shows it in three dimensions, and it has a drawing.
 //!
-//! [`tell`] is what a saved result says, as data: the command shows it in the terminal, [`report`] as a page.
+//! [`summary`] is what a saved result says, as data: the command shows it in the terminal, [`report`] as a page.
 //!
 //! [`figure`] is generic: it knows nothing of stiffarm. The other modules turn
 //! stiffarm's results into figures and tables.
@@ -31,7 +31,7 @@ pub mod report;
 pub mod scene;
 mod selection;
 pub mod study;
-pub mod tell;
+pub mod summary;
 pub mod validated;
 mod zones;
 

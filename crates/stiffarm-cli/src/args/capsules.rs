@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum, ValueHint};
 use stiffarm::ask::values::within;
 
 #[derive(Debug, Args)]
-pub struct CapsulesArgs {
+pub struct Capsules {
     /// Triangle meshes: .stl, .obj or .dae
     #[arg(value_hint = ValueHint::FilePath, required = true, value_name = "MESH")]
     pub meshes: Vec<String>,

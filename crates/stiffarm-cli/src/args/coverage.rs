@@ -1,11 +1,11 @@
 //! Options of `stiffarm coverage`.
 
-use super::PageArgs;
+use super::Page;
 use clap::{Args, ValueHint};
 use stiffarm::ask::coverage::CoverageOptions;
 
 #[derive(Debug, Args)]
-pub struct CoverageArgs {
+pub struct Coverage {
     /// Cell file; its prior stiffness is the truth
     #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
@@ -17,7 +17,7 @@ pub struct CoverageArgs {
     pub options: CoverageOptions,
     /// The page of the result.
     #[command(flatten)]
-    pub page: PageArgs,
+    pub page: Page,
     /// Overwrite an existing file
     #[arg(long)]
     pub force: bool,

@@ -8,7 +8,7 @@ use stiffarm::model::robot::Controller;
 use stiffarm_files::program::Language;
 
 #[derive(Debug, Args)]
-pub struct ExportArgs {
+pub struct Export {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
@@ -42,7 +42,7 @@ pub struct ExportArgs {
     pub name: Option<String>,
     /// What the language needs to know of the controller.
     #[command(flatten)]
-    pub controller: ControllerArgs,
+    pub controller: ControllerChoice,
     /// Also write a plan that violates limits of its cell; never one beyond the robot's own limits
     #[arg(long, conflicts_with = "compare")]
     pub despite_limits: bool,
@@ -54,7 +54,7 @@ pub struct ExportArgs {
 /// What a language needs to know of the controller.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "The controller")]
-pub struct ControllerArgs {
+pub struct ControllerChoice {
     /// Maker of the controller whose pendant shows the angles of this cell, where the language belongs to another maker
     /// than the robot
     #[arg(long, value_name = "NAME", value_parser = one_of(&Controller::ALL, |controller| controller.as_str().into()))]

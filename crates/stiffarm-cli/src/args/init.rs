@@ -6,7 +6,7 @@ use stiffarm::ask::values::{Choice, choice};
 use stiffarm::model::robot::DhConvention;
 
 #[derive(Debug, Args)]
-pub struct InitArgs {
+pub struct Init {
     /// Robot of the catalogue (`stiffarm robots` lists it)
     #[arg(
         long,

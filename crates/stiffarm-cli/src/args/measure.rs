@@ -6,7 +6,7 @@ use stiffarm::ask::measure::MeasureOptions;
 use stiffarm::ask::values::pause;
 
 #[derive(Debug, Args)]
-pub struct MeasureArgs {
+pub struct Measure {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,

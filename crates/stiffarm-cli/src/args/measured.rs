@@ -1,13 +1,13 @@
 //! Commands that work on measurements.
 
-use super::PageArgs;
+use super::Page;
 use clap::{Args, ValueHint};
 use stiffarm::ask::identify::IdentifiedOptions;
 use stiffarm::ask::register::PairOptions;
 use stiffarm::ask::validate::ValidateOptions;
 
 #[derive(Debug, Args)]
-pub struct RegisterArgs {
+pub struct Register {
     /// Pairs of points: name, tracker_x_mm to tracker_z_mm, base_x_mm to base_z_mm
     #[arg(value_hint = ValueHint::FilePath, value_name = "PAIRS.csv")]
     pub pairs: String,
@@ -26,7 +26,7 @@ pub struct RegisterArgs {
 }
 
 #[derive(Debug, Args)]
-pub struct IdentifyArgs {
+pub struct Identify {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
@@ -51,7 +51,7 @@ pub struct IdentifyArgs {
     pub output: Option<String>,
     /// The page of the result.
     #[command(flatten)]
-    pub page: PageArgs,
+    pub page: Page,
     /// Overwrite an existing file
     #[arg(long)]
     pub force: bool,
@@ -59,7 +59,7 @@ pub struct IdentifyArgs {
 
 #[derive(Debug, Args)]
 #[command(allow_missing_positional = true)]
-pub struct ValidateArgs {
+pub struct Validate {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
@@ -83,7 +83,7 @@ pub struct ValidateArgs {
     pub details: bool,
     /// The page of the result.
     #[command(flatten)]
-    pub page: PageArgs,
+    pub page: Page,
     /// Overwrite an existing file
     #[arg(long)]
     pub force: bool,

@@ -16,22 +16,22 @@ mod select;
 mod simulate;
 mod work;
 
-pub use capsules::{CapsulesArgs, MeshUnit};
-pub use coverage::CoverageArgs;
-pub use export::{ControllerArgs, ExportArgs};
+pub use capsules::{Capsules, MeshUnit};
+pub use coverage::Coverage;
+pub use export::{ControllerChoice, Export};
 pub use groups::grouped;
-pub use init::InitArgs;
-pub use measure::MeasureArgs;
-pub use measured::{IdentifyArgs, RegisterArgs, ValidateArgs};
-pub use path::{CompensateArgs, PredictArgs, WriteChoice};
-pub use pose::PoseArgs;
-pub use report::PageArgs;
-pub use report::ReportArgs;
-pub use route::RouteArgs;
+pub use init::Init;
+pub use measure::Measure;
+pub use measured::{Identify, Register, Validate};
+pub use path::{Compensate, Predict, WriteChoice};
+pub use pose::Pose;
+pub use report::Page;
+pub use report::Report;
+pub use route::Route;
 pub use schema::SCHEMAS;
-pub use select::{OutputArgs, SelectArgs, SheetChoice};
-pub use simulate::SimulateArgs;
-pub use work::MapArgs;
+pub use select::{Output, Select, SheetChoice};
+pub use simulate::Simulate;
+pub use work::Map;
 
 use crate::examples;
 use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum, ValueHint};
@@ -93,83 +93,83 @@ pub struct Global {
 pub enum Command {
     /// Run the whole study of the paper on a cell: groups, simulation, identification, validation, report
     #[command(after_help = examples::STUDY)]
-    Study(StudyArgs),
+    Study(Study),
     /// Write a commented cell.toml, postures.csv and measurements.csv to start from
     #[command(after_help = examples::INIT)]
-    Init(Box<InitArgs>),
+    Init(Box<Init>),
     /// Check a cell: joints the load cannot excite, suspicious units, limits no posture meets
     #[command(after_help = examples::CHECK)]
-    Check(CheckArgs),
+    Check(Check),
     /// Choose the postures to measure, the next ones, or those to leave out, under any index
     #[command(after_help = examples::SELECT)]
-    Select(Box<SelectArgs>),
+    Select(Box<Select>),
     /// All indices and expected errors of given postures, side by side for several files
     #[command(after_help = examples::EVALUATE)]
-    Evaluate(EvaluateArgs),
+    Evaluate(Evaluate),
     /// Monte Carlo simulation of identifications with tracker noise
     #[command(after_help = examples::SIMULATE)]
-    Simulate(SimulateArgs),
+    Simulate(Simulate),
     /// Beside the robot: judge each posture as its readings arrive, and say when it is enough
     #[command(after_help = examples::MEASURE)]
-    Measure(MeasureArgs),
+    Measure(Measure),
     /// How often the intervals of `identify` hold the truth, counted in simulated experiments
     #[command(after_help = examples::COVERAGE)]
-    Coverage(CoverageArgs),
+    Coverage(Coverage),
     /// Transform from tracker to base axes from pairs of points, with residuals and uncertainty
     #[command(after_help = examples::REGISTER)]
-    Register(RegisterArgs),
+    Register(Register),
     /// Joint stiffness with intervals and diagnostics from measurements
     #[command(after_help = examples::IDENTIFY)]
-    Identify(IdentifyArgs),
+    Identify(Identify),
     /// Compare calculated with measured displacements at postures kept out of the identification
     #[command(after_help = examples::VALIDATE)]
-    Validate(ValidateArgs),
+    Validate(Validate),
     /// How far the loaded tool bends away at postures or along a path, and how sure that is
     #[command(after_help = examples::PREDICT)]
-    Predict(Box<PredictArgs>),
+    Predict(Box<Predict>),
     /// The path to command so that the loaded tool follows the nominal one
     #[command(after_help = examples::COMPENSATE)]
-    Compensate(Box<CompensateArgs>),
+    Compensate(Box<Compensate>),
     /// Stiffness of the loaded tool over the workspace, and the best place for a workpiece
     #[command(after_help = examples::MAP)]
-    Map(Box<MapArgs>),
+    Map(Box<Map>),
     /// The order of a plan's postures and the joint moves between them, checked for what they might touch
     #[command(after_help = examples::ROUTE)]
-    Route(RouteArgs),
+    Route(Route),
     /// Maps of dexterity and of K_C's influence over joints 2 and 3, to choose zones for postures
     #[command(after_help = examples::ZONES)]
-    Zones(ZonesArgs),
+    Zones(Zones),
     /// One offline page of saved results, with the cell in 3D; several side by side
     #[command(after_help = examples::REPORT)]
-    Report(ReportArgs),
+    Report(Report),
     /// Poses of postures as the robot's pendant shows them, and all postures of a pose
     #[command(after_help = examples::POSE)]
-    Pose(PoseArgs),
+    Pose(Pose),
     /// A plan as a program for the robot's controller, and such a program compared with the plan
     #[command(after_help = examples::EXPORT)]
-    Export(Box<ExportArgs>),
+    Export(Box<Export>),
     /// Capsules around the meshes of a tool or a link, ready for cell.toml
     #[command(after_help = examples::CAPSULES)]
-    Capsules(CapsulesArgs),
+    Capsules(Capsules),
     /// The catalogue of robots, with sources and doubts
     #[command(after_help = examples::ROBOTS)]
-    Robots(RobotsArgs),
+    Robots(Robots),
     /// JSON Schema of the cell file or of a command's JSON output
     #[command(after_help = examples::SCHEMA)]
-    Schema(SchemaArgs),
+    Schema(Schema),
     /// Completions for a shell
     #[command(after_help = examples::COMPLETIONS)]
-    Completions(CompletionsArgs),
+    Completions(Completions),
     /// Manual pages
     #[command(after_help = examples::MAN)]
-    Man(ManArgs),
+    Man(Man),
     /// Pages of the documentation that are generated from the program
     #[command(hide = true, after_help = examples::DOCS)]
-    Docs(DocsArgs),
+    Docs(Docs),
 }
 
 #[derive(Debug, Args)]
-pub struct StudyArgs {
+pub struct Study {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath, default_value = "builtin:comau")]
     pub cell: String,
@@ -182,7 +182,7 @@ pub struct StudyArgs {
     pub measured: Option<String>,
     /// How to split measurements.
     #[command(flatten)]
-    pub splits: SplitArgs,
+    pub splits: Split,
     /// Folder for report, figures and tables
     #[arg(long, value_name = "DIR", default_value = "study")]
     pub output_dir: PathBuf,
@@ -204,7 +204,7 @@ pub struct StudyArgs {
     pub details: bool,
     /// The page of the result.
     #[command(flatten)]
-    pub page: PageArgs,
+    pub page: Page,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,
@@ -213,7 +213,7 @@ pub struct StudyArgs {
 /// How a study on measurements splits and chooses.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "With --measured")]
-pub struct SplitArgs {
+pub struct Split {
     /// Random splits into a pool and postures to be predicted [default: 100]
     #[arg(long, value_name = "N", requires = "measured", value_parser = within::<u64>(1..=100_000))]
     pub splits: Option<u64>,
@@ -236,7 +236,7 @@ pub struct SplitArgs {
 }
 
 #[derive(Debug, Args)]
-pub struct CheckArgs {
+pub struct Check {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath, default_value = "builtin:comau")]
     pub cell: String,
@@ -255,14 +255,14 @@ pub struct CheckArgs {
     pub details: bool,
     /// The page of the result.
     #[command(flatten)]
-    pub page: PageArgs,
+    pub page: Page,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,
 }
 
 #[derive(Debug, Args)]
-pub struct EvaluateArgs {
+pub struct Evaluate {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
@@ -274,14 +274,14 @@ pub struct EvaluateArgs {
     pub details: bool,
     /// The page of the result.
     #[command(flatten)]
-    pub page: PageArgs,
+    pub page: Page,
     /// Overwrite an existing file
     #[arg(long)]
     pub force: bool,
 }
 
 #[derive(Debug, Args)]
-pub struct ZonesArgs {
+pub struct Zones {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath, default_value = "builtin:comau")]
     pub cell: String,
@@ -293,33 +293,33 @@ pub struct ZonesArgs {
     pub options: ZonesOptions,
     /// The page of the result.
     #[command(flatten)]
-    pub page: PageArgs,
+    pub page: Page,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,
 }
 
 #[derive(Debug, Args)]
-pub struct RobotsArgs {
+pub struct Robots {
     /// One robot, in full
     pub name: Option<String>,
 }
 
 #[derive(Debug, Args)]
-pub struct SchemaArgs {
+pub struct Schema {
     /// What to describe
     #[arg(value_parser = schemas())]
     pub what: String,
 }
 
 #[derive(Debug, Args)]
-pub struct CompletionsArgs {
+pub struct Completions {
     /// The shell
     pub shell: clap_complete::Shell,
 }
 
 #[derive(Debug, Args)]
-pub struct ManArgs {
+pub struct Man {
     /// Folder for one page per command; without it the main page goes to standard output
     #[arg(long, value_name = "DIR")]
     pub output_dir: Option<PathBuf>,
@@ -329,7 +329,7 @@ pub struct ManArgs {
 }
 
 #[derive(Debug, Args)]
-pub struct DocsArgs {
+pub struct Docs {
     /// Which page
     pub page: DocsPage,
 }
@@ -346,7 +346,7 @@ pub enum DocsPage {
 impl Command {
     /// Where the page of the command's result goes, and whether it may overwrite a file; `None` for commands
     /// whose results have no page.
-    pub fn page(&self) -> Option<(&PageArgs, bool)> {
+    pub fn page(&self) -> Option<(&Page, bool)> {
         match self {
             Command::Study(args) => Some((&args.page, args.force)),
             Command::Check(args) => Some((&args.page, args.force)),

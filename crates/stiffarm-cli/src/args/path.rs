@@ -1,6 +1,6 @@
 //! Commands that work on paths of the tool tip.
 
-use super::PageArgs;
+use super::Page;
 use clap::{Args, ValueEnum, ValueHint};
 use stiffarm::ask::path::PathOptions;
 use stiffarm::ask::predict::PredictOptions;
@@ -10,7 +10,7 @@ use stiffarm_files::tool_path::{LANGUAGES, PathLanguage};
 
 /// How the path is read.
 #[derive(Debug, Clone, Args)]
-pub struct PathArgs {
+pub struct Path {
     /// Language of the path, where its name and text do not tell it
     #[arg(long, value_name = "LANGUAGE", value_parser = choice(LANGUAGES))]
     pub language: Option<PathLanguage>,
@@ -21,7 +21,7 @@ pub struct PathArgs {
 }
 
 #[derive(Debug, Args)]
-pub struct PredictArgs {
+pub struct Predict {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
@@ -34,7 +34,7 @@ pub struct PredictArgs {
     pub path: Option<String>,
     /// How the path is read.
     #[command(flatten)]
-    pub along: PathArgs,
+    pub along: Path,
     /// What is asked.
     #[command(flatten)]
     pub options: PredictOptions,
@@ -49,14 +49,14 @@ pub struct PredictArgs {
     pub details: bool,
     /// The page of the result.
     #[command(flatten)]
-    pub page: PageArgs,
+    pub page: Page,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,
 }
 
 #[derive(Debug, Args)]
-pub struct CompensateArgs {
+pub struct Compensate {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
@@ -68,7 +68,7 @@ pub struct CompensateArgs {
     pub path: String,
     /// How the path is read.
     #[command(flatten)]
-    pub along: PathArgs,
+    pub along: Path,
     /// What is asked.
     #[command(flatten)]
     pub options: PathOptions,
@@ -98,7 +98,7 @@ pub struct CompensateArgs {
     pub details: bool,
     /// The page of the result.
     #[command(flatten)]
-    pub page: PageArgs,
+    pub page: Page,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,

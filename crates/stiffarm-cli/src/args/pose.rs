@@ -4,7 +4,7 @@ use clap::{Args, ValueHint};
 use stiffarm::ask::pose::PoseOptions;
 
 #[derive(Debug, Args)]
-pub struct PoseArgs {
+pub struct Pose {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,

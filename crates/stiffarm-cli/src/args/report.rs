@@ -8,13 +8,13 @@ use stiffarm_report::paper::{Format, PaperOptions};
 
 /// The page of a result that a command has just made.
 #[derive(Debug, Clone, Default, Args)]
-pub struct PageArgs {
+pub struct Page {
     /// Write the result as one offline page, with the cell in 3D
     #[arg(value_hint = ValueHint::AnyPath, long, value_name = "FILE.html")]
     pub report: Option<String>,
 }
 
-impl PageArgs {
+impl Page {
     /// Where the page goes, if anywhere.
     pub fn path(&self) -> Option<&str> {
         self.report.as_deref()
@@ -23,7 +23,7 @@ impl PageArgs {
 
 /// Pages of saved results.
 #[derive(Debug, Args)]
-pub struct ReportArgs {
+pub struct Report {
     /// Saved results: what commands printed with --json (`--json > result.json`), or identify wrote with --output
     #[arg(value_hint = ValueHint::FilePath, required = true, value_name = "RESULT.json")]
     pub results: Vec<String>,
@@ -38,7 +38,7 @@ pub struct ReportArgs {
     #[arg(long, value_name = "DIR")]
     pub figures: Option<PathBuf>,
     #[command(flatten)]
-    pub paper: PaperArgs,
+    pub paper: Paper,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,
@@ -47,7 +47,7 @@ pub struct ReportArgs {
 /// Pictures for a paper.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Pictures for a paper")]
-pub struct PaperArgs {
+pub struct Paper {
     /// Formats with commas between them: svg, and csv for the numbers of charts
     #[arg(
         long,
@@ -72,7 +72,7 @@ pub struct PaperArgs {
     pub titles: bool,
 }
 
-impl PaperArgs {
+impl Paper {
     /// As the report takes them.
     pub fn options(&self) -> PaperOptions {
         PaperOptions {

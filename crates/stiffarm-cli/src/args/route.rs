@@ -1,11 +1,11 @@
 //! The command line of `stiffarm route`.
 
-use super::PageArgs;
+use super::Page;
 use clap::{Args, ValueHint};
 use stiffarm::ask::route::DriveOptions;
 
 #[derive(Debug, Args)]
-pub struct RouteArgs {
+pub struct Route {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
@@ -23,7 +23,7 @@ pub struct RouteArgs {
     pub output: Option<String>,
     /// The page of the result.
     #[command(flatten)]
-    pub page: PageArgs,
+    pub page: Page,
     /// Overwrite an existing file
     #[arg(long, help_heading = "Output")]
     pub force: bool,

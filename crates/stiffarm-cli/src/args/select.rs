@@ -1,11 +1,11 @@
 //! The command line of `stiffarm select`.
 
-use super::PageArgs;
+use super::Page;
 use clap::{ArgGroup, Args, ValueEnum, ValueHint};
 use stiffarm::ask::select::SelectOptions;
 
 #[derive(Debug, Args)]
-pub struct SelectArgs {
+pub struct Select {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
@@ -29,14 +29,14 @@ pub struct SelectArgs {
     pub details: bool,
     /// Files to write.
     #[command(flatten)]
-    pub output: OutputArgs,
+    pub output: Output,
 }
 
 /// Files to write.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output",
           group = ArgGroup::new("readings").args(["sheet", "print"]).multiple(true))]
-pub struct OutputArgs {
+pub struct Output {
     /// Write the postures to this file; with --curve the curve as CSV
     #[arg(value_hint = ValueHint::AnyPath, long, value_name = "plan.csv")]
     pub output: Option<String>,
@@ -65,7 +65,7 @@ pub struct OutputArgs {
     pub sheet_of: Option<SheetChoice>,
     /// The page of the result.
     #[command(flatten)]
-    pub page: PageArgs,
+    pub page: Page,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,

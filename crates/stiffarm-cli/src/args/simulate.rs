@@ -1,13 +1,13 @@
 //! Options of `stiffarm simulate`.
 
-use super::PageArgs;
+use super::Page;
 use clap::{Args, ValueHint};
 use std::time::Duration;
 use stiffarm::ask::simulate::SimulateOptions;
 use stiffarm::ask::values::pause;
 
 #[derive(Debug, Args)]
-pub struct SimulateArgs {
+pub struct Simulate {
     /// Cell file; its prior stiffness is the truth of the simulation
     #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
@@ -32,7 +32,7 @@ pub struct SimulateArgs {
     pub details: bool,
     /// The page of the result.
     #[command(flatten)]
-    pub page: PageArgs,
+    pub page: Page,
     /// Overwrite an existing file
     #[arg(long)]
     pub force: bool,

@@ -1,6 +1,6 @@
 //! Commands about the robot at work.
 
-use super::PageArgs;
+use super::Page;
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
 use stiffarm::ask::map::MapOptions;
@@ -9,7 +9,7 @@ use stiffarm::model::process::ForceAxes;
 use stiffarm_files::tool_path::{LANGUAGES, PathLanguage};
 
 #[derive(Debug, Args)]
-pub struct MapArgs {
+pub struct Map {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
@@ -21,7 +21,7 @@ pub struct MapArgs {
     pub options: MapOptions,
     /// The best place for a path.
     #[command(flatten)]
-    pub place: PlaceArgs,
+    pub place: Place,
     /// Folder for map.svg and map.csv, with --place for placement.svg and placement.csv
     #[arg(long, value_name = "DIR")]
     pub output_dir: Option<PathBuf>,
@@ -30,7 +30,7 @@ pub struct MapArgs {
     pub details: bool,
     /// The page of the result.
     #[command(flatten)]
-    pub page: PageArgs,
+    pub page: Page,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,
@@ -39,7 +39,7 @@ pub struct MapArgs {
 /// The best place for a path.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Best place of the workpiece")]
-pub struct PlaceArgs {
+pub struct Place {
     /// Instead of a map, find where in the region the workpiece has to lie for this path to bend the arm least [region
     /// by default: the plane through the given place]
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "PATH.csv")]

@@ -1,7 +1,8 @@
 //! `stiffarm capsules`: capsules around meshes.
 
 use crate::answer::Answer;
-use crate::args::{CapsulesArgs, MeshUnit};
+use crate::args;
+use crate::args::MeshUnit;
 use crate::numbers::{NONE, significant};
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -65,7 +66,7 @@ struct InMillimetres {
 }
 
 /// Fits capsules around meshes.
-pub fn run(session: &Session, args: &CapsulesArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Capsules) -> Result<Answer> {
     let progress = Progress::new(session, "meshes into capsules");
     let meshes = args.meshes.iter().enumerate();
     let meshes: Vec<Mesh> = meshes
@@ -87,7 +88,7 @@ pub fn run(session: &Session, args: &CapsulesArgs) -> Result<Answer> {
     Ok(Answer::table(Exit::Done, envelope, text))
 }
 
-fn fitted(session: &Session, role: &str, from: &str, args: &CapsulesArgs) -> Result<Mesh> {
+fn fitted(session: &Session, role: &str, from: &str, args: &args::Capsules) -> Result<Mesh> {
     let (name, bytes) = session.read(role, from)?;
     let mesh = parse_mesh(&bytes, &name, args.unit.length()).map_err(|e| {
         if args.unit == MeshUnit::M && e.message().contains("unit is mm") { e.hint("give --unit mm") } else { e }

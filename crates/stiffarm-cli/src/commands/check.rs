@@ -1,7 +1,7 @@
 //! `stiffarm check`: what to know about a cell before anybody measures.
 
 use crate::answer::Answer;
-use crate::args::CheckArgs;
+use crate::args;
 use crate::files::{Files, only_target};
 use crate::output::Exit;
 use crate::picture::check_picture_name;
@@ -24,7 +24,7 @@ const ALL: &str = "all";
 pub struct Options {}
 
 /// Checks the cell, and draws it where that is asked for.
-pub fn run(session: &Session, args: &CheckArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Check) -> Result<Answer> {
     args.figure.as_deref().map(check_picture_name).transpose()?;
     let target = only_target(session, args.figure.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
@@ -48,12 +48,12 @@ pub fn run(session: &Session, args: &CheckArgs) -> Result<Answer> {
         picture = Some(Files::one(target, render_drawing(&drawing)));
     }
     let envelope = session.envelope("check", None, Options {}, result);
-    let answer = Answer::told(exit, envelope, named, args.details).with(picture);
+    let answer = Answer::summary(exit, envelope, named, args.details).with(picture);
     Ok(Answer { notes, ..answer })
 }
 
 /// The postures of the picture, and which of them is drawn in full.
-fn pictured(session: &Session, args: &CheckArgs, cell: &Cell) -> Result<(Vec<Posture>, Full)> {
+fn pictured(session: &Session, args: &args::Check, cell: &Cell) -> Result<(Vec<Posture>, Full)> {
     let postures = match &args.postures {
         Some(from) => read_postures(session, "postures", from, &cell.setup.robot)?,
         None if args.posture.is_none() => return Ok((vec![usual_posture(cell)?], Full::Number(0))),

@@ -2,7 +2,8 @@
 //! the nominal one.
 
 use crate::answer::Answer;
-use crate::args::{CompensateArgs, WriteChoice};
+use crate::args;
+use crate::args::WriteChoice;
 use crate::output::Exit;
 use crate::path::{Outputs, read_stiffness};
 use crate::progress::Progress;
@@ -28,7 +29,7 @@ use stiffarm_report::{compensation_figure, render_svg};
 const WITHHELD: &str = "Nothing was written: the findings say why. `--beyond-data` writes it all the same.\n";
 
 /// Compensates.
-pub fn run(session: &Session, args: &CompensateArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Compensate) -> Result<Answer> {
     let mut outputs = Outputs::new(session, args.output.as_deref(), args.figure.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
@@ -100,7 +101,7 @@ fn is_objected(result: &Compensated) -> bool {
 /// A new program of linear moves through the commanded points, which are poses.
 fn moves(
     session: &Session,
-    args: &CompensateArgs,
+    args: &args::Compensate,
     cell: &Cell,
     language: Language,
     points: &[PathPoint],

@@ -1,12 +1,13 @@
 //! `stiffarm completions`.
 
 use crate::answer::Answer;
-use crate::args::{Cli, CompletionsArgs};
+use crate::args;
+use crate::args::Cli;
 use clap::CommandFactory;
 use stiffarm::{Code, Error, Result};
 
 /// Prints the completions of one shell.
-pub fn run(args: &CompletionsArgs) -> Result<Answer> {
+pub fn run(args: &args::Completions) -> Result<Answer> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "stiffarm", &mut script);
     let script = String::from_utf8(script).map_err(|_| Error::new(Code::Internal, "The completions are not text."))?;

@@ -1,7 +1,7 @@
 //! `stiffarm coverage`: how often the intervals of `identify` hold the truth, counted in simulated experiments.
 
 use crate::answer::Answer;
-use crate::args::CoverageArgs;
+use crate::args;
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
@@ -10,7 +10,7 @@ use stiffarm::estimate::coverage::coverage;
 use stiffarm_files::source::read_postures;
 
 /// Counts.
-pub fn run(session: &Session, args: &CoverageArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Coverage) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
     let case = args.options.case(&named.cell)?;
     let robot = &named.cell.setup.robot;
@@ -19,5 +19,5 @@ pub fn run(session: &Session, args: &CoverageArgs) -> Result<Answer> {
         Progress::new(session, "counting").watch(|control| coverage(&named.cell, &postures, &case, control))?;
     let exit = Exit::of_findings(&coverage.findings);
     let envelope = session.envelope("coverage", Some(case.seed), args.options.clone(), coverage);
-    Ok(Answer::told(exit, envelope, named, false))
+    Ok(Answer::summary(exit, envelope, named, false))
 }

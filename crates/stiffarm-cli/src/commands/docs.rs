@@ -1,13 +1,14 @@
 //! `stiffarm docs`: pages of the documentation made from the program itself.
 
 use crate::answer::Answer;
-use crate::args::{DocsArgs, DocsPage};
+use crate::args;
+use crate::args::DocsPage;
 use crate::described::described;
 use stiffarm::{Code, Result};
 use stiffarm_files::envelope::to_json;
 
 /// Prints one page as Markdown.
-pub fn run(args: &DocsArgs) -> Result<Answer> {
+pub fn run(args: &args::Docs) -> Result<Answer> {
     let page = match args.page {
         DocsPage::Errors => errors(),
         DocsPage::Commands => to_json(&described())?,

@@ -1,7 +1,8 @@
 //! `stiffarm man`: manual pages.
 
 use crate::answer::Answer;
-use crate::args::{Cli, ManArgs};
+use crate::args;
+use crate::args::Cli;
 use crate::files::{Files, Said, check_folder};
 use crate::output::Exit;
 use crate::session::Session;
@@ -10,7 +11,7 @@ use clap_mangen::Man;
 use stiffarm::{Code, Error, Result};
 
 /// Prints the main page, or writes all pages.
-pub fn run(session: &Session, args: &ManArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Man) -> Result<Answer> {
     let mut main = Cli::command();
     main.build();
     let Some(folder) = &args.output_dir else {

@@ -1,7 +1,7 @@
 //! `stiffarm predict`: how far the loaded tool bends away, and how sure that is.
 
 use crate::answer::Answer;
-use crate::args::PredictArgs;
+use crate::args;
 use crate::files::Rows;
 use crate::output::Exit;
 use crate::path::{Outputs, read_stiffness};
@@ -14,7 +14,7 @@ use stiffarm_files::source::read_path;
 use stiffarm_report::{prediction_figure, render_svg};
 
 /// Predicts.
-pub fn run(session: &Session, args: &PredictArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Predict) -> Result<Answer> {
     let outputs = Outputs::new(session, args.output.as_deref(), args.figure.as_deref(), args.force)?;
     let mut named = session.read_cell(&args.cell)?;
     let saved = read_stiffness(session, &args.stiffness, &named.cell)?;

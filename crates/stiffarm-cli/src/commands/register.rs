@@ -1,7 +1,7 @@
 //! `stiffarm register`: the transform from tracker to base axes.
 
 use crate::answer::Answer;
-use crate::args::RegisterArgs;
+use crate::args;
 use crate::files::only_target;
 use crate::output::Exit;
 use crate::session::Session;
@@ -11,7 +11,7 @@ use stiffarm_files::source::Source;
 use stiffarm_files::table::read_pairs;
 
 /// Registers tracker to base.
-pub fn run(session: &Session, args: &RegisterArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Register) -> Result<Answer> {
     let target = only_target(session, args.output.as_deref(), args.force)?;
     let (file, bytes) = session.read("pairs", &args.pairs)?;
     let options = &args.options;
@@ -21,5 +21,5 @@ pub fn run(session: &Session, args: &RegisterArgs) -> Result<Answer> {
     let exit = Exit::finding(registration.is_serious());
     let record = RegistrationRecord::from(&registration);
     let envelope = session.envelope("register", None, options.clone(), record);
-    Answer::told(exit, envelope, None, args.details).with_object(target)
+    Answer::summary(exit, envelope, None, args.details).with_object(target)
 }

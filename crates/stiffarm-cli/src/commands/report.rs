@@ -1,7 +1,7 @@
 //! `stiffarm report`: one offline page of saved results, and their pictures for papers.
 
 use crate::answer::Answer;
-use crate::args::ReportArgs;
+use crate::args;
 use crate::files::{Files, Said, check_folder, only_target, shown};
 use crate::output::Exit;
 use crate::page::check_page_name;
@@ -60,7 +60,7 @@ struct Known {
 }
 
 /// Reads the results and writes their page and pictures.
-pub fn run(session: &Session, args: &ReportArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Report) -> Result<Answer> {
     let usual = args.figures.is_none().then_some(PAGE);
     let target = only_target(session, args.output.as_deref().or(usual), args.force)?;
     if let Some(path) = &args.output {
@@ -97,7 +97,7 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Answer> {
 }
 
 /// The pictures for a paper; the folder can take them.
-fn paper(session: &Session, args: &ReportArgs, folder: &Path, page: &Page) -> Result<Files> {
+fn paper(session: &Session, args: &args::Report, folder: &Path, page: &Page) -> Result<Files> {
     let options = args.paper.options();
     let (figures, drawings) = pictures(page);
     let names = paper_names(&figures, &drawings, &options);
@@ -114,7 +114,7 @@ fn paper(session: &Session, args: &ReportArgs, folder: &Path, page: &Page) -> Re
 }
 
 /// The cells of the results: those given, and built-in ones.
-fn cells(session: &Session, args: &ReportArgs, results: &[SavedResult]) -> Result<Vec<Known>> {
+fn cells(session: &Session, args: &args::Report, results: &[SavedResult]) -> Result<Vec<Known>> {
     let mut cells: Vec<Known> = Vec::new();
     let wanted: Vec<&str> = results.iter().filter_map(|r| r.input("cell")).collect();
     for from in &args.cell {

@@ -2,7 +2,7 @@
 //! postures kept out of the identification, or fold by fold without any.
 
 use crate::answer::Answer;
-use crate::args::ValidateArgs;
+use crate::args;
 use crate::files::ends_in;
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -17,7 +17,7 @@ use stiffarm::{Code, Error, Result};
 use stiffarm_files::source::{NamedCell, read_measurements, read_registration, read_stiffness};
 
 /// Validates.
-pub fn run(session: &Session, args: &ValidateArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Validate) -> Result<Answer> {
     let request = &args.options;
     request.check()?;
     match (&args.stiffness, request.folds) {
@@ -41,7 +41,7 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Answer> {
 }
 
 /// Validates a saved stiffness.
-fn held_out(session: &Session, args: &ValidateArgs, request: &ValidateOptions, stiffness: &str) -> Result<Answer> {
+fn held_out(session: &Session, args: &args::Validate, request: &ValidateOptions, stiffness: &str) -> Result<Answer> {
     request.fit.refuse()?;
     let named = session.read_cell(&args.cell)?;
     let saved = read_stiffness(session, stiffness, &named.cell)?;
@@ -54,7 +54,7 @@ fn held_out(session: &Session, args: &ValidateArgs, request: &ValidateOptions, s
 /// Predicts each posture from fits without it.
 fn cross(
     session: &Session,
-    args: &ValidateArgs,
+    args: &args::Validate,
     request: &ValidateOptions,
     from: &[String],
     folds: Folds,
@@ -79,7 +79,7 @@ fn cross(
 
 fn answer(
     session: &Session,
-    args: &ValidateArgs,
+    args: &args::Validate,
     named: NamedCell,
     options: Options,
     result: Validated,
@@ -92,13 +92,13 @@ fn answer(
             || remarks.any(|f| f.severity == Severity::Serious),
     );
     let envelope = session.envelope("validate", None, options, result);
-    Ok(Answer::told(exit, envelope, named, args.details))
+    Ok(Answer::summary(exit, envelope, named, args.details))
 }
 
 /// The measurements, or those of `--only`.
 fn measured(
     session: &Session,
-    args: &ValidateArgs,
+    args: &args::Validate,
     request: &ValidateOptions,
     from: &[String],
     cell: &Cell,

@@ -1,7 +1,7 @@
 //! `stiffarm zones`: maps of dexterity and of the influence of K_C.
 
 use crate::answer::Answer;
-use crate::args::ZonesArgs;
+use crate::args;
 use crate::files::{Files, Said, check_folder, shown};
 use crate::output::Exit;
 use crate::progress::{Progress, announce};
@@ -18,7 +18,7 @@ const FILES: [&str; 2] = ["zones.svg", "zones.csv"];
 const MANY: usize = 100_000;
 
 /// Maps the zones.
-pub fn run(session: &Session, args: &ZonesArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Zones) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
     if let Some(folder) = &args.output_dir {
         check_folder(session, folder, FILES, args.force)?;
@@ -35,5 +35,5 @@ pub fn run(session: &Session, args: &ZonesArgs) -> Result<Answer> {
         let said = format!("{} to {}", FILES.join(" and "), shown(folder));
         Files::folder(folder, files, args.force).said(Said::As(said))
     });
-    Ok(Answer::told(Exit::Done, envelope, named, false).with(pictures))
+    Ok(Answer::summary(Exit::Done, envelope, named, false).with(pictures))
 }

@@ -136,7 +136,6 @@ fn a_time_limit_ends_the_search_and_names_the_rounds_that_repeat_it() {
     let rounds = folder.json(&format!("{line} --time-limit 0.01"))["result"]["rounds"].clone();
     assert_eq!(rounds, 1);
     let shown = without_numbers(&printed_sentence(&table, "4 postures were chosen"));
-    let shown = shown;
     assert_snapshot!(shown, @"# postures were chosen inside the cell's limits by # local searches, until the time was over.");
     assert_eq!(printed_sentence(&table, "`--rounds"), "`--rounds 1` repeats it.");
 }

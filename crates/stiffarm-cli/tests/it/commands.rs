@@ -280,7 +280,6 @@ fn identify_says_when_the_sign_is_wrong_and_when_only_a_bound_is_left() {
     let ran = folder.run("identify builtin:comau wrong-sign.csv");
     assert_eq!(ran.code, Some(1));
     let shown = printed_sentence(&ran.out, "SERIOUS:");
-    let shown = shown;
     assert_snapshot!(shown, @"SERIOUS: The points move against the stated load: the readings ask for its opposite sign.");
     assert!(rows(&ran.out).iter().all(|row| row.ends_with(" negative")), "{}", ran.out);
 

@@ -191,7 +191,6 @@ fn what_the_mixed_model_cannot_use_is_refused() {
     let elastic = folder.json(line)["result"]["elastic"].clone();
     assert_eq!(elastic["model"], "axes");
     let shown = elastic["reasons"][0].as_str().unwrap();
-    let shown = shown;
     assert_snapshot!(shown, @"The joint axes alone predict. Fewer than 4 postures cannot show what gives way beyond them.");
     assert!(unbroken(&folder.ok(line)).contains(shown));
 }

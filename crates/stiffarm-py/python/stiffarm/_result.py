@@ -120,16 +120,16 @@ class Result(Record):
             raise StiffarmError(message, "result-file", {"file": file})
         return found
 
-    def told(self, *, details: bool = False) -> str:
+    def summary(self, *, details: bool = False) -> str:
         """What the result says, in the words of the command; ``print(result)`` shows the same without details.
 
         Raises:
             StiffarmError: A result of a command that prints no more than its values.
         """
-        return self._told("details" if details else "summary")
+        return self._summary("details" if details else "summary")
 
-    def _told(self, how: str) -> str:
-        return _stiffarm.told(self._text, self._native(), how).rstrip("\n")
+    def _summary(self, how: str) -> str:
+        return _stiffarm.summary(self._text, self._native(), how).rstrip("\n")
 
     def _native(self) -> _stiffarm.Cell | None:
         return None if self._cell is None else self._cell._native
@@ -185,20 +185,20 @@ class Result(Record):
 
     def __str__(self) -> str:
         try:
-            return self.told()
+            return self.summary()
         except StiffarmError:
             return repr(self)
 
     def __repr__(self) -> str:
         try:
-            said = self._told("verdict")
+            said = self._summary("verdict")
         except StiffarmError:
             said = f"{self.command}, with {', '.join(self._data)}"
         return f"<{type(self).__name__}: {said}>"
 
     def _repr_html_(self) -> str:
         try:
-            return self._told("html")
+            return self._summary("html")
         except StiffarmError:
             return f"<p>{html.escape(repr(self))}</p>"
 

@@ -7,7 +7,7 @@ use crate::figure::svg::{escape, render_drawing};
 use crate::figure::{Axis, Figure, Series};
 use crate::page::chart::chart;
 use crate::scene::{VIEWER_SCRIPT, VIEWER_STYLE, scene_html};
-use crate::tell::{Block, DataTable, Number, Outcome, SEEN_AT_ONCE, Section, Text, Told};
+use crate::summary::{Block, DataTable, Number, Outcome, SEEN_AT_ONCE, Section, Summary, Text};
 use askama::Template;
 use stiffarm::findings::{Finding, Severity};
 
@@ -126,7 +126,7 @@ fn comparison(comparison: &Comparison) -> String {
 }
 
 /// A result at a glance, for a notebook: what came out, what is wrong with it, the table to read first.
-pub fn render_told(summary: &Told) -> String {
+pub fn render_told(summary: &Summary) -> String {
     let [_, conclusion, next] = summary.verdict.each_ref().map(text);
     let warnings = summary.findings.iter();
     let warnings = warnings.filter(|f| f.severity != Severity::Note && !summary.verdict[1].says(f));

@@ -10,7 +10,7 @@ mod pictures;
 mod table;
 mod words;
 
-pub use crate::tell::{Block, DataTable, Form, Number, Outcome, Piece, Section, Text};
+pub use crate::summary::{Block, DataTable, Form, Number, Outcome, Piece, Section, Text};
 pub use html::{render_page, render_told};
 pub use pictures::pictures;
 

@@ -2,7 +2,7 @@
 
 use super::words;
 use crate::figure::svg::escape;
-use crate::tell::{DataTable, Text};
+use crate::summary::{DataTable, Text};
 
 /// Characters of a table that half the page holds.
 const HALF: usize = 76;

@@ -1,7 +1,7 @@
 //! Sentences of a page.
 
 use crate::figure::svg::escape;
-use crate::tell::{Number, Piece, Text};
+use crate::summary::{Number, Piece, Text};
 use stiffarm::units::sentence_with_minus;
 
 /// Longest code that stays on one line \[characters\]; narrow screens have room for it.

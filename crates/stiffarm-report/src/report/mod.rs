@@ -5,10 +5,10 @@
 
 mod compare;
 
-pub use crate::tell::WithCell;
+pub use crate::summary::WithCell;
 
 use crate::page::{Block, Page, Part, Provenance, Section};
-use crate::tell::{cell_line, quoted, tell};
+use crate::summary::{cell_line, quoted, summarise};
 use serde_json::Value;
 use stiffarm::Result;
 use stiffarm::findings::{Finding, Severity, visible};
@@ -36,7 +36,7 @@ pub fn report(saved_results: &[WithCell<'_>]) -> Result<Page> {
 
 /// The part of a page for what a result says.
 fn part(with: &WithCell<'_>) -> Result<Part> {
-    let summary = tell(with)?;
+    let summary = summarise(with)?;
     let is_note = |finding: &Finding| finding.severity == Severity::Note;
     let (notes, warnings): (Vec<Finding>, Vec<Finding>) = summary.findings.into_iter().partition(is_note);
     let mut sections = summary.sections;

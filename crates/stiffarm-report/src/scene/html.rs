@@ -7,6 +7,7 @@ use serde_json::Serializer;
 use serde_json::ser::Formatter;
 use std::fmt::Write as _;
 use std::io;
+use stiffarm::units::significant;
 
 /// The script of every page with scenes: three.js and the viewer. It adds one global, `stiffarm`.
 pub const VIEWER_SCRIPT: &str = concat!(
@@ -51,14 +52,13 @@ fn short_json(scene: &Scene) -> Option<String> {
     String::from_utf8(json).ok()
 }
 
-/// Seven significant digits, none of them below 1e-12.
+/// Seven significant digits, and zero below 1e-12.
 struct ShortNumbers;
 
 impl Formatter for ShortNumbers {
     fn write_f64<W: ?Sized + io::Write>(&mut self, writer: &mut W, value: f64) -> io::Result<()> {
-        let short: f64 = format!("{value:.6e}").parse().unwrap_or(value);
-        // Adding zero turns −0 into 0.
-        write!(writer, "{}", (short * 1e12).round() / 1e12 + 0.0)
+        let short = if value.abs() < 1e-12 { 0.0 } else { significant(value, 7) };
+        write!(writer, "{short}")
     }
 }
 

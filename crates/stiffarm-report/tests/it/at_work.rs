@@ -19,7 +19,9 @@ use stiffarm::work::map::{PlaceOptions, place, stiffness_map};
 use stiffarm_files::builtin;
 use stiffarm_files::table::read_path;
 use stiffarm_report::figure::Panel;
-use stiffarm_report::tell::{Block, DataTable, Depth, Given, Outcome, Telling, Text, Told, WithCell, tell};
+use stiffarm_report::summary::{
+    Block, Context, DataTable, Depth, Outcome, Summarise, Summary, Text, WithCell, summarise,
+};
 use stiffarm_report::{compensation_figure, prediction_figure};
 
 fn cell() -> (Cell, Saved) {
@@ -43,21 +45,26 @@ fn contour(cell: &Cell) -> Vec<PathPoint> {
 }
 
 /// What is said of a result of `command`, checked to be the same from the result as it was made as from its file.
-fn checked_part<O: Serialize, R: Serialize + Telling<O>>(command: &str, cell: &Cell, options: &O, result: &R) -> Told {
+fn checked_part<O: Serialize, R: Serialize + Summarise<O>>(
+    command: &str,
+    cell: &Cell,
+    options: &O,
+    result: &R,
+) -> Summary {
     let whole = saved_with(command, json!(options), json!(result));
-    let from_file = tell(&WithCell::new(&whole, Some(cell)).in_words()).unwrap();
-    let context = Given { command, name: "result", cell: Some(cell), pictures: false };
-    let made = result.told(options, &context).unwrap();
+    let from_file = summarise(&WithCell::new(&whole, Some(cell)).without_pictures()).unwrap();
+    let context = Context { command, name: "result", cell: Some(cell), pictures: false };
+    let made = result.summary(options, &context).unwrap();
     assert_eq!(words(&made), words(&from_file));
     // The page has pictures beside the same words.
-    let page = tell(&WithCell::new(&whole, Some(cell))).unwrap();
+    let page = summarise(&WithCell::new(&whole, Some(cell))).unwrap();
     assert_eq!(page.verdict, from_file.verdict);
     assert!(page.sections.len() > from_file.sections.len() || command == "map");
     made
 }
 
 /// All that is said, as plain text.
-fn words(part: &Told) -> Vec<String> {
+fn words(part: &Summary) -> Vec<String> {
     let mut out: Vec<String> = part.verdict.iter().map(Text::plain).collect();
     part.key.iter().for_each(|key| table(key, &mut out));
     for section in &part.sections {
@@ -68,7 +75,7 @@ fn words(part: &Told) -> Vec<String> {
 }
 
 /// What stands in the section of this name.
-fn words_in(part: &Told, id: &str) -> Vec<String> {
+fn words_in(part: &Summary, id: &str) -> Vec<String> {
     let mut out = Vec::new();
     let section = part.sections.iter().find(|section| section.id == id).unwrap();
     section.blocks.iter().for_each(|block| words_of(block, &mut out));
@@ -95,7 +102,7 @@ fn table(data: &DataTable, out: &mut Vec<String>) {
     }));
 }
 
-fn summary(part: &Told) -> Vec<&str> {
+fn summary_titles(part: &Summary) -> Vec<&str> {
     let sections = part.sections.iter();
     let shown = sections.filter(|section| section.depth == Depth::Summary);
     shown.map(|section| section.id.as_str()).collect()
@@ -112,13 +119,13 @@ fn deflections_are_said_with_the_matrices_that_were_asked_for() {
     Predict with an identified stiffness, so that the deflection has a ±: stiffarm identify cell.toml readings.csv --output k.json writes it.
     ");
     assert_eq!(plain.outcome, Outcome::Caution);
-    assert!(summary(&plain).is_empty());
+    assert!(summary_titles(&plain).is_empty());
     // A column without a number is left out.
     let headings = &plain.key.as_ref().unwrap().headings;
     assert!(headings.iter().all(|heading| !heading.contains('±')), "{headings:?}");
     let predicted = tasks(&cell, &prior, true);
     let matrices = checked_part("predict", &cell, &PredictOptions::default(), &predicted);
-    assert_eq!(summary(&matrices), ["matrices"]);
+    assert_eq!(summary_titles(&matrices), ["matrices"]);
 }
 
 #[test]
@@ -178,7 +185,7 @@ fn a_map_names_its_places() {
     The tip gives way least at x = 1400, y = −500, z = 800 mm, by 3.45 µm; 1.2 times as much at x = 2200, y = −500, z = 800 mm, by 4.14 µm.
     Put the work where the tip gives way little; stiffarm map cell.toml k.json --place path.csv finds the place for a whole path, and an identified stiffness instead of the assumed one gives every number its ±.
     ");
-    assert_eq!(summary(&said), ["map"]);
+    assert_eq!(summary_titles(&said), ["map"]);
     insta::assert_snapshot!(words_in(&said, "postures").join("\n"), @"
     Controller angles there, of the posture that bends least
     place | q1 [°] | q2 [°] | q3 [°] | q4 [°] | q5 [°] | q6 [°]
@@ -208,7 +215,7 @@ fn the_best_place_comes_as_lines_of_the_cell() {
     let points = contour(&cell);
     let placement = place(&cell, &prior.predictor, &points, &options, Control::default());
     let said = checked_part("map", &cell, &MapOptions::default().of_places(&options), &placement.unwrap());
-    assert_eq!(summary(&said), ["lines"]);
+    assert_eq!(summary_titles(&said), ["lines"]);
     insta::assert_snapshot!(words_in(&said, "lines").join("\n"), @"
     workpiece_mm = [1500, 0, 800]
     workpiece_rpy_deg = [0, 0, 0]

@@ -13,17 +13,17 @@ use stiffarm::simulated_readings;
 use stiffarm::{Code, Control, Error, Fit, Result};
 use stiffarm_files::builtin;
 use stiffarm_files::table::read_pairs;
-use stiffarm_report::tell::{Block, Outcome, Told, WithCell, tell};
+use stiffarm_report::summary::{Block, Outcome, Summary, WithCell, summarise};
 
 /// What is said of readings beside a plan of six postures.
-fn day(goal: Option<f64>, readings: impl FnOnce(ReadingTable) -> Result<Measurements>) -> Told {
+fn day(goal: Option<f64>, readings: impl FnOnce(ReadingTable) -> Result<Measurements>) -> Summary {
     let cell = builtin::cell("comau").unwrap();
     let plan = group(&cell);
     let options = MeasureOptions { until: goal.map(Goal::Stiffness), no_search: true, seed: 1 };
     let table = simulated_readings(&cell, &plan, 1).unwrap();
     let judged = judge((&cell, &plan), readings(table), &Default::default(), &options, Control::default());
     let saved = saved_with("measure", json!(options), json!(judged.unwrap()));
-    tell(&WithCell::new(&saved, Some(&cell))).unwrap()
+    summarise(&WithCell::new(&saved, Some(&cell))).unwrap()
 }
 
 /// The first postures of a table.
@@ -96,7 +96,7 @@ fn a_registration_says_which_point_is_off_and_what_goes_into_the_cell() {
     let part = |pairs: &[_]| {
         let record = RegistrationRecord::from(&register(pairs).unwrap());
         let saved = saved("register", json!(record));
-        tell(&WithCell::new(&saved, None)).unwrap()
+        summarise(&WithCell::new(&saved, None)).unwrap()
     };
     let good = part(&pairs);
     assert_eq!(good.outcome, Outcome::Good);

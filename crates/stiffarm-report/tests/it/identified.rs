@@ -1,7 +1,7 @@
 //! Pages of identify and validate say what came out, with numbers and arrows that are those of the file.
 
 use crate::common::{good, group, measured, numbers_of_the_file, saved, saved_with, story};
-use crate::tell::suspected;
+use crate::summary::suspected;
 use serde_json::{Value, json};
 use stiffarm::estimate::clamped::{ClampedSimulation, MotorMove, identify_clamped, simulate_clamped};
 use stiffarm::estimate::compliance::IdentifiedCompliance;

@@ -14,4 +14,4 @@ mod pages;
 mod paper;
 mod render;
 mod scenes;
-mod tell;
+mod summary;

@@ -2,7 +2,7 @@
 
 use stiffarm::findings::{Finding, Severity};
 use stiffarm_report::page::{Block, DataTable, Number, Outcome, Page, Part, Provenance, Section, Text, render_page};
-use stiffarm_report::tell::Quantity;
+use stiffarm_report::summary::Quantity;
 use stiffarm_report::{Axis, Figure, Panel, Series, Style};
 
 const HOSTILE: &str = "</script><img src=x onerror=alert(1)>\"'&amp;\u{202e}\u{1b}[31m";

@@ -2,7 +2,7 @@
 
 use super::Task;
 use crate::answer::Answer;
-use crate::args::ExportArgs;
+use crate::args;
 use crate::finding::wrapped_line;
 use crate::input::Line;
 use crate::output::Exit;
@@ -50,7 +50,7 @@ pub struct Compared {
 }
 
 /// Reads the program and compares it.
-pub(super) fn run(session: &Session, args: &ExportArgs, task: &Task) -> Result<Answer> {
+pub(super) fn run(session: &Session, args: &args::Export, task: &Task) -> Result<Answer> {
     let files = files(session, args)?;
     let joints = task.cell.cell.setup.robot.joint_count();
     let program = read_program(&files, task.language, &task.options, joints)?;
@@ -99,7 +99,7 @@ fn at_limits(task: &Task, program: &Program, differences: &[Difference]) -> Vec<
     postures.collect()
 }
 
-fn files(session: &Session, args: &ExportArgs) -> Result<Vec<ProgramFile>> {
+fn files(session: &Session, args: &args::Export) -> Result<Vec<ProgramFile>> {
     let files = args.compare.iter().enumerate().map(|(number, from)| {
         let (name, bytes) = session.read(&format!("program_{}", number + 1), from)?;
         // Controllers write comments in character sets of their own.

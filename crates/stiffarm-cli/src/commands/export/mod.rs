@@ -4,7 +4,8 @@ pub mod compare;
 mod moves;
 
 use crate::answer::Answer;
-use crate::args::{ControllerArgs, ExportArgs};
+use crate::args;
+use crate::args::ControllerChoice;
 use crate::files::{Files, Said, check_folder};
 use crate::finding::wrapped_line;
 use crate::input::Line;
@@ -108,7 +109,7 @@ struct Task {
 }
 
 /// Writes the program, or compares one.
-pub fn run(session: &Session, args: &ExportArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Export) -> Result<Answer> {
     let task = Task::new(session, args)?;
     match &args.output_dir {
         Some(folder) => export(session, args, &task, folder),
@@ -127,7 +128,7 @@ impl Task {
         Ok(findings)
     }
 
-    fn new(session: &Session, args: &ExportArgs) -> Result<Self> {
+    fn new(session: &Session, args: &args::Export) -> Result<Self> {
         let cell = session.read_cell(&args.cell)?;
         let robot = &cell.cell.setup.robot;
         let controller = args.controller.controller;
@@ -182,7 +183,7 @@ impl Task {
         Ok((files, read))
     }
 
-    fn options(&self, args: &ExportArgs) -> Options {
+    fn options(&self, args: &args::Export) -> Options {
         Options {
             language: self.language,
             speed_percent: self.speed_percent,
@@ -208,7 +209,7 @@ impl Task {
     }
 }
 
-fn program_options(args: &ControllerArgs) -> ProgramOptions {
+fn program_options(args: &ControllerChoice) -> ProgramOptions {
     ProgramOptions {
         controller_axes: (!args.controller_axes.is_empty()).then(|| args.controller_axes.clone()),
         pulses_per_degree: (!args.pulses_per_degree.is_empty()).then(|| args.pulses_per_degree.clone()),
@@ -261,7 +262,7 @@ fn header(
     lines
 }
 
-fn export(session: &Session, args: &ExportArgs, task: &Task, folder: &Path) -> Result<Answer> {
+fn export(session: &Session, args: &args::Export, task: &Task, folder: &Path) -> Result<Answer> {
     let (files, read) = task.written()?;
     let rounding = rounding_deg(&task.program, &read)?;
     let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();

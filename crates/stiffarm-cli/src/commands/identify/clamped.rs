@@ -1,7 +1,7 @@
 //! `stiffarm identify --clamped`: joint stiffness with the flange fixed.
 
 use crate::answer::Answer;
-use crate::args::IdentifyArgs;
+use crate::args;
 use crate::files::only_target;
 use crate::output::Exit;
 use crate::session::Session;
@@ -15,7 +15,7 @@ use stiffarm_files::source::{NamedCell, Source, read_postures};
 use stiffarm_files::table::read_clamped;
 
 /// Identifies the joint stiffness from clamped postures.
-pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Identify) -> Result<Answer> {
     let target = only_target(session, args.output.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
     let clamped = read(session, args, &named)?;
@@ -38,10 +38,10 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
     let serious = |f: &stiffarm::findings::Finding| f.severity == Severity::Serious;
     let exit = Exit::finding(!complete || result.findings.iter().any(serious));
     let envelope = session.envelope("identify", None, request.clone(), result);
-    Answer::told(exit, envelope, named, args.details).with_object(target)
+    Answer::summary(exit, envelope, named, args.details).with_object(target)
 }
 
-fn read(session: &Session, args: &IdentifyArgs, named: &NamedCell) -> Result<Vec<ClampedPosture>> {
+fn read(session: &Session, args: &args::Identify, named: &NamedCell) -> Result<Vec<ClampedPosture>> {
     let robot = &named.cell.setup.robot;
     let postures = args.postures.as_deref().map(|from| read_postures(session, "postures", from, robot)).transpose()?;
     let [measurements] = args.measurements.as_slice() else {

@@ -3,7 +3,7 @@
 mod clamped;
 
 use crate::answer::Answer;
-use crate::args::IdentifyArgs;
+use crate::args;
 use crate::files::only_target;
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -15,7 +15,7 @@ use stiffarm::measure::prepare;
 use stiffarm_files::source::{read_measurements, read_registration};
 
 /// Identifies the joint stiffness.
-pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Identify) -> Result<Answer> {
     if args.options.clamped {
         return clamped::run(session, args);
     }
@@ -38,5 +38,5 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
         Exit::Interrupted
     };
     let envelope = session.envelope("identify", Some(request.seed), request.clone(), result);
-    Answer::told(exit, envelope, named, args.details).with_object(target)
+    Answer::summary(exit, envelope, named, args.details).with_object(target)
 }

@@ -5,7 +5,7 @@ mod shapes;
 mod xacro;
 
 use crate::answer::Answer;
-use crate::args::InitArgs;
+use crate::args;
 use crate::files::{Files, check_folder};
 use crate::finding::wrapped_line;
 use crate::output::Exit;
@@ -32,7 +32,7 @@ struct Written {
 }
 
 /// Writes the three files.
-pub fn run(session: &Session, args: &InitArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Init) -> Result<Answer> {
     let start = start(session, args)?;
     let (text, line) = (start.text, start.line);
     let cell = parse_cell(&text, "cell.toml")?;

@@ -2,7 +2,7 @@
 
 use super::shapes::link_capsules;
 use super::xacro;
-use crate::args::InitArgs;
+use crate::args;
 use crate::commands::robots::entry_of;
 use crate::session::Session;
 use serde::Serialize;
@@ -52,7 +52,7 @@ pub struct Options {
 
 impl Options {
     /// Those of the command.
-    pub fn of(args: &InitArgs) -> Self {
+    pub fn of(args: &args::Init) -> Self {
         let from_file = args.urdf.is_some() || args.dh.is_some();
         Options {
             robot: (!from_file).then(|| args.robot.clone()),
@@ -67,7 +67,7 @@ impl Options {
 ///
 /// # Errors
 /// An unknown robot, or anything wrong with the file that describes it.
-pub fn start(session: &Session, args: &InitArgs) -> Result<Start> {
+pub fn start(session: &Session, args: &args::Init) -> Result<Start> {
     match (&args.urdf, &args.dh) {
         (Some(urdf), _) => of_urdf(session, args, urdf),
         (None, Some(dh)) => of_rows(session, dh, args.dh_convention),
@@ -96,7 +96,7 @@ fn of_rows(session: &Session, from: &str, convention: DhConvention) -> Result<St
     Ok(Start { text: template_of(&robot, &origin)?, findings: Vec::new(), line: String::new(), chain: None })
 }
 
-fn of_urdf(session: &Session, args: &InitArgs, from: &str) -> Result<Start> {
+fn of_urdf(session: &Session, args: &args::Init, from: &str) -> Result<Start> {
     if let Some(missing) = args.package_dir.iter().find(|folder| !folder.is_dir()) {
         let message = format!("There is no folder {}.", missing.display());
         return Err(Error::new(Code::FileRead, message).key("--package-dir"));

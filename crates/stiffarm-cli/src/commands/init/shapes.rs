@@ -1,6 +1,6 @@
 //! Shapes of the links of a URDF: its meshes are looked for, read, and put into capsules.
 
-use crate::args::InitArgs;
+use crate::args;
 use crate::progress::Progress;
 use crate::session::Session;
 use std::path::Path;
@@ -18,7 +18,7 @@ const MESHES: &str = "meshes into capsules";
 /// A mesh that is not there, cannot be read, or is probably in mm.
 pub fn link_capsules(
     session: &Session,
-    args: &InitArgs,
+    args: &args::Init,
     read: &UrdfRobot,
     from: &str,
     name: &str,

@@ -4,7 +4,7 @@
 pub mod place;
 
 use crate::answer::Answer;
-use crate::args::MapArgs;
+use crate::args;
 use crate::files::{Files, Said, check_folder, shown};
 use crate::output::Exit;
 use crate::path::read_stiffness;
@@ -22,14 +22,14 @@ const FILES: [&str; 2] = ["map.svg", "map.csv"];
 const MANY: usize = 100_000;
 
 /// Maps, or places.
-pub fn run(session: &Session, args: &MapArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Map) -> Result<Answer> {
     match &args.place.place {
         Some(path) => place::run(session, args, path),
         None => map(session, args),
     }
 }
 
-fn map(session: &Session, args: &MapArgs) -> Result<Answer> {
+fn map(session: &Session, args: &args::Map) -> Result<Answer> {
     let mut named = session.read_cell(&args.cell)?;
     if let Some(folder) = &args.output_dir {
         check_folder(session, folder, FILES, args.force)?;
@@ -59,7 +59,7 @@ fn map(session: &Session, args: &MapArgs) -> Result<Answer> {
 }
 
 /// Picture and table in the folder, where one is asked for.
-fn pictures_of(args: &MapArgs, names: [&str; 2], texts: impl FnOnce() -> [String; 2]) -> Option<Files> {
+fn pictures_of(args: &args::Map, names: [&str; 2], texts: impl FnOnce() -> [String; 2]) -> Option<Files> {
     let folder = args.output_dir.as_ref()?;
     let files = names.map(String::from).into_iter().zip(texts());
     let said = format!("{} to {}", names.join(" and "), shown(folder));

@@ -2,7 +2,7 @@
 
 use super::{MANY, pictures_of};
 use crate::answer::Answer;
-use crate::args::MapArgs;
+use crate::args;
 use crate::files::check_folder;
 use crate::output::Exit;
 use crate::path::read_stiffness;
@@ -20,7 +20,7 @@ const FILES: [&str; 2] = ["placement.svg", "placement.csv"];
 const SEARCHED: usize = 200;
 
 /// Searches the best place.
-pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Map, path: &str) -> Result<Answer> {
     let request = &args.options;
     request.check_places()?;
     let named = session.read_cell(&args.cell)?;

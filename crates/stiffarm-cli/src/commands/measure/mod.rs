@@ -3,7 +3,7 @@
 mod watch;
 
 use crate::answer::Answer;
-use crate::args::MeasureArgs;
+use crate::args;
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
@@ -15,7 +15,7 @@ use stiffarm::{Code, Control, Error, Result};
 use stiffarm_files::source::{read_growing_measurements, read_postures, read_registration};
 
 /// Judges what is there, once or again and again.
-pub fn run(session: &Session, args: &MeasureArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Measure) -> Result<Answer> {
     if !args.once {
         if session.json {
             let message = "One JSON object cannot tell a whole day.";
@@ -36,14 +36,14 @@ pub fn run(session: &Session, args: &MeasureArgs) -> Result<Answer> {
         Exit::finding(judgement.is_serious() || judgement.is_missed())
     };
     let envelope = session.envelope("measure", Some(args.options.seed), args.options.clone(), judgement);
-    Ok(Answer::told(exit, envelope, named, true))
+    Ok(Answer::summary(exit, envelope, named, true))
 }
 
 /// Looks at the files once.
 fn look(
     session: &Session,
     (cell, plan): (&Cell, &[Posture]),
-    args: &MeasureArgs,
+    args: &args::Measure,
     control: Control<'_>,
 ) -> Result<Judgement> {
     let reduce = read_registration(session, args.registration.as_deref())?;
@@ -52,7 +52,7 @@ fn look(
 }
 
 /// Refuses a goal at tasks that the cell does not have.
-fn check_goal(cell: &Cell, args: &MeasureArgs) -> Result<()> {
+fn check_goal(cell: &Cell, args: &args::Measure) -> Result<()> {
     match args.options.until {
         Some(Goal::Deflection(_)) => tasks(cell).map(|_| ()).map_err(|error| {
             let hint = "add [[task]] to the cell, or give a percentage of the stiffness, such as 2%";

@@ -2,10 +2,10 @@
 //! reads them from the start, so nothing is lost when it is stopped.
 
 use super::{check_goal, look};
-use crate::args::MeasureArgs;
+use crate::args;
 use crate::input::Line;
 use crate::interrupt;
-use crate::output::{Exit, told};
+use crate::output::{Exit, summary};
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::table::green;
@@ -23,7 +23,7 @@ use stiffarm_files::source::read_postures;
 const NAP: Duration = Duration::from_millis(50);
 
 /// Waits, judges and tells until the goal is reached, the plan is measured, or the user stops.
-pub(super) fn watch(session: &Session, args: &MeasureArgs) -> Result<Exit> {
+pub(super) fn watch(session: &Session, args: &args::Measure) -> Result<Exit> {
     if args.readings.iter().any(|from| from == "-") {
         let message = "Standard input cannot be waited for.";
         return Err(Error::new(Code::Usage, message).hint("give a file, or add --once"));
@@ -79,7 +79,7 @@ struct Day {
 
 impl Day {
     /// Looks at the files again; an exit where there is nothing left to wait for.
-    fn look(&mut self, session: &Session, cell: &Cell, plan: &[Posture], args: &MeasureArgs) -> Result<Option<Exit>> {
+    fn look(&mut self, session: &Session, cell: &Cell, plan: &[Posture], args: &args::Measure) -> Result<Option<Exit>> {
         // A look of its own: what is quoted in messages is what is there now.
         let fresh_session = session.afresh();
         let judgement = Progress::new(session, "judging the readings")
@@ -89,7 +89,7 @@ impl Day {
             Err(error) if error.code() == Code::Interrupted => return Ok(Some(Exit::Interrupted)),
             // An export in the middle of being written, or a slip: said once, and waited for.
             Err(error) => {
-                let text = crate::error::in_words(&fresh_session, &error);
+                let text = crate::error::to_text(&fresh_session, &error);
                 if self.failure.as_deref() != Some(text.as_str()) {
                     session.print(&format!("\n{text}"))?;
                     self.failure = Some(text);
@@ -115,7 +115,7 @@ impl Day {
     }
 
     /// What is new since the last look; nothing where only parts of a posture have come.
-    fn news(&self, session: &Session, cell: &Cell, judgement: &Judgement, args: &MeasureArgs) -> Result<String> {
+    fn news(&self, session: &Session, cell: &Cell, judgement: &Judgement, args: &args::Measure) -> Result<String> {
         let is_new = |name: &&String| !self.measured.contains(name);
         let postures: Vec<String> = judgement.measured.iter().filter(is_new).cloned().collect();
         let contains = |list: &[Finding], f: &Finding| {
@@ -138,10 +138,10 @@ impl Day {
             out += &format!("posture {}: readings {sound}\n", list(&postures));
         }
         let envelope = session.envelope("measure", Some(args.options.seed), args.options.clone(), judgement);
-        let mut told = told(&envelope, Some(cell))?;
+        let mut summary = summary(&envelope, Some(cell))?;
         // What is still to settle is said again.
-        told.findings.retain(|f| f.severity == Severity::Serious || !contains(&self.findings, f));
-        told.sections.clear();
-        Ok(out + &text::told(&told, true))
+        summary.findings.retain(|f| f.severity == Severity::Serious || !contains(&self.findings, f));
+        summary.sections.clear();
+        Ok(out + &text::summary(&summary, true))
     }
 }

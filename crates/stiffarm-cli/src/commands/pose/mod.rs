@@ -3,7 +3,7 @@
 mod table;
 
 use crate::answer::Answer;
-use crate::args::PoseArgs;
+use crate::args;
 use crate::files::{Files, only_target};
 use crate::output::Exit;
 use crate::session::Session;
@@ -18,13 +18,13 @@ use stiffarm_files::table::{read_poses, write_poses, write_postures};
 /// What both ways need.
 struct Job<'a> {
     session: &'a Session,
-    args: &'a PoseArgs,
+    args: &'a args::Pose,
     named: NamedCell,
     request: PoseKind,
 }
 
 /// Poses of postures, or postures of poses.
-pub fn run(session: &Session, args: &PoseArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Pose) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
     let request = args.options.of(&named.cell)?;
     let job = Job { session, args, named, request };

@@ -3,7 +3,7 @@
 mod describe;
 
 use crate::answer::Answer;
-use crate::args::RobotsArgs;
+use crate::args;
 use crate::numbers::{NONE, significant, stiffness};
 use crate::output::Exit;
 use crate::screen::{columns, wrapped};
@@ -27,7 +27,7 @@ struct Robots {
 }
 
 /// Lists the catalogue, or one robot in full.
-pub fn run(session: &Session, args: &RobotsArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Robots) -> Result<Answer> {
     let entries: Vec<&CatalogueEntry> = match &args.name {
         Some(name) => vec![entry_of(session, name)?],
         None => by_brand(),

@@ -12,13 +12,13 @@ use stiffarm::plan::index::Index;
 pub(super) fn run(job: &Job<'_>) -> Result<Answer> {
     let progress = Progress::new(job.session, "selecting postures");
     let planned = progress.watch(|control| {
-        let mut watch = |stage| job.tell(&progress, stage);
+        let mut watch = |stage| job.show(&progress, stage);
         plan_curve(job.cell(), &job.args.options, &mut watch, control)
     })?;
     drop(progress);
     let table = job.outputs.text(|| csv(&planned.result));
     let exit = Exit::of_findings(&planned.result.findings);
-    Ok(job.told(planned, exit).with(table))
+    Ok(job.summary(planned, exit).with(table))
 }
 
 /// The curve as CSV: fractions as in JSON, the task index in metres.

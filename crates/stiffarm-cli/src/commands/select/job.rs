@@ -1,7 +1,8 @@
 //! What every way to work needs: the question, the cell, and where results go.
 
 use crate::answer::Answer;
-use crate::args::{OutputArgs, SelectArgs, SheetChoice};
+use crate::args;
+use crate::args::SheetChoice;
 use crate::files::{Contents, Files, check_targets};
 use crate::numbers::to_usize;
 use crate::output::Exit;
@@ -20,13 +21,13 @@ use stiffarm::{Code, Error, Result};
 use stiffarm_files::check_name;
 use stiffarm_files::source::NamedCell;
 use stiffarm_files::table::{SheetOptions, displacement_sheet, reading_sheet, write_postures, write_sheet_workbook};
-use stiffarm_report::tell::{Number, Telling, index_quantity};
+use stiffarm_report::summary::{Number, Summarise, index_quantity};
 use stiffarm_report::{Full, cell_drawing, plan_page, render_drawing};
 
 /// What every way to work needs.
 pub(super) struct Job<'a> {
     pub session: &'a Session,
-    pub args: &'a SelectArgs,
+    pub args: &'a args::Select,
     pub named: NamedCell,
     pub outputs: Outputs,
 }
@@ -37,17 +38,17 @@ impl Job<'_> {
     }
 
     /// The result, with its postures as plan, sheet and pictures where these are wanted.
-    pub fn answer<R: Serialize + Telling<SelectResultOptions> + 'static>(
+    pub fn answer<R: Serialize + Summarise<SelectResultOptions> + 'static>(
         &self,
         planned: Planned<R>,
         exit: Exit,
     ) -> Result<Answer> {
         let files = self.outputs.postures(&planned.cell, &planned.postures)?;
-        Ok(self.told(planned, exit).with(files))
+        Ok(self.summary(planned, exit).with(files))
     }
 
     /// The result alone.
-    pub fn told<R: Serialize + Telling<SelectResultOptions> + 'static>(
+    pub fn summary<R: Serialize + Summarise<SelectResultOptions> + 'static>(
         &self,
         planned: Planned<R>,
         exit: Exit,
@@ -55,14 +56,14 @@ impl Job<'_> {
         let (options, result) = (planned.options, planned.result);
         let session = self.session;
         let envelope = session.envelope("select", planned.seed, options, result);
-        Answer::told(exit, envelope, self.named.clone(), self.args.details)
+        Answer::summary(exit, envelope, self.named.clone(), self.args.details)
     }
 
     /// Shows what the work is at.
-    pub fn tell(&self, progress: &Progress, stage: Stage) {
+    pub fn show(&self, progress: &Progress, stage: Stage) {
         match stage {
             Stage::Round(round) => self.report(progress, &round),
-            stage => progress.tell(&stage.to_string()),
+            stage => progress.show(&stage.to_string()),
         }
     }
 
@@ -76,7 +77,7 @@ impl Job<'_> {
         });
         match self.args.options.rounds {
             Some(of) => progress.report(&format!("selecting{best}"), to_usize(round.rounds), to_usize(of)),
-            None => progress.tell(&format!("selecting: round {}{best}", round.rounds)),
+            None => progress.show(&format!("selecting: round {}{best}", round.rounds)),
         }
     }
 }
@@ -118,7 +119,7 @@ pub(super) struct Outputs {
 }
 
 impl Outputs {
-    pub fn new(session: &Session, args: &OutputArgs) -> Result<Self> {
+    pub fn new(session: &Session, args: &args::Output) -> Result<Self> {
         let target = |path: &Option<String>| path.as_deref().map(|path| Target::new(path, args.force)).transpose();
         let format = args.sheet.as_deref().map(SheetFormat::of).transpose()?;
         let (main, sheet) = (target(&args.output)?, target(&args.sheet)?);

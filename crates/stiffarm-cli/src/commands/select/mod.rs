@@ -9,14 +9,14 @@ mod plan;
 mod space_filling;
 
 use crate::answer::Answer;
-use crate::args::SelectArgs;
+use crate::args;
 use crate::output::Exit;
 use crate::session::Session;
 use job::{Job, Outputs};
 use stiffarm::Result;
 
 /// Selects, and writes what was asked for.
-pub fn run(session: &Session, args: &SelectArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Select) -> Result<Answer> {
     let outputs = Outputs::new(session, &args.output)?;
     let named = session.read_cell(&args.cell)?;
     outputs.check_states(&named.cell)?;

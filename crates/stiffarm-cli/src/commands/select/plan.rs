@@ -21,7 +21,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<Answer> {
     inputs.accept = session.host.accept.clone();
     let progress = Progress::new(session, "selecting postures");
     let planned = progress.watch(|control| {
-        let mut watch = |stage| job.tell(&progress, stage);
+        let mut watch = |stage| job.show(&progress, stage);
         plan(job.cell(), &inputs, &args.options, &mut watch, control)
     })?;
     drop(progress);

@@ -2,7 +2,7 @@
 //! joint axes, with the axes alone and with the mixed model.
 
 use crate::answer::Answer;
-use crate::args::SimulateArgs;
+use crate::args;
 use crate::files::{Files, only_target};
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -13,7 +13,7 @@ use stiffarm_files::source::read_groups;
 use stiffarm_files::table::write_simulated;
 
 /// Runs the simulation.
-pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Answer> {
+pub(super) fn run(session: &Session, args: &args::Simulate) -> Result<Answer> {
     let options = args.options.elastic_options()?;
     if args.readings.is_some() {
         let message = "Raw readings are simulated only for an arm of which the joint axes alone give way.";
@@ -33,5 +33,5 @@ pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Answer> {
     }
     let exit = Exit::so_far(result.interrupted, &result.findings);
     let envelope = session.envelope("simulate", Some(args.options.seed), options, result);
-    Ok(Answer::told(exit, envelope, named, args.details).with(files))
+    Ok(Answer::summary(exit, envelope, named, args.details).with(files))
 }

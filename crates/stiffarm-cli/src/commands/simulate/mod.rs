@@ -4,7 +4,7 @@ pub mod elastic;
 mod slowly;
 
 use crate::answer::Answer;
-use crate::args::SimulateArgs;
+use crate::args;
 use crate::files::{Contents, Files, check_targets};
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -21,7 +21,7 @@ use stiffarm_files::source::read_groups;
 use stiffarm_files::table::{write_simulated, write_simulated_readings};
 
 /// Runs the simulation.
-pub fn run(session: &Session, args: &SimulateArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Simulate) -> Result<Answer> {
     if args.options.elastic() != ElasticChoice::Axes {
         return elastic::run(session, args);
     }
@@ -58,5 +58,5 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Answer> {
     let options = Options::from(&options);
     let exit = Exit::so_far(result.interrupted || session.stopped(), &result.findings);
     let envelope = session.envelope("simulate", Some(args.options.seed), options, result);
-    Ok(Answer::told(exit, envelope, named, args.details).with(Files::new(files)))
+    Ok(Answer::summary(exit, envelope, named, args.details).with(Files::new(files)))
 }

@@ -2,7 +2,7 @@
 
 use super::{REPORT, RESULT, answer};
 use crate::answer::Answer;
-use crate::args::StudyArgs;
+use crate::args;
 use crate::files::check_folder;
 use crate::numbers::to_usize;
 use crate::output::Exit;
@@ -16,7 +16,7 @@ use stiffarm::study::{MeasuredStudy, MeasuredStudyOptions, measured_study};
 use stiffarm_files::source::{read_measurements, read_registration};
 use stiffarm_report::render_svg;
 use stiffarm_report::study::{measured_figure, measured_table};
-use stiffarm_report::tell::{Given, Telling, Told};
+use stiffarm_report::summary::{Context, Summarise, Summary};
 
 /// Figure and table of the study.
 const FILES: [&str; 2] = ["measured-choices.svg", "measured-choices.csv"];
@@ -40,14 +40,14 @@ pub struct Written {
     pub files: Vec<String>,
 }
 
-impl Telling<Options> for Written {
-    fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
-        self.study.told(options, context)
+impl Summarise<Options> for Written {
+    fn summary(&self, options: &Options, context: &Context<'_>) -> Result<Summary> {
+        self.study.summary(options, context)
     }
 }
 
 /// Runs the study and writes its folder.
-pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Answer> {
+pub(super) fn run(session: &Session, args: &args::Study, from: &str) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
     let mut options = options(args)?;
     if args.splits.indices.is_empty() && named.cell.setup.load.has_cases() {
@@ -75,7 +75,7 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Ans
     answer(args, exit, (envelope, names), named, files)
 }
 
-fn options(args: &StudyArgs) -> Result<MeasuredStudyOptions> {
+fn options(args: &args::Study) -> Result<MeasuredStudyOptions> {
     let splits = &args.splits;
     let mut options = MeasuredStudyOptions::default();
     options.seed = args.seed;

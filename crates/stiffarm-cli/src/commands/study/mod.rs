@@ -4,7 +4,7 @@ pub mod measured;
 
 use super::earlier::Earlier;
 use crate::answer::Answer;
-use crate::args::StudyArgs;
+use crate::args;
 use crate::files::{Files, Said, check_folder};
 use crate::output::Exit;
 use crate::page::page_of;
@@ -23,7 +23,7 @@ use stiffarm_files::envelope::Envelope;
 use stiffarm_files::envelope::write_result;
 use stiffarm_files::source::{NamedCell, read_postures};
 use stiffarm_report::study::{cell_picture, figures, tables};
-use stiffarm_report::tell::{Given, Telling, Told};
+use stiffarm_report::summary::{Context, Summarise, Summary};
 use stiffarm_report::{render_drawing, render_svg};
 
 /// Group 1 of the built-in COMAU cells.
@@ -56,14 +56,14 @@ pub struct Written {
     pub files: Vec<String>,
 }
 
-impl Telling<Options> for Written {
-    fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
-        self.study.told(options, context)
+impl Summarise<Options> for Written {
+    fn summary(&self, options: &Options, context: &Context<'_>) -> Result<Summary> {
+        self.study.summary(options, context)
     }
 }
 
 /// Runs the study and writes its folder.
-pub fn run(session: &Session, args: &StudyArgs) -> Result<Answer> {
+pub fn run(session: &Session, args: &args::Study) -> Result<Answer> {
     if let Some(from) = &args.measured {
         return measured::run(session, args, from);
     }
@@ -111,8 +111,8 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Answer> {
 }
 
 /// The folder of a study, the result first and its page last, and what the study says.
-fn answer<O: Serialize + 'static, R: Serialize + Telling<O> + 'static>(
-    args: &StudyArgs,
+fn answer<O: Serialize + 'static, R: Serialize + Summarise<O> + 'static>(
+    args: &args::Study,
     exit: Exit,
     (envelope, names): (Envelope<O, R>, Vec<String>),
     named: NamedCell,
@@ -128,12 +128,12 @@ fn answer<O: Serialize + 'static, R: Serialize + Telling<O> + 'static>(
     let earlier = Earlier::of(&folder);
     let files = Files::folder(&folder, files, args.force).said(Said::As(said));
     let files = files.then(move || earlier.remove_all_but(&folder, &names).trim_end().to_string());
-    Ok(Answer::told(exit, envelope, named, args.details).with(files))
+    Ok(Answer::summary(exit, envelope, named, args.details).with(files))
 }
 
 /// Group 1: given, the shipped one where it fits the cell, or drawn with small
 /// wrist angles as an engineer picks postures by hand.
-fn initial_group(session: &Session, args: &StudyArgs, cell: &Cell) -> Result<(PostureGroup, &'static str)> {
+fn initial_group(session: &Session, args: &args::Study, cell: &Cell) -> Result<(PostureGroup, &'static str)> {
     let robot = &cell.setup.robot;
     let named = |postures| PostureGroup { name: "Group 1".to_string(), postures };
     if let Some(from) = &args.initial {

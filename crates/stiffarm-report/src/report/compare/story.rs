@@ -10,11 +10,11 @@ const MOST_NAMES: usize = 4;
 
 /// What is compared, how far it differs, what to do next.
 pub(super) fn verdict(parts: &[Part], kinds: &[Kind<'_>]) -> [Text; 3] {
-    [done(parts, kinds), conclusion(kinds), next(parts, kinds)]
+    [what_was_done(parts, kinds), conclusion(kinds), next_step(parts, kinds)]
 }
 
 /// What is compared, and what was different in making it.
-fn done(parts: &[Part], kinds: &[Kind<'_>]) -> Text {
+fn what_was_done(parts: &[Part], kinds: &[Kind<'_>]) -> Text {
     let names: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
     let mut out = if names.len() <= MOST_NAMES {
         format!("{} are compared: ", list(&names))
@@ -89,7 +89,7 @@ fn stiffness(out: Text, most: &StiffnessChange) -> Text {
 }
 
 /// What to do with them.
-fn next(parts: &[Part], kinds: &[Kind<'_>]) -> Text {
+fn next_step(parts: &[Part], kinds: &[Kind<'_>]) -> Text {
     let serious = parts.iter().filter(|part| part.outcome == Outcome::Serious);
     let serious: Vec<&str> = serious.map(|part| part.name.as_str()).collect();
     match serious.as_slice() {
