@@ -72,7 +72,7 @@ fn arrows_stand_at_the_measuring_points_and_are_the_residuals() {
 #[test]
 fn readings_of_a_point_that_no_list_has_are_in_no_category() {
     let cell = builtin::cell("comau").unwrap();
-    let fit = Fit::new(&cell, &measured(&cell, &group(&cell)), &IdentifyOptions::default()).unwrap();
+    let fit = Fit::new(&cell, measured(&cell, &group(&cell)), &IdentifyOptions::default()).unwrap();
     let mut identification = fit.identification().unwrap().clone();
     let shown = |identification: &Identification| -> Vec<usize> {
         residual_figure(identification).panels[0].series.iter().map(|series| series.x.len()).collect()
