@@ -243,7 +243,8 @@ pub struct Check {
     /// Draw the cell from the side, from above and in perspective; what violates a limit is red
     #[arg(value_hint = ValueHint::AnyPath, long, value_name = "FILE.svg")]
     pub figure: Option<String>,
-    /// Postures to draw [default: the middle of the bounds, or where that violates a limit, a posture within the limits]
+    /// Postures to draw
+    /// [default: the middle of the bounds, or where that violates a limit, a posture within the limits]
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSTURES.csv", requires = "figure")]
     pub postures: Option<String>,
     /// The posture to draw in full, among those of --postures or the validation postures; all: each

@@ -202,7 +202,7 @@ fn a_comparison_names_what_was_changed() {
     $ stiffarm export builtin:comau builtin:comau-group1 --language ls --controller fanuc --compare program/measure_comau_group1.ls
     program
 
-      × `X` is no joint: only positions in joint representation can be read.
+      × `X` is not a joint: only positions in joint representation can be read.
         ╭─[program/measure_comau_group1.ls:98:2]
      97 │     UF : 0, UT : 1,
      98 │     X  =    -20.00  mm, J2=     15.00 deg,  J3=   -110.00 deg,

@@ -193,7 +193,8 @@ fn chip(
     raw_feed: &Option<Number<Mm>>,
     diameter_mm: f64,
 ) -> Result<f64> {
-    let hint = "feed per tooth = feed rate / (spindle speed · teeth), in mm; or give spindle_rpm where the path gives its feed";
+    let hint = "feed per tooth = feed rate / (spindle speed · teeth), in mm; or give spindle_rpm where the path gives \
+        its feed";
     let feed = source.required(table, raw_feed, "feed_per_tooth_mm", hint)?;
     let feed_m = source.positive(feed)?;
     let feed_mm = feed.get();

@@ -302,7 +302,7 @@ fn check_move(target: &Move, joints: usize) -> Result<()> {
 /// shows them.
 ///
 /// # Errors
-/// A move that is no joint move to stated angles, a number or bracket that is missing, a point that
+/// A move that does not go to stated joint angles, a number or bracket that is missing, a point that
 /// is not there: with file, line and column.
 pub fn read_program(
     files: &[ProgramFile],

@@ -78,7 +78,8 @@ impl MeasurementColumns {
             return fault(Some(moment), Code::TableHeading, message, hint);
         }
         if let (Some(load), false) = (first(RowQuantity::Load), cell.setup.load.each().any(|l| l.size().is_some())) {
-            let message = "Only a rope, a cylinder with anchor_mm or a weight has one force per state, and the cell's load is none.";
+            let message = "Only a rope, a cylinder with anchor_mm or a weight has one force per state, and the cell's \
+                load is none.";
             let hint = "give fx_n, fy_n, fz_n, or set load.kind to \"rope\", \"cylinder\" or \"weight\"";
             return fault(Some(load), Code::Conflict, message, hint);
         }

@@ -23,8 +23,8 @@ pub fn errors_figure(systematic: &SystematicErrors) -> Figure {
         "Systematic errors by source",
         format!(
             "Relative standard uncertainty of each joint's stiffness by each source, as far as the readings leave it \
-             possible: one standard deviation, while the ± of the tables is at {} %{}. The tallest bar of a joint is what to make better \
-             first.{}",
+             possible: one standard deviation, while the ± of the tables is at {} %{}. The tallest bar of a joint is \
+             what to make better first.{}",
             crate::level::level(level),
             match level {
                 0.95 => ", about 1.96 times as wide",

@@ -1,9 +1,9 @@
 //! What a saved result says: verdict, findings, tables, pictures as data. Nothing here knows where it is shown.
 //!
 //! One file or folder per command holds what is said of its results: verdict and tables, units and digits of numbers; a
-//! finding brings its sentence and weight along. The command renders a [`Summary`] for the terminal and [`crate::report`]
-//! for the page, so that both say the same. A telling is a function of the saved result and its cell, which is why a
-//! page that is made later says what the terminal said.
+//! finding brings its sentence and weight along. The command renders a [`Summary`] for the terminal and
+//! [`crate::report`] for the page, so that both say the same. A telling is a function of the saved result and its cell,
+//! which is why a page that is made later says what the terminal said.
 
 mod arrows;
 mod at_work;

@@ -20,8 +20,8 @@ use stiffarm::{Result, Termination};
 const STORY: [&str; 4] = ["recommended-index", "paper-order", "first-order-means", "other-starts"];
 
 /// What the groups are.
-const GROUPS: &str = "Group 1 is the initial group. Each other group is selected from it under one index (Section III.B), \
-                       within the bounds of the joints and the limits of the cell.";
+const GROUPS: &str = "Group 1 is the initial group. Each other group is selected from it under one index (Section \
+                       III.B), within the bounds of the joints and the limits of the cell.";
 
 /// What a result says of `study`.
 pub(super) fn summary(with: &WithCell<'_>) -> Result<Summary> {
@@ -255,8 +255,8 @@ fn starts(study: &Study) -> DataTable {
 fn stiffness(study: &Study) -> DataTable {
     let number = |k: f64| Number::new(k).of(Quantity::STIFFNESS.bare());
     let caption = format!(
-        "Joint stiffness identified from one simulated measurement [{}] (Table 6), with the 95 % interval by the scatter of \
-         the readings",
+        "Joint stiffness identified from one simulated measurement [{}] (Table 6), with the 95 % interval by the \
+         scatter of the readings",
         Quantity::STIFFNESS.unit
     );
     let mut table = DataTable::of(caption, "joint", study.joints.iter().map(|j| Text::new(visible(j))))

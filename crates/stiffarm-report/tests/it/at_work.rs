@@ -154,8 +154,8 @@ fn corrections_and_what_they_leave() {
     let compensated = options.compensate(&cell, &prior, &followed, control).unwrap();
     let part = checked_part("compensate", &cell, &options, &compensated);
     insta::assert_snapshot!(story(&part.verdict), @"
-    The path of 61 points was changed so that the loaded tool follows the path that is wanted. The postures come from inverse kinematics in closed form, with steps of a joint up to 1.03°.
-    Without it the tool bends away by 1.445 mm (RMS), at most 1.846 mm; nothing says how much of that the correction takes away on the real arm.
+    The path of 61 points was changed so that the loaded tool follows the nominal path. The postures come from inverse kinematics in closed form, with steps of a joint up to 1.03°.
+    Without correction the tool bends away by 1.445 mm (RMS), at most 1.846 mm; nothing says how much of that the correction takes away on the real arm.
     Identify the joint stiffness first: stiffarm identify cell.toml readings.csv --output k.json says how sure it is, and so whether this correction helps.
     ");
     let key = part.key.unwrap();

@@ -114,7 +114,7 @@ fn a_registration_says_which_point_is_off_and_what_goes_into_the_cell() {
     assert_eq!(wrong.key.as_ref().unwrap().rows[0][0].plain(), "C");
     insta::assert_snapshot!(format!("{}\n{}", wrong.sections[0].title, story(&wrong.verdict)), @"
     Base frame from tracker frame; not to be used before the serious finding is settled
-    The tracker was registered to the robot's base by 5 points that both know.
+    The tracker was registered to the robot's base by 5 points given in both frames.
     The points agree within 0.5746 mm (RMS); a coordinate scatters by 0.4283 mm, from 9 degrees of freedom.
     Settle what is marked serious first: the points at the top of the table, then register again.
     ");

@@ -44,8 +44,8 @@ pub struct PathOptions {
     /// Largest change of a joint from one point to the next [deg]; more is a jump
     #[cfg_attr(feature = "clap", arg(long, value_name = "X", default_value_t = 30.0, value_parser = number("step_deg")))]
     pub max_step_deg: f64,
-    /// Tolerance of those features of the path to which the cell gives none [mm]: how far each may come out beside where
-    /// it should be
+    /// Tolerance of those features of the path to which the cell gives none [mm]: how far each may come out beside
+    /// where it should be
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = number("mm")))]
     pub tolerance_mm: Option<f64>,

@@ -25,8 +25,8 @@ pub struct DriveOptions {
     /// written before then has other angles
     #[cfg_attr(feature = "clap", arg(long))]
     pub equivalents: bool,
-    /// With --equivalents: other turns only. A wrist the other way round has the same joint axes, but an arm that gives way
-    /// beyond them bends otherwise
+    /// With --equivalents: other turns only. A wrist the other way round has the same joint axes, but an arm that gives
+    /// way beyond them bends otherwise
     #[cfg_attr(feature = "clap", arg(long, requires = "equivalents"))]
     pub keep_wrist: bool,
     /// Steps that angles are rounded to [deg]; 0 leaves them as they are

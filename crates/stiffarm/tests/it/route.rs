@@ -347,8 +347,8 @@ fn an_approach_needs_a_start_and_a_turn_that_takes_up_lost_motion() {
     insta::assert_snapshot!(report, @"
     0: The value must be above 0, got 0.
     -0.5: The value must be above 0, got -0.5.
-    0.01: 0.01° is no turn that takes up lost motion.
-    45: 45° is no turn that takes up lost motion.
+    0.01: A turn of 0.01° does not take up lost motion.
+    45: A turn of 45° does not take up lost motion.
     nan: NaN is not a finite number.
     no start: Nothing says how the first posture is reached. give start_deg, a safe posture that the robot starts from
     ");

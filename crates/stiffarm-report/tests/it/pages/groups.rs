@@ -23,7 +23,7 @@ fn groups_are_compared_and_the_best_is_named() {
     insta::assert_snapshot!(story(&shown), @"
     2 groups of postures were evaluated: what each can tell of the joint stiffness, before anything is measured.
     Best is all: the joint stiffness can be expected with a relative standard error (RMS over the joints) of 3.94 % by noise alone. By noise alone joint 4 is least sure, with a standard error of 7.47 %.
-    Measure it, or let stiffarm select find out how much better another plan of as many postures could be.
+    Measure at these postures, or let stiffarm select find a better plan of as many postures.
     ");
     let pictures = figures(&shown);
     assert!(pictures.contains(&"novel-index".to_string()), "{pictures:?}");
@@ -86,7 +86,7 @@ fn simulated_groups_are_shown_in_the_cell_and_against_noise() {
     insta::assert_snapshot!(story(&shown), @"
     30 identifications with fresh tracker noise were simulated for one group of postures at each of 2 noise levels.
     The stiffness that comes out worst, of joint 4, deviates from the truth by 4.46 % ± 0.55 % on average at the cell's own noise; the closed form expects 5.96 %.
-    Where that is sure enough, measure; stiffarm select finds postures that give more. What else may be wrong than the tracker is in --force-error-percent, --joint-angle-error-deg and --loading-point-error-mm.
+    If that is sure enough, measure; if not, stiffarm select finds postures that tell more. Errors beside the tracker's are simulated with --force-error-percent, --joint-angle-error-deg and --loading-point-error-mm.
     ");
     assert_eq!(figures(&shown), ["deviation-by-noise"]);
     assert_eq!(scenes(&shown), 1);
@@ -104,7 +104,7 @@ fn zones_say_where_to_measure() {
     insta::assert_snapshot!(format!("{best:?}\n{}", story(&shown)), @"
     None
     Dexterity and the influence of K_C, what the load adds to the stiffness, were mapped at 225 postures: joint 2 from -60° to 40°, joint 3 from -180° to -40°, with q1 = 0°, q4 = 45°, q5 = 45° and q6 = 45°; 106 of them meet the limits of the cell.
-    No posture of the map is both dexterous and little touched by K_C.
+    No posture of the map is both dexterous and little affected by K_C.
     Hold the other joints elsewhere (--q-deg), widen the limits, or choose postures with stiffarm select.
     ");
     assert_eq!(figures(&shown), ["zones"]);

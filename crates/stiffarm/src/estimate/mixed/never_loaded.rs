@@ -31,7 +31,8 @@ const RULING_SHARE: f64 = 0.5;
 const LARGE_ERROR_SHARE: f64 = 0.01;
 /// Share of the error that a further load has to take away to be worth a word.
 const HELPING_SHARE: f64 = 0.25;
-/// A weight is simpler to hang than another load is to make: others have to leave less than this share of what it leaves.
+/// A weight is simpler to hang than another load is to make: others have to leave less than this share of what it
+/// leaves.
 const SIMPLER_SHARE: f64 = 0.8;
 /// Places that are named at most.
 const MOST_PLACES: usize = 2;

@@ -72,8 +72,8 @@ pub(super) struct RatioSums {
     pub(super) squares: f64,
 }
 
-/// What is known of random effects beside the readings: rows for them and what was read there, as sure as a displacement,
-/// and the variance ratio of the class that they belong to, the last.
+/// What is known of random effects beside the readings: rows for them and what was read there, as sure as a
+/// displacement, and the variance ratio of the class that they belong to, the last.
 pub(super) struct PriorRows {
     pub(super) rows: DMatrix<f64>,
     pub(super) read: DVector<f64>,

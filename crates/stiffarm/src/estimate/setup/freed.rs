@@ -75,8 +75,8 @@ impl QuantityFit {
         self.values.iter().map(|(_, place)| place.values.len()).sum()
     }
 
-    /// The fit as it is, with springs beyond the axes where the readings carry these and `is_mixed` grants them, looked for
-    /// near those of `near`.
+    /// The fit as it is, with springs beyond the axes where the readings carry these and `is_mixed` grants them, looked
+    /// for near those of `near`.
     pub(super) fn new(values: Vec<QuantityAtValue>, fit: Fit, is_mixed: bool, near: Option<&MixedFit>) -> Result<Self> {
         let mixed = match is_mixed {
             true => carried_near(&fit, near)?.ok(),
@@ -166,7 +166,8 @@ impl StatedExperiment<'_> {
         self.step(&at.values, &linear)
     }
 
-    /// By how much −2 ln L of a fit with everything as stated would fall with the quantity freed, by the derivatives there.
+    /// By how much −2 ln L of a fit with everything as stated would fall with the quantity freed, by the derivatives
+    /// there.
     pub(super) fn score(&self, stated: &QuantityAtValue, linear: &Linear<'_>) -> f64 {
         let step = self.step(std::slice::from_ref(stated), linear);
         step.map_or(0.0, |step| step.gain(linear.fit))
@@ -207,8 +208,8 @@ impl StatedExperiment<'_> {
         at
     }
 
-    /// Standard errors of the numbers of the quantities where they are, one after the other; `None` where the readings do
-    /// not tell one.
+    /// Standard errors of the numbers of the quantities where they are, one after the other; `None` where the readings
+    /// do not tell one.
     pub(super) fn errors(&self, at: &QuantityFit) -> Vec<Option<f64>> {
         let step = self.step_of(at);
         let errors = step.map(|step| step.errors);

@@ -29,8 +29,8 @@ use freed::{Linear, QuantityFit, below_zero, value};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-/// Fall of −2 ln L from which a quantity is rejected, from which it is doubtful, and what each of its numbers adds: sound
-/// days of arms with springs beyond the axes, drift and shared shifts stay below.
+/// Fall of −2 ln L from which a quantity is rejected, from which it is doubtful, and what each of its numbers adds:
+/// sound days of arms with springs beyond the axes, drift and shared shifts stay below.
 const REJECTING_LIKELIHOOD: f64 = 22.0;
 const DOUBTING_LIKELIHOOD: f64 = 10.0;
 const LIKELIHOOD_EACH: f64 = 4.0;
@@ -250,8 +250,8 @@ fn freed_alone(
     (before - best.value > WORTH_SEARCHING).then_some(best)
 }
 
-/// Leaves out what springs beyond the axes explain as well: what helps the axes alone by little, and by the derivatives of
-/// the mixed model helps that no more. The dear fits beside them are spared.
+/// Leaves out what springs beyond the axes explain as well: what helps the axes alone by little, and by the derivatives
+/// of the mixed model helps that no more. The dear fits beside them are spared.
 fn leave_out_swallowed(stated: &StatedExperiment<'_>, mixed: &MixedFit, alone: &mut Vec<QuantityFit>) {
     let before = value(stated.fit, None);
     let mut linear = None;
@@ -271,8 +271,8 @@ fn leave_out_swallowed(stated: &StatedExperiment<'_>, mixed: &MixedFit, alone: &
     });
 }
 
-/// Whether the quantity lies within what the cell states of it, or what is assumed: then the total ± has it. A force along
-/// the load is known as well as its scale.
+/// Whether the quantity lies within what the cell states of it, or what is assumed: then the total ± has it. A force
+/// along the load is known as well as its scale.
 fn is_within_stated(fit: &Fit, (quantity, place): &QuantityAtValue, errors: &[Option<f64>]) -> bool {
     let uncertainty = &fit.cell().uncertainty;
     let size = match quantity {

@@ -330,7 +330,8 @@ pub(super) struct SettledSlip {
     pub others: Vec<Slip>,
 }
 
-/// The likeliest of the slips that explain alike; beside each stands what undoing it leaves. `None` where no slip is believed.
+/// The likeliest of the slips that explain alike; beside each stands what undoing it leaves. `None` where no slip is
+/// believed.
 pub(super) fn settle(tried: impl IntoIterator<Item = (Slip, Option<f64>)>, rule: &Rule) -> Option<SettledSlip> {
     let believed = tried.into_iter().filter_map(|(slip, after)| {
         let after = after.filter(|after| *after <= rule.most)?;

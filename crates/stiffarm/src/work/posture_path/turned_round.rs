@@ -21,10 +21,14 @@ struct HalfTurn {
 
 #[rustfmt::skip]
 const HALF_TURNS: [HalfTurn; 4] = [
-    HalfTurn { of_tool: true, axis: Vector3::x, hint: "with the tool axis of every pose the other way round it reaches them: say which way z of the poses points, out of the tool or into it" },
-    HalfTurn { of_tool: false, axis: Vector3::z, hint: "with the workpiece turned by 180° about its z it reaches them: check the turn of the workpiece frame" },
-    HalfTurn { of_tool: false, axis: Vector3::x, hint: "with the workpiece turned by 180° about its x it reaches them: check which way z of the workpiece frame points" },
-    HalfTurn { of_tool: false, axis: Vector3::y, hint: "with the workpiece turned by 180° about its y it reaches them: check which way z of the workpiece frame points" },
+    HalfTurn { of_tool: true, axis: Vector3::x, hint: "with the tool axis of every pose the other way round it reaches \
+        them: say which way z of the poses points, out of the tool or into it" },
+    HalfTurn { of_tool: false, axis: Vector3::z, hint: "with the workpiece turned by 180° about its z it reaches them: \
+        check the turn of the workpiece frame" },
+    HalfTurn { of_tool: false, axis: Vector3::x, hint: "with the workpiece turned by 180° about its x it reaches them: \
+        check which way z of the workpiece frame points" },
+    HalfTurn { of_tool: false, axis: Vector3::y, hint: "with the workpiece turned by 180° about its y it reaches them: \
+        check which way z of the workpiece frame points" },
 ];
 
 /// `error` of a path through `poses`, whose turn about the tool axis is `free`, with what would make all of it

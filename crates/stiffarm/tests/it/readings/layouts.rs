@@ -188,8 +188,8 @@ fn a_position_of_zeros_and_a_lost_decimal_sign_are_named_by_their_rows() {
     }
     // Of postures whose rows do not stand together each is named once.
     let others = WHOLE.lines().skip(1).map(|line| line.replacen("P1", "P2", 1) + "\n");
-    let text = text.clone() + &others.collect::<String>() + "P1,loaded-2,left,0,0,0,12.5,-30\n";
-    let error = readings(&text.replace("1500.25,-200.75,899.5", "0,0,0"), &rope_cell()).unwrap_err();
+    let two = text.clone() + &others.collect::<String>() + "P1,loaded-2,left,0,0,0,12.5,-30\n";
+    let error = readings(&two.replace("1500.25,-200.75,899.5", "0,0,0"), &rope_cell()).unwrap_err();
     assert!(error.message().ends_with("of posture P1, P2."), "{error}");
     insta::assert_snapshot!("no_readings", report);
     // A dial that was set to zero reads zeros, and another point is no lost sign.

@@ -179,11 +179,11 @@ fn numbers_that_are_no_orientation_are_refused() {
       hint: q1 is the scalar; look for a number in a wrong column
 
     » Matrix [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0]
-    [invalid-value] The matrix is no rotation: its axes are left-handed.
+    [invalid-value] The matrix is not a rotation: its axes are left-handed.
       hint: r11, r12, r13 are the first row; the columns are the axes of the frame
 
     » Matrix [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
-    [invalid-value] The matrix is no rotation: its columns are not at right angles and of length 1.
+    [invalid-value] The matrix is not a rotation: its columns are not at right angles and of length 1.
       hint: r11, r12, r13 are the first row; the columns are the axes of the frame
     ");
     // What a pendant rounds is taken.

@@ -96,7 +96,7 @@ fn links_beyond_the_robot_are_refused() {
     [invalid-value] There is no link 7: the links of 6 joints are 0 to 6.
 
     » a link beside itself
-    [invalid-value] Link 2 and itself are no pair.
+    [invalid-value] Link 2 makes no pair with itself.
 
     » a capsule without a radius
     [invalid-value] A capsule needs two finite end points and a radius above zero.

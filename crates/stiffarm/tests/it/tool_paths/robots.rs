@@ -288,10 +288,7 @@ fn programs_say_the_same_in_small_letters() -> Check {
         ("a.ls", ls(&lines, &points)),
         ("a.jbi", format!("{JOB}{job}")),
         ("a.apt", cl_data.to_string()),
-        (
-            "a.nc",
-            "%\nN10 G90 G54 G17 G21\nN20 G0 X1 Y2 Z3 S3000 M3\nCR=3\nG1 X4 F600\nG2 X8 Y2 CR=5\nM30\n".to_string(),
-        ),
+        ("a.nc", "%\nN10 G90 G54 G17 G21\nN20 G0 X1 Y2 Z3 S3000 M3\nG1 X4 F600\nG2 X8 Y2 CR=5\nM30\n".to_string()),
     ] {
         let (path, small) = (read(name, &text)?, read(name, &text.to_ascii_lowercase())?);
         assert_eq!(codes(&path), codes(&small), "{name}: {:?} {:?}", path.findings, small.findings);

@@ -205,10 +205,13 @@ fn limits_in_degrees_are_said_as_they_stand() {
     let limit = r#"<limit lower="-180" upper="180" effort="1" velocity="1"/>"#;
     let [_, j2] = arm();
     let direct = joint("j1", "revolute", "a", "b", &format!("<axis xyz=\"0 0 1\"/>{limit}"));
-    let lever = joint("lever", "revolute", "b", "l", &format!("{limit}<mimic joint=\"j2\"/>"));
-    for (joints, name) in [([direct, j2.clone()].as_slice(), "j1"), ([arm()[0].clone(), j2, lever].as_slice(), "lever")]
-    {
-        let error = refused(&robot("abcl", joints), &options("a", "c"));
+    // An elbow that follows a motor beside the chain.
+    let motor = joint("motor", "revolute", "b", "m", LIMIT);
+    let follows = format!("<origin xyz=\"0.3 0 0.4\"/><axis xyz=\"0 1 0\"/>{limit}<mimic joint=\"motor\"/>");
+    let elbow = joint("elbow", "revolute", "b", "c", &follows);
+    let [j1, _] = arm();
+    for (joints, name) in [(vec![direct, j2], "j1"), (vec![j1, motor, elbow], "elbow")] {
+        let error = refused(&robot("abcm", &joints), &options("a", "c"));
         let message = format!("The joint \"{name}\" has a limit of -180 rad, which is 29 turns: are these degrees?");
         assert_eq!(error.message(), message);
     }

@@ -32,8 +32,8 @@ impl Deletions {
     /// Every displacement and every point against the prediction from all other
     /// data, with the ratio of the two variances that all data have.
     ///
-    /// With P = V⁻¹ − V⁻¹Ψ(ΨᵀV⁻¹Ψ)⁻¹ΨᵀV⁻¹, V with the random effects where there are any, and q = P Δ, leaving the rows S out takes
-    /// q_Sᵀ P_SS⁻¹ q_S off the squares (Cook & Weisberg 1982, ch. 2.2 for V = I).
+    /// With P = V⁻¹ − V⁻¹Ψ(ΨᵀV⁻¹Ψ)⁻¹ΨᵀV⁻¹, V with the random effects where there are any, and q = P Δ, leaving the rows
+    /// S out takes q_Sᵀ P_SS⁻¹ q_S off the squares (Cook & Weisberg 1982, ch. 2.2 for V = I).
     pub(super) fn of(fit: &Fit, all: &ResidualMaker) -> Result<Self> {
         let system = fit.system();
         let ResidualMaker { basis, residual, size, free, gamma } = all;

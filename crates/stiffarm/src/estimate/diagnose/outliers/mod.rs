@@ -173,8 +173,8 @@ impl Outliers {
         // Naming each would blame readings for what the model does.
         let worst: Vec<String> = self.found.iter().map(Outlier::subject).collect();
         let message = format!(
-            "More than {MOST_OUTLIERS} parts of the data contradict the rest (first {}): the model or the set-up is at fault rather \
-             than single readings.",
+            "More than {MOST_OUTLIERS} parts of the data contradict the rest (first {}): the model or the set-up is at \
+             fault rather than single readings.",
             list(&worst)
         );
         vec![Finding::serious(codes::MORE_OUTLIERS, "measurements", message)]
