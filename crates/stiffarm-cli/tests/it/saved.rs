@@ -202,7 +202,7 @@ fn what_is_free_is_told_and_what_cannot_be_is_refused() {
     assert!(matches!(ran.code, Some(0 | 1)), "{}{}", ran.out, ran.err);
     assert_snapshot!(in_lines(printed_sentence(&ran.out, "With it these readings")), @r"
     With it these readings gave the anchor at (1803, 10, 12) ± 39 mm; load.anchor_mm has (1800, 0, 0)
-    and a shift common to all loaded readings, (0.01, -0.01, 0.01) ± 0.01 mm.
+    and a shift common to all loaded readings, (0.01, −0.01, 0.01) ± 0.01 mm.
     ");
     let saved: Value = serde_json::from_str(&folder.read("k.json")).unwrap();
     let freed = saved["result"]["freed"].as_array().unwrap();

@@ -6,7 +6,7 @@ import html
 import json
 import os
 import shlex
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
@@ -31,6 +31,9 @@ class Result(Record):
 
     #: Keys that lead to the rows of :meth:`to_frame`.
     _rows: ClassVar[tuple[str, ...]] = ()
+
+    #: :func:`stiffarm.plot.figure`, which says so itself: it knows results.
+    _draw: ClassVar[Callable[..., Any] | None] = None
 
     #: Classes by the command whose results they are, and by its mode where it answers several questions.
     _classes: ClassVar[dict[tuple[str, str], type[Result]]] = {}
@@ -166,9 +169,9 @@ class Result(Record):
         Raises:
             StiffarmError: A result that has no such figure, or matplotlib is not installed.
         """
-        from .plot import figure
-
-        return figure(self, name, panel=panel, ax=ax, width_in=width_in)
+        draw = Result._draw
+        assert draw is not None
+        return draw(self, name, panel=panel, ax=ax, width_in=width_in)
 
     def table(self) -> Table:
         """The main table of the result, a row each; see :meth:`to_frame`."""

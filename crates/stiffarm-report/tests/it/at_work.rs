@@ -115,7 +115,7 @@ fn deflections_are_said_with_the_matrices_that_were_asked_for() {
     let plain = checked_part("predict", &cell, &PredictOptions::default(), &predicted);
     insta::assert_snapshot!(story(&plain.verdict), @"
     The deflection of the tool tip was predicted at the 3 tasks of the cell, each under its own load.
-    The tool bends away by 1.310 mm (RMS), at most 1.968 mm at point titanium, front; nothing says how sure that is.
+    The tool bends away by 1.3098 mm (RMS), at most 1.9679 mm at point titanium, front; nothing says how sure that is.
     Predict with an identified stiffness, so that the deflection has a ±: stiffarm identify cell.toml readings.csv --output k.json writes it.
     ");
     assert_eq!(plain.outcome, Outcome::Caution);
@@ -138,7 +138,7 @@ fn what_is_serious_stands_before_the_numbers() {
     let part = checked_part("predict", &cell, &PredictOptions::default(), &predicted);
     insta::assert_snapshot!(story(&part.verdict), @"
     The deflection of the tool tip was predicted at the 3 tasks of the cell, each under its own load.
-    The stiffness cannot be used as it is. As it is: The tool bends away by 1.310 mm (RMS), at most 1.968 mm at point titanium, front; nothing says how sure that is.
+    The stiffness cannot be used as it is. As it is: The tool bends away by 1.3098 mm (RMS), at most 1.9679 mm at point titanium, front; nothing says how sure that is.
     Do not use these numbers: correct the readings behind the stiffness, identify again, and then this again.
     ");
     assert_eq!(part.outcome, Outcome::Serious);
@@ -155,7 +155,7 @@ fn corrections_and_what_they_leave() {
     let part = checked_part("compensate", &cell, &options, &compensated);
     insta::assert_snapshot!(story(&part.verdict), @"
     The path of 61 points was changed so that the loaded tool follows the nominal path. The postures come from inverse kinematics in closed form, with steps of a joint up to 1.03°.
-    Without correction the tool bends away by 1.445 mm (RMS), at most 1.846 mm; nothing says how much of that the correction takes away on the real arm.
+    Without correction the tool bends away by 1.4447 mm (RMS), at most 1.8459 mm; nothing says how much of that the correction takes away on the real arm.
     Identify the joint stiffness first: stiffarm identify cell.toml readings.csv --output k.json says how sure it is, and so whether this correction helps.
     ");
     let key = part.key.unwrap();
@@ -182,7 +182,7 @@ fn a_map_names_its_places() {
     let said = map(1400.0);
     insta::assert_snapshot!(story(&said.verdict), @"
     The tool tip was held at 20 positions, x 1400 to 2200 mm, y −500 to 500 mm, z = 800 mm, with its axis along (0, 0, −1), under a force of (0, 0, 1) N, 1 N along the direction: the cell's [work] gives a load in the axes of a path, which a map has not; 20 of them are reachable within all limits.
-    The tip gives way least at x = 1400, y = −500, z = 800 mm, by 3.45 µm; 1.2 times as much at x = 2200, y = −500, z = 800 mm, by 4.14 µm.
+    The tip gives way least at x = 1400.0, y = −500.0, z = 800.0 mm, by 3.45 µm; 1.2 times as much at x = 2200.0, y = −500.0, z = 800.0 mm, by 4.14 µm.
     Put the work where the tip gives way little; stiffarm map cell.toml k.json --place path.csv finds the place for a whole path, and an identified stiffness instead of the assumed one gives every number its ±.
     ");
     assert_eq!(summary_titles(&said), ["map"]);
@@ -222,7 +222,7 @@ fn the_best_place_comes_as_lines_of_the_cell() {
     ");
     insta::assert_snapshot!(story(&said.verdict), @"
     27 places of the workpiece in x 1500 to 2100 mm, y −500 to 500 mm, z = 800 mm were tried for a path of 61 points under its loads; at 27 of them the arm can go along.
-    At x = 1500, y = 0, z = 800 mm the path bends the tip by 1.273 mm (RMS), at most 1.555 mm, 1.14 times less than at the given place (1.445 mm).
+    At x = 1500.0, y = 0.0, z = 800.0 mm the path bends the tip by 1.2727 mm (RMS), at most 1.5554 mm, 1.14 times less than at the given place (1.4447 mm).
     Put the best place into [work] of the cell, check fixture, cables and collisions there, and predict again.
     ");
 }

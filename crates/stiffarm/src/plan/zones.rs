@@ -17,7 +17,7 @@ use crate::model::dexterity::{condition_number, require_six_joints};
 use crate::model::observation::{PostureTerms, check_angles};
 use crate::model::stiffness::{linear_displacement, rope_correction, stiffness_correction};
 use crate::numerics::control::Control;
-use crate::units::{deg_to_rad, rad_to_shortest_deg, rounded};
+use crate::units::{deg_to_rad, rad_to_sentence_deg, rad_to_shortest_deg, rounded};
 use serde::{Deserialize, Serialize};
 
 /// Joints of the map, counted from 0.
@@ -274,13 +274,13 @@ fn held(cell: &Cell, options: &ZoneOptions) -> Result<Vec<f64>> {
         None => Ok(q),
         Some((j, angle)) => {
             let joint = &robot.joints()[j];
-            let [low, high] = joint.limits.map(rad_to_shortest_deg);
+            let [low, high] = joint.limits.map(rad_to_sentence_deg);
             Err(Error::new(
                 Code::OutsideLimits,
                 format!(
                     "{} is held at {}°, outside the machine's limits, {low}° to {high}°.",
                     joint.name,
-                    rad_to_shortest_deg(angle)
+                    rad_to_sentence_deg(angle)
                 ),
             )
             .key("q_deg")

@@ -116,6 +116,11 @@ pub fn rad_to_shortest_deg(rad: f64) -> f64 {
     shortest(rad, rad_to_deg, deg_to_rad)
 }
 
+/// The same for a sentence: of more than six decimals the first six, 114.591559.
+pub fn rad_to_sentence_deg(rad: f64) -> f64 {
+    rounded(rad_to_shortest_deg(rad), 6)
+}
+
 /// The shortest decimal number of millimetres that is read back as `m`, as
 /// [`rad_to_shortest_deg`].
 pub fn m_to_shortest_mm(m: f64) -> f64 {

@@ -348,7 +348,7 @@ fn what_is_missing_or_contradicts() {
     let checked = check(&cell).unwrap();
     let outside = ["validation-outside-machine-limits", "bounds-outside-machine-limits"];
     insta::assert_snapshot!(sentences(outside.map(|code| the(&checked, code))), @"
-    [validation-outside-machine-limits] validation.posture: Validation posture V9 has joint 2 at 171.88733853924697°, outside the machine's limits, -75° to 95°.
+    [validation-outside-machine-limits] validation.posture: Validation posture V9 has joint 2 at 171.887339°, outside the machine's limits, -75° to 95°.
     [bounds-outside-machine-limits] bounds.q_deg[1]: The bounds of joint 1 reach beyond the machine's limits.
     ");
     cell.validation[0].q[1] = cell.setup.robot.joints()[1].limits[1];

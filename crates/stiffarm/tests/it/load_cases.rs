@@ -319,10 +319,10 @@ fn candidates_that_the_cell_forbids_are_left_out() {
     assert_eq!(selection.chosen, [0, 1, 3, 5, 6, 7]);
     let forbidden: Vec<usize> = selection.forbidden.iter().map(|f| f.candidate).collect();
     assert_eq!(forbidden, [2, 4]);
-    insta::assert_snapshot!(selection.forbidden[0].because, @"has joint 1 at 114.59155902616465°, outside the cell's bounds, -90° to 90°");
+    insta::assert_snapshot!(selection.forbidden[0].because, @"has joint 1 at 114.591559°, outside the cell's bounds, -90° to 90°");
     let error = select_candidates(&cell, index, 7, &list, &options, control()).unwrap_err();
     insta::assert_snapshot!(error, @"
-    7 postures cannot be chosen: 6 of 8 candidates meet the cell's bounds and limits. Candidate 2 has joint 1 at 114.59155902616465°, outside the cell's bounds, -90° to 90°.
+    7 postures cannot be chosen: 6 of 8 candidates meet the cell's bounds and limits. Candidate 2 has joint 1 at 114.591559°, outside the cell's bounds, -90° to 90°.
       hint: give more candidates, ask for fewer postures, or relax [bounds] and [limits]
     ");
     // What was measured was driven.

@@ -210,7 +210,7 @@ fn what_is_missing_is_said() {
     let fault = error(&limited, &held(vec![0.0, 0.0, 0.0, 4.0, 0.0, 0.0]));
     assert_eq!(fault.code(), Code::OutsideLimits);
     insta::assert_snapshot!(fault, @"
-    q_deg: joint 4 is held at 229.1831180523293°, outside the machine's limits, -183.34649444186343° to 183.34649444186343°.
+    q_deg: joint 4 is held at 229.183118°, outside the machine's limits, -183.346494° to 183.346494°.
       hint: hold the joints at angles the machine can take
     ");
     // Other than six joints.

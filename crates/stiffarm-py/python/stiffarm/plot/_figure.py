@@ -324,4 +324,6 @@ def _map(ax: Axes, series: dict[str, Any], x: np.ndarray, y: np.ndarray, shown: 
     return Patch(facecolor=fill, edgecolor="#a0a0a0", hatch=hatch, linewidth=0.4)
 
 
+Result._draw = staticmethod(figure)
+
 __all__ = ["figure"]

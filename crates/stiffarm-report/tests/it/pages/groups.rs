@@ -103,7 +103,7 @@ fn zones_say_where_to_measure() {
     let shown = page(&saved("zones", None, &value), Some(&cell));
     insta::assert_snapshot!(format!("{best:?}\n{}", story(&shown)), @"
     None
-    Dexterity and the influence of K_C, what the load adds to the stiffness, were mapped at 225 postures: joint 2 from -60° to 40°, joint 3 from -180° to -40°, with q1 = 0°, q4 = 45°, q5 = 45° and q6 = 45°; 106 of them meet the limits of the cell.
+    Dexterity and the influence of K_C, what the load adds to the stiffness, were mapped at 225 postures: joint 2 from −60° to 40°, joint 3 from −180° to −40°, with q1 = 0°, q4 = 45°, q5 = 45° and q6 = 45°; 106 of them meet the limits of the cell.
     No posture of the map is both dexterous and little affected by K_C.
     Hold the other joints elsewhere (--q-deg), widen the limits, or choose postures with stiffarm select.
     ");

@@ -4,7 +4,7 @@ use super::{Cell, LimitMargin};
 use crate::findings::{Finding, codes};
 use crate::model::load::Load;
 use crate::model::posture::Posture;
-use crate::units::rad_to_shortest_deg;
+use crate::units::rad_to_sentence_deg;
 
 /// Remarks after which no more postures are looked at.
 const MOST_REMARKS: usize = 1000;
@@ -38,12 +38,12 @@ impl Cell {
                 break;
             }
             for (j, angle) in self.outside_bounds(&posture.q) {
-                let [low, high] = self.bounds[j].map(rad_to_shortest_deg);
+                let [low, high] = self.bounds[j].map(rad_to_sentence_deg);
                 remarks.push(format!(
                     "posture {}: {} at {}° lies outside the cell's bounds, {low}° to {high}°",
                     posture.name,
                     self.setup.robot.joints()[j].name,
-                    rad_to_shortest_deg(angle)
+                    rad_to_sentence_deg(angle)
                 ));
             }
             let smallest = margins.as_mut().map(|margins| margins.smallest(&posture.q));

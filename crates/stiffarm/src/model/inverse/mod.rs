@@ -31,7 +31,7 @@ use crate::model::kinematics::Frames;
 use crate::model::observation::check_angles;
 use crate::model::robot::Robot;
 use crate::numerics::information::svd;
-use crate::units::{rad_to_deg, rad_to_shortest_deg};
+use crate::units::{rad_to_deg, rad_to_sentence_deg};
 use closed_form::{ClosedForm, Theta};
 use nalgebra::{DMatrix, Isometry3, Matrix6, Vector6};
 use numeric::{Descent, SOLVED_RESIDUAL, scaled_columns, twist};
@@ -341,7 +341,7 @@ impl InverseKinematics {
             return Error::new(Code::OutsideLimits, "No posture is within the limits.");
         };
         let (angle, name) = (rad_to_deg(q[joint]), &self.robot.joints()[joint].name);
-        let [low, high] = self.robot.joints()[joint].limits.map(rad_to_shortest_deg);
+        let [low, high] = self.robot.joints()[joint].limits.map(rad_to_sentence_deg);
         Error::new(
             Code::OutsideLimits,
             format!(

@@ -74,6 +74,6 @@ fn short(value: f64) -> String {
     if value >= 0.1 {
         return format!("{value:.1}");
     }
-    // Ten decimals of a millimetre or degree are beyond rounding.
-    rounded(significant(value, 2), 11).to_string()
+    // A nanometre and less is what the search leaves.
+    rounded(significant(value, 2), 6).to_string()
 }

@@ -28,7 +28,7 @@ use crate::model::observation::{PostureTerms, Setup, check_angles};
 use crate::model::robot::{DoubtAbout, Robot};
 use crate::numerics::streams::spread;
 use crate::plan::feasibility::{obstruction_among, on_machine_limits};
-use crate::units::rad_to_shortest_deg;
+use crate::units::rad_to_sentence_deg;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -271,7 +271,7 @@ fn validation(cell: &Cell, findings: &mut Vec<Finding>) {
         }
         if let Some((j, angle)) = cell.outside_machine_limits(&posture.q) {
             let joint = &setup.robot.joints()[j];
-            let [low, high] = joint.limits.map(rad_to_shortest_deg);
+            let [low, high] = joint.limits.map(rad_to_sentence_deg);
             findings.push(Finding::serious(
                 "validation-outside-machine-limits",
                 "validation.posture",
@@ -279,7 +279,7 @@ fn validation(cell: &Cell, findings: &mut Vec<Finding>) {
                     "Validation posture {} has {} at {}°, outside the machine's limits, {low}° to {high}°.",
                     posture.name,
                     joint.name,
-                    rad_to_shortest_deg(angle)
+                    rad_to_sentence_deg(angle)
                 ),
             ));
             continue;

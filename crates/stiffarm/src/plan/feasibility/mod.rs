@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::model::cell::{Cell, LimitKind, LimitMargin, MarginUnit};
 use crate::model::observation::{PostureTerms, Setup, check_angles};
 use crate::model::posture::Posture;
-use crate::units::rad_to_shortest_deg;
+use crate::units::rad_to_sentence_deg;
 use serde::{Deserialize, Serialize};
 
 /// How near one posture comes to the limits.
@@ -142,8 +142,8 @@ pub fn violations(cell: &Cell, postures: &[Posture]) -> Result<Vec<Violation>> {
 
 /// That a joint is outside the cell's bounds, as the end of a sentence about a posture.
 fn beyond_bounds(cell: &Cell, (j, angle): (usize, f64)) -> String {
-    let [low, high] = cell.bounds[j].map(rad_to_shortest_deg);
-    let angle = rad_to_shortest_deg(angle);
+    let [low, high] = cell.bounds[j].map(rad_to_sentence_deg);
+    let angle = rad_to_sentence_deg(angle);
     let name = &cell.setup.robot.joints()[j].name;
     format!("has {name} at {angle}°, outside the cell's bounds, {low}° to {high}°")
 }

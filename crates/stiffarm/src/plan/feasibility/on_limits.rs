@@ -4,7 +4,7 @@ use super::PostureLimits;
 use crate::findings::{Finding, codes, list, more};
 use crate::model::cell::{Cell, LimitKind};
 use crate::model::posture::Posture;
-use crate::units::{deg_to_rad, m_to_mm, rad_to_shortest_deg};
+use crate::units::{deg_to_rad, m_to_mm, rad_to_sentence_deg};
 
 /// Nearer than this to a machine's limit is on it \[deg\].
 const NEAR_DEG: f64 = 0.1;
@@ -30,7 +30,7 @@ pub fn on_machine_limits(cell: &Cell, postures: &[Posture]) -> Vec<Finding> {
                  bounds.q_deg, a degree before it.",
                 have(&near, postures.len()),
                 joint.name,
-                rad_to_shortest_deg(limit),
+                rad_to_sentence_deg(limit),
             );
             let subject = format!("bounds.q_deg[{}]", j + 1);
             findings.push(Finding::caution(codes::ON_MACHINE_LIMIT, subject, sentence));

@@ -21,7 +21,7 @@ use crate::model::cell::Cell;
 use crate::model::implausible;
 use crate::model::path::LoadedPosture;
 use crate::numerics::control::Control;
-use crate::units::{rad_to_deg, rad_to_shortest_deg};
+use crate::units::{rad_to_deg, rad_to_sentence_deg};
 use crate::work::at_work::forbidden;
 use crate::work::beyond_data::{BEYOND, IdentifiedRange, beyond_data};
 use crate::work::predict::{Bands, LoadedArm, PathExtremes, TipBand, motion, with_bands};
@@ -213,7 +213,7 @@ fn point(arm: &LoadedArm, posture: &LoadedPosture) -> Result<PointCompensation> 
         && robot.outside_limits(&posture.q).is_none()
     {
         let joint = &robot.joints()[j];
-        let [low, high] = joint.limits.map(rad_to_shortest_deg);
+        let [low, high] = joint.limits.map(rad_to_sentence_deg);
         let message = format!(
             "Point {}: the command would move {} to {:.4}°, outside the machine's limits, {low}° to {high}°.",
             posture.name,

@@ -138,7 +138,7 @@ fn sentences_of_unreachable_poses() {
 fn small_distances_keep_two_digits() {
     let robot = robot("comau-nj165-3.0");
     for (mm, text) in
-        [(1234.56, "1234.6"), (0.1, "0.1"), (0.0456, "0.046"), (1.23e-5, "0.000012"), (0.0, "0.00000000000")]
+        [(1234.56, "1234.6"), (0.1, "0.1"), (0.0456, "0.046"), (1.23e-5, "0.000012"), (0.0, "0"), (5.6e-8, "0")]
     {
         let unreachable = Unreachable { distance_m: mm * 1e-3, rotation_rad: 0.0, region: Region::Beyond };
         let error = unreachable.error(&robot);
