@@ -1,6 +1,7 @@
 //! JSON Schemas of the types, for the files that `stiffarm schema` prints.
 
-use super::{capsules, check, export, study};
+use super::{capsules, export, study};
+use crate::output::NoOptions;
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
