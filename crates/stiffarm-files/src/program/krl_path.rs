@@ -66,13 +66,19 @@ fn call<'a>(statement: &Cursor<'a>) -> Option<&'a str> {
     line.passes("(").then_some(name)
 }
 
+/// A number that stands for itself: what is calculated with it, `0.5*V`, is not known.
+fn number_alone(line: &mut Cursor<'_>) -> Option<f64> {
+    let number = line.number().ok()?;
+    (!line.rest().trim_start().starts_with(['*', '/', '+', '-'])).then_some(number)
+}
+
 /// A line of a path.
 pub fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     if line.word("BAS") {
         line.expect("(")?;
         if line.passes("#VEL_CP") {
             line.expect(",")?;
-            reader.feed = line.number().ok();
+            reader.feed = number_alone(line);
         }
         let named = |number: usize| line.clone().passes(FRAMES[number][1]);
         if let Some(number) = (0..2).find(|number| named(*number)) {
@@ -84,8 +90,7 @@ pub fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> 
         move_ends(line, reader)?;
     } else if line.passes("$VEL.CP") {
         line.expect("=")?;
-        // What is calculated is not known.
-        reader.feed = line.number().ok();
+        reader.feed = number_alone(line);
     } else if let Some((name, is_whole)) = line.assigned() {
         sets(line, &name, is_whole, reader)?;
     } else {
@@ -212,7 +217,7 @@ fn move_ends<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
     }
     if let Some(mut velocity) = line.behind("$VEL.CP") {
         let is_set = velocity.passes("=");
-        reader.at_feed(velocity.number().ok().filter(|_| is_set));
+        reader.at_feed(number_alone(&mut velocity).filter(|_| is_set));
     }
     let Some(with) = line.behind("WITH") else {
         return Ok(());
