@@ -70,7 +70,7 @@ def check(notebook: Any, name: str) -> None:
     for picture in pictures:
         width, height = struct.unpack(">II", picture[16:24])
         # 3.5 in and 7 in at 144 dots per inch, less what the notebook trims.
-        assert 350 < width < 1100 and 250 < height < 1000
+        assert 350 < width < 1100 and 250 < height < 1200
     # Warnings and whatever else goes wrong is written there.
     said = "".join(one.text for one in outputs(notebook) if one.output_type == "stream" and one.name == "stderr")
     assert "Warning" not in said and "Error" not in said, said

@@ -16,6 +16,8 @@ __all__ = [
     "commands",
     "csv_of_stream",
     "degrees",
+    "drawing",
+    "figures",
     "flange_pose",
     "index_names",
     "indices",
@@ -34,7 +36,7 @@ __all__ = [
     "set_threads",
     "simulate_measurements",
     "stream_of_columns",
-    "told",
+    "summary",
     "toml_of_json",
     "urdf_table",
 ]
