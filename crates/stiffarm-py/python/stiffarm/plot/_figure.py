@@ -41,20 +41,14 @@ def figure(
     Args:
         result: A result, or several by name; their panels have the same axes where they show the same.
         name: Which figure, one of :meth:`stiffarm.results.Result.figures`; the first unless given.
-        panel: Only this panel of it, from 0.
+        panel: Only this panel of it, from 0, of each result.
         ax: Axes to draw that panel into; new ones unless given.
         width_in: Width of a new figure [in].
 
     Raises:
         StiffarmError: A result without figures, no such figure or panel, or matplotlib is not installed.
     """
-    panels, columns = _panels(result, name)
-    if panel is not None or ax is not None:
-        number = panel or 0
-        if not -len(panels) <= number < len(panels):
-            message = f"This figure has {len(panels)} panels, no number {number}."
-            raise StiffarmError(message, "invalid-value", {"key": "panel"})
-        panels = [panels[number]]
+    panels, columns = _panels(result, name, 0 if panel is None and ax is not None else panel)
     if ax is not None:
         _look.check_axes(ax)
         entries = _panel(ax, *panels[0])
@@ -64,7 +58,7 @@ def figure(
         return _new(panels, columns, width_in)
 
 
-def _panels(result: Any, name: str | None) -> tuple[list[tuple[dict[str, Any], dict[str, Any]]], int]:
+def _panels(result: Any, name: str | None, panel: int | None) -> tuple[list[tuple[dict[str, Any], dict[str, Any]]], int]:
     """Panels with what the page decides of them, and how many stand side by side at most."""
     # Results are mappings themselves.
     results = dict(result) if isinstance(result, Mapping) and not isinstance(result, Result) else {"": result}
@@ -82,7 +76,13 @@ def _panels(result: Any, name: str | None) -> tuple[list[tuple[dict[str, Any], d
             raise StiffarmError(message, "unknown-name", {"key": "name"}, hint=", ".join(every))
         data = every[chosen]
         columns = max(columns, data["columns"])
-        for own, shown in zip(data["panels"], data["shown"], strict=True):
+        every_panel = list(zip(data["panels"], data["shown"], strict=True))
+        if panel is not None:
+            if not -len(every_panel) <= panel < len(every_panel):
+                message = f"This figure has {len(every_panel)} panels, no number {panel}."
+                raise StiffarmError(message, "invalid-value", {"key": "panel"})
+            every_panel = [every_panel[panel]]
+        for own, shown in every_panel:
             if len(results) > 1:
                 own = {**own, "title": f"{title}: {own['title']}" if own["title"] else title}
             panels.append((own, shown))
