@@ -8,7 +8,7 @@ use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm_files::envelope::to_json;
 use stiffarm_files::result::read_result;
-use stiffarm_report::page::{pictures, render_told};
+use stiffarm_report::page::{pictures, render_summary};
 use stiffarm_report::report::report;
 use stiffarm_report::summary::{WithCell, summarise};
 use stiffarm_report::{Full, cell_drawing, shown_drawing, shown_figure, usual_posture};
@@ -37,7 +37,7 @@ pub fn summary(json: &str, cell: Option<&Cell>, how: SummaryForm) -> Result<Stri
         SummaryForm::Verdict => plain(&text::verdict(&summary)),
         SummaryForm::Summary => plain(&text::summary(&summary, false)),
         SummaryForm::Details => plain(&text::summary(&summary, true)),
-        SummaryForm::Html => render_told(&summary),
+        SummaryForm::Html => render_summary(&summary),
     })
 }
 
@@ -49,16 +49,14 @@ pub fn page(json: &str, cell: Option<&Cell>) -> Result<String> {
     page_of_saved(&read_result(json.as_bytes(), "result")?, cell)
 }
 
-/// The figures and the drawings of the [`page`] as JSON, in its order: data, and what the page decides of how they
-/// look.
+/// The figures of the [`page`] as JSON, in its order: data, and what the page decides of how they look.
 ///
 /// # Errors
 /// As [`summary`].
 pub fn figures(json: &str, cell: Option<&Cell>) -> Result<String> {
     let saved = read_result(json.as_bytes(), "result")?;
-    let (figures, drawings) = pictures(&report(&[WithCell::new(&saved, cell)])?);
-    let figures: Vec<_> = figures.iter().map(shown_figure).collect();
-    to_json(&(figures, drawings.iter().map(shown_drawing).collect::<Vec<_>>()))
+    let (figures, _) = pictures(&report(&[WithCell::new(&saved, cell)])?);
+    to_json(&figures.iter().map(shown_figure).collect::<Vec<_>>())
 }
 
 /// The drawing of a cell at these postures as JSON, one of them in full.
@@ -66,7 +64,9 @@ pub fn figures(json: &str, cell: Option<&Cell>) -> Result<String> {
 /// # Errors
 /// Angles that do not fit the robot.
 pub fn drawing(cell: &Cell, postures: &[Posture], full: usize) -> Result<String> {
-    let usual = if postures.is_empty() { vec![usual_posture(cell)?] } else { Vec::new() };
-    let postures = if postures.is_empty() { &usual } else { postures };
-    to_json(&shown_drawing(&cell_drawing(cell, postures, Full::Number(full))?))
+    let drawing = match postures {
+        [] => cell_drawing(cell, &[usual_posture(cell)?], Full::Number(0)),
+        _ => cell_drawing(cell, postures, Full::Number(full)),
+    };
+    to_json(&shown_drawing(&drawing?))
 }

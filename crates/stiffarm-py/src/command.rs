@@ -84,7 +84,7 @@ pub fn page(py: Python<'_>, json: &str, cell: Option<&PyCell>) -> PyResult<Strin
     py.detach(|| stiffarm_cli::page(json, cell)).raised(py)
 }
 
-/// Figures and drawings of a result's page as JSON.
+/// Figures of a result's page as JSON.
 #[pyfunction]
 #[pyo3(signature = (json, cell))]
 pub fn figures(py: Python<'_>, json: &str, cell: Option<&PyCell>) -> PyResult<String> {

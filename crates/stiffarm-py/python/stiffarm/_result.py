@@ -160,7 +160,7 @@ class Result(Record):
         Raises:
             StiffarmError: A result that has no page.
         """
-        figures, _ = json.loads(_stiffarm.figures(self._text, self._native()))
+        figures = json.loads(_stiffarm.figures(self._text, self._native()))
         return {figure["id"]: figure for figure in figures}
 
     def plot(self, name: str | None = None, *, panel: int | None = None, ax: Any = None, width_in: float = 3.5) -> Any:

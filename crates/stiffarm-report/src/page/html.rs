@@ -126,7 +126,7 @@ fn comparison(comparison: &Comparison) -> String {
 }
 
 /// A result at a glance, for a notebook: what came out, what is wrong with it, the table to read first.
-pub fn render_told(summary: &Summary) -> String {
+pub fn render_summary(summary: &Summary) -> String {
     let [_, conclusion, next] = summary.verdict.each_ref().map(text);
     let warnings = summary.findings.iter();
     let warnings = warnings.filter(|f| f.severity != Severity::Note && !summary.verdict[1].says(f));

@@ -11,7 +11,7 @@ mod table;
 mod words;
 
 pub use crate::summary::{Block, DataTable, Form, Number, Outcome, Piece, Section, Text};
-pub use html::{render_page, render_told};
+pub use html::{render_page, render_summary};
 pub use pictures::pictures;
 
 use stiffarm::findings::Finding;

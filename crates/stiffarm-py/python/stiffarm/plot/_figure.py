@@ -71,7 +71,7 @@ def _panels(result: Any, name: str | None, panel: int | None) -> tuple[list[tupl
         if not every:
             raise StiffarmError(f"A {type(one).__name__} has no figure.", "unsupported", hint="page() has what can be seen of it")
         chosen = next(iter(every)) if name is None else name
-        if chosen not in every or "panels" not in every[chosen]:
+        if chosen not in every:
             message = f"A {type(one).__name__} has no such figure."
             raise StiffarmError(message, "unknown-name", {"key": "name"}, hint=", ".join(every))
         data = every[chosen]
@@ -109,10 +109,9 @@ def _new(panels: list[tuple[dict[str, Any], dict[str, Any]]], most_columns: int,
     columns = max(1, min(len(panels), most_columns, int(width_in / least)))
     rows = -(-len(panels) // columns)
     heights = [_height(own, shown, width_in / columns) for own, shown in panels]
-    tall = sum(max(heights[row * columns : (row + 1) * columns]) for row in range(rows))
-    ratios = [max(heights[row * columns : (row + 1) * columns]) for row in range(rows)]
-    drawn: Figure = plt.figure(figsize=(width_in, tall), layout="constrained")
-    every = list(drawn.subplots(rows, columns, squeeze=False, height_ratios=ratios).flat)
+    heights_of_rows = [max(heights[row * columns : (row + 1) * columns]) for row in range(rows)]
+    drawn: Figure = plt.figure(figsize=(width_in, sum(heights_of_rows)), layout="constrained")
+    every = list(drawn.subplots(rows, columns, squeeze=False, height_ratios=heights_of_rows).flat)
     entries: dict[str, Any] = {}
     for (own, shown), ax in zip(panels, every, strict=False):
         _look.fix_ticks(ax)

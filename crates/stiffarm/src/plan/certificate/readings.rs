@@ -32,8 +32,8 @@ impl Readings {
     /// As [`Kernel::new`].
     pub(super) fn of_joints(cell: &Cell, compliance: Vec<f64>) -> Result<Self> {
         let common_weight = cell.noise.common_weight(cell.setup.tool.point_count());
-        let wanted = KernelOutputs { dexterity: None, information: Some((&compliance, common_weight)), limits: false };
-        Ok(Readings::Joints { kernel: Box::new(Kernel::new(cell, wanted, 1)?), compliance, common_weight })
+        let outputs = KernelOutputs { dexterity: None, information: Some((&compliance, common_weight)), limits: false };
+        Ok(Readings::Joints { kernel: Box::new(Kernel::new(cell, outputs, 1)?), compliance, common_weight })
     }
 
     /// Number of unknowns.

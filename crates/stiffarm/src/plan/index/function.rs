@@ -81,7 +81,7 @@ impl IndexFunction {
         let setup = &cell.setup;
         let n = setup.robot.spring_count();
         let inputs = Inputs::new(cell, index)?;
-        let wanted = inputs.wanted(limits);
+        let outputs = inputs.kernel_outputs(limits);
         for q in fixed_postures {
             check_angles(&setup.robot, q.as_ref())?;
         }
@@ -89,8 +89,8 @@ impl IndexFunction {
             Index::Prediction => Some(Box::new(PredictionFunction::new(cell, count, fixed_postures)?)),
             _ => None,
         };
-        let fixed_postures = FixedPostures::new(cell, wanted, fixed_postures)?;
-        let kernel = Kernel::new(cell, wanted, count)?;
+        let fixed_postures = FixedPostures::new(cell, outputs, fixed_postures)?;
+        let kernel = Kernel::new(cell, outputs, count)?;
         let postures = count + fixed_postures.count;
         let std = cell.noise.displacement_std();
         let log_factor = log_factor(index, std, postures as f64);

@@ -49,7 +49,7 @@ impl Inputs {
     }
 
     /// The same as the kernel wants it.
-    pub fn wanted(&self, limits: bool) -> KernelOutputs<'_> {
+    pub fn kernel_outputs(&self, limits: bool) -> KernelOutputs<'_> {
         let information = self.information.as_ref();
         KernelOutputs {
             dexterity: self.dexterity,
@@ -85,20 +85,20 @@ impl FixedPostures {
     ///
     /// # Errors
     /// As [`Kernel::new`].
-    pub fn new<Q: AsRef<[f64]>>(cell: &Cell, wanted: KernelOutputs<'_>, fixed_postures: &[Q]) -> Result<Self> {
+    pub fn new<Q: AsRef<[f64]>>(cell: &Cell, outputs: KernelOutputs<'_>, fixed_postures: &[Q]) -> Result<Self> {
         let mut fixed =
             FixedPostures { count: fixed_postures.len(), each: Vec::new(), log_dexterity: f64::NEG_INFINITY };
         if fixed_postures.is_empty() {
             return Ok(fixed);
         }
-        let mut kernel = Kernel::new(cell, KernelOutputs { limits: false, ..wanted }, fixed_postures.len())?;
+        let mut kernel = Kernel::new(cell, KernelOutputs { limits: false, ..outputs }, fixed_postures.len())?;
         let q: Vec<f64> = fixed_postures.iter().flat_map(|q| q.as_ref().to_vec()).collect();
         kernel.forward(&q);
         for p in 0..fixed_postures.len() {
-            if wanted.information.is_some() {
+            if outputs.information.is_some() {
                 fixed.each.extend(kernel.information(p));
             }
-            if wanted.dexterity.is_some() {
+            if outputs.dexterity.is_some() {
                 fixed.log_dexterity = fixed.log_dexterity.max(kernel.log_dexterity(p));
             }
         }

@@ -11,8 +11,8 @@ use crate::plan::index::kernel::{Kernel, KernelOutputs};
 /// As [`Kernel::new`].
 pub(super) fn repair(cell: &Cell, angles: &[f64]) -> Result<Vec<f64>> {
     let n = cell.setup.robot.joint_count();
-    let wanted = KernelOutputs { dexterity: None, information: None, limits: true };
-    let mut kernel = Kernel::new(cell, wanted, 1)?;
+    let outputs = KernelOutputs { dexterity: None, information: None, limits: true };
+    let mut kernel = Kernel::new(cell, outputs, 1)?;
     // Aim a little inside, or the end is never quite inside.
     kernel.reset_penalty(1.0, 1e-3);
     let lower: Vec<f64> = cell.bounds.iter().map(|b| b[0]).collect();

@@ -51,15 +51,15 @@ impl Kernel {
     ///
     /// # Errors
     /// A load that only a measurement gives; k(J_N) with fewer than six joints.
-    pub fn new(cell: &Cell, wanted: KernelOutputs<'_>, count: usize) -> Result<Self> {
+    pub fn new(cell: &Cell, outputs: KernelOutputs<'_>, count: usize) -> Result<Self> {
         let each = cell.limit_cases().into_iter().enumerate();
         let cases = each.map(|(number, case)| {
-            let wanted = KernelOutputs {
+            let outputs = KernelOutputs {
                 // k(J_N) is the posture's, whatever the load.
-                dexterity: wanted.dexterity.filter(|_| number == 0),
-                ..wanted
+                dexterity: outputs.dexterity.filter(|_| number == 0),
+                ..outputs
             };
-            LoadKernel::new(&case, wanted, count)
+            LoadKernel::new(&case, outputs, count)
         });
         let cases = cases.collect::<Result<_>>()?;
         Ok(Kernel { cases, count })
@@ -278,9 +278,9 @@ fn live(count: usize, b: usize) -> usize {
 }
 
 impl LoadKernel {
-    fn new(cell: &Cell, wanted: KernelOutputs<'_>, count: usize) -> Result<Self> {
-        let model = Model::new(cell, wanted)?;
-        let scene = if wanted.limits { SceneKernel::new(cell, count)?.map(Box::new) } else { None };
+    fn new(cell: &Cell, outputs: KernelOutputs<'_>, count: usize) -> Result<Self> {
+        let model = Model::new(cell, outputs)?;
+        let scene = if outputs.limits { SceneKernel::new(cell, count)?.map(Box::new) } else { None };
         let margins = model.limit_count + scene.as_ref().map_or(0, |scene| scene.count());
         let batches = vec![Batch::new(&model, margins); count.div_ceil(WIDTH)];
         Ok(LoadKernel { model, batches, scene })

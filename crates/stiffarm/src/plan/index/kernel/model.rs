@@ -78,11 +78,11 @@ pub(super) struct Model {
 }
 
 impl Model {
-    pub fn new(cell: &Cell, wanted: KernelOutputs<'_>) -> Result<Self> {
+    pub fn new(cell: &Cell, outputs: KernelOutputs<'_>) -> Result<Self> {
         let setup = &cell.setup;
         let robot = &setup.robot;
         let n = robot.joint_count();
-        if wanted.dexterity.is_some() {
+        if outputs.dexterity.is_some() {
             dexterity::require_six_joints(robot)?;
         }
         // The module `observation` refuses a load that only a measurement gives.
@@ -101,7 +101,7 @@ impl Model {
             let d = Vector3::from(*p) - centroid;
             moments += Matrix3::identity() * d.norm_squared() - d * d.transpose();
         }
-        let (compliance, common_weight) = match wanted.information {
+        let (compliance, common_weight) = match outputs.information {
             Some((compliance, weight)) => (compliance.to_vec(), weight),
             None => (vec![1.0; robot.spring_count()], 0.0),
         };
@@ -121,7 +121,7 @@ impl Model {
         let coupling = (0..n)
             .map(|i| (0..n).map(|j| (j, robot.coupling()[(i, j)])).filter(|(_, c)| *c != 0.0).collect())
             .collect();
-        let limits = if wanted.limits { cell.limits.clone() } else { Limits::default() };
+        let limits = if outputs.limits { cell.limits.clone() } else { Limits::default() };
         Ok(Model {
             joints: n,
             offset: robot.serial_angles(&vec![0.0; n]).iter().copied().collect(),
@@ -138,8 +138,8 @@ impl Model {
             mixing: robot.spring_mixing().cloned(),
             compliance,
             load,
-            inverse_length: wanted.dexterity.map(|length| 1.0 / length),
-            has_information: wanted.information.is_some(),
+            inverse_length: outputs.dexterity.map(|length| 1.0 / length),
+            has_information: outputs.information.is_some(),
             limit_count: limits.count(setup),
             point_limits: limits.on_points().collect(),
             rope_length: limits.rope_length,

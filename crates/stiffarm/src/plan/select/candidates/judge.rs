@@ -46,11 +46,11 @@ impl InformationJudge {
     /// The cell lacks what the index needs.
     pub(super) fn new(cell: &Cell, index: Index, terms: &[Vec<PostureTerms>]) -> Result<Self> {
         let inputs = Inputs::new(cell, index)?;
-        let wanted = inputs.wanted(false);
+        let outputs = inputs.kernel_outputs(false);
         let robot = &cell.setup.robot;
         let n = robot.spring_count();
         let mut each = Vec::new();
-        if let Some((compliance, weight)) = wanted.information {
+        if let Some((compliance, weight)) = outputs.information {
             for states in terms {
                 let mut full = DMatrix::zeros(n, n);
                 for state in states {
@@ -63,7 +63,7 @@ impl InformationJudge {
                 each.push((0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|at| full[at]).collect());
             }
         }
-        let log_dexterity = match wanted.dexterity {
+        let log_dexterity = match outputs.dexterity {
             None => Vec::new(),
             Some(length) => terms
                 .iter()

@@ -161,7 +161,7 @@ impl<'a> Global<'a> {
         let local = Local::new(cell, index, count, &options.given, &options.load, options.accept.as_ref())?
             .with_apart(options.apart(index));
         let inputs = Inputs::new(cell, index)?;
-        let wanted = inputs.wanted(true);
+        let outputs = inputs.kernel_outputs(true);
         let criterion = criterion(cell, index)?;
         let n = cell.setup.robot.joint_count();
         let accept = options.accept.as_ref();
@@ -174,7 +174,7 @@ impl<'a> Global<'a> {
             _ => None,
         };
         let schedule = Schedule::new(index, count, !cell.scene.is_empty());
-        let pool = Pool::new(cell, wanted, options.seed, options.accept.as_ref())?;
+        let pool = Pool::new(cell, outputs, options.seed, options.accept.as_ref())?;
         let chain = Chain::new(local, single, criterion, index, n, &pool);
         Ok(Global {
             cell,

@@ -39,10 +39,10 @@ impl Pool {
     ///
     /// # Errors
     /// No posture inside the limits was found.
-    pub fn new(cell: &Cell, wanted: KernelOutputs<'_>, seed: u64, accept: Option<&Accept>) -> Result<Self> {
+    pub fn new(cell: &Cell, outputs: KernelOutputs<'_>, seed: u64, accept: Option<&Accept>) -> Result<Self> {
         let n = cell.setup.robot.joint_count();
         let springs = cell.setup.robot.spring_count();
-        let mut kernel = Kernel::new(cell, wanted, CHUNK)?;
+        let mut kernel = Kernel::new(cell, outputs, CHUNK)?;
         let mut rng = candidate_rng(seed);
         let mut pool = Pool {
             joints: n,
@@ -70,18 +70,18 @@ impl Pool {
             ready.extend(postures.filter(|q| cell.scene.is_empty() || meets(q)).flatten());
             if ready.len() >= CHUNK * n {
                 let rest = ready.split_off(CHUNK * n);
-                inside += pool.take(&mut kernel, &ready, wanted, accept);
+                inside += pool.take(&mut kernel, &ready, outputs, accept);
                 ready = rest;
             }
             if outside.len() < REPAIRS * n {
                 outside.extend_from_slice(&q);
             }
         }
-        inside += pool.take(&mut kernel, &ready, wanted, accept);
+        inside += pool.take(&mut kernel, &ready, outputs, accept);
         if pool.len() < TOO_FEW {
             outside.truncate(REPAIRS * n);
             for chunk in repair(cell, &outside)?.chunks(CHUNK * n) {
-                inside += pool.take(&mut kernel, chunk, wanted, accept);
+                inside += pool.take(&mut kernel, chunk, outputs, accept);
             }
         }
         if pool.len() == 0 && inside > 0 {
@@ -132,7 +132,7 @@ impl Pool {
     }
 
     /// Keeps those of a chunk of postures, or of fewer, that are inside the limits and accepted; how many are inside.
-    fn take(&mut self, kernel: &mut Kernel, q: &[f64], wanted: KernelOutputs<'_>, accept: Option<&Accept>) -> usize {
+    fn take(&mut self, kernel: &mut Kernel, q: &[f64], outputs: KernelOutputs<'_>, accept: Option<&Accept>) -> usize {
         if q.is_empty() {
             return 0;
         }
@@ -148,10 +148,10 @@ impl Pool {
                 continue;
             }
             self.angles.extend_from_slice(q);
-            if wanted.information.is_some() {
+            if outputs.information.is_some() {
                 self.information.extend(kernel.information(p));
             }
-            if wanted.dexterity.is_some() {
+            if outputs.dexterity.is_some() {
                 self.log_dexterity.push(kernel.log_dexterity(p));
             }
         }
