@@ -51,7 +51,8 @@ impl Frames {
         self.update_serial(robot, theta.iter().copied());
     }
 
-    fn zero(n: usize) -> Self {
+    /// Memory for the frames of `n` joints.
+    pub(crate) fn zero(n: usize) -> Self {
         Frames {
             axes: vec![Vector3::zeros(); n],
             origins: vec![Vector3::zeros(); n],
@@ -66,8 +67,7 @@ impl Frames {
     /// # Panics
     /// If `q` does not have one entry per joint.
     pub fn update(&mut self, robot: &Robot, q: &[f64]) {
-        let theta = robot.serial_angles(q);
-        self.update_serial(robot, theta.iter().copied());
+        self.update_serial(robot, robot.each_serial_angle(q));
     }
 
     /// Moves these frames to the serial angles θ \[rad\], one per joint.

@@ -127,6 +127,13 @@ impl Limits {
         });
     }
 
+    /// The smallest margin of one posture, infinite without limits.
+    pub(crate) fn least(&self, setup: &Setup, terms: &PostureTerms) -> f64 {
+        let mut least = f64::INFINITY;
+        self.visit(setup, terms, &mut |_, _, margin, _| least = least.min(margin));
+        least
+    }
+
     fn visit(&self, setup: &Setup, terms: &PostureTerms, each: &mut Visitor<'_>) {
         let n = setup.robot.joint_count();
         let frames = terms.frames();

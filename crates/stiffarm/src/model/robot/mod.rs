@@ -371,14 +371,17 @@ impl Robot {
     /// # Panics
     /// If `q` does not have n entries.
     pub fn serial_angles(&self, q: &[f64]) -> DVector<f64> {
+        DVector::from_iterator(self.joint_count(), self.each_serial_angle(q))
+    }
+
+    /// The same, one after the other.
+    ///
+    /// # Panics
+    /// If `q` does not have n entries.
+    pub(crate) fn each_serial_angle<'q>(&'q self, q: &'q [f64]) -> impl Iterator<Item = f64> + 'q {
         assert_eq!(q.len(), self.joint_count(), "one controller angle per joint");
-        let mut theta = self.offset.clone();
-        for (i, t) in theta.iter_mut().enumerate() {
-            for (j, qj) in q.iter().enumerate() {
-                *t += self.coupling[(i, j)] * qj;
-            }
-        }
-        theta
+        let row = move |i: usize| q.iter().enumerate().map(move |(j, q)| self.coupling[(i, j)] * q);
+        self.offset.iter().enumerate().map(move |(i, offset)| row(i).fold(*offset, |sum, part| sum + part))
     }
 
     /// Controller angles q = C⁻¹ (θ − offset) \[rad\]; `None` where C cannot be

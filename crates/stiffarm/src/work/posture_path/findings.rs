@@ -6,8 +6,8 @@ use crate::findings::{Finding, length, more, percent};
 use crate::model::dexterity::condition_number;
 use crate::model::kinematics::Frames;
 use crate::model::path::{PathPoint, feed_axes};
-use crate::model::process::ForceAxes;
-use crate::numerics::jobs::in_order;
+use crate::numerics::control::Control;
+use crate::numerics::jobs::in_blocks;
 use nalgebra::Isometry3;
 
 /// k(J_N), Eq. (21) at a length of 1 m, above which a posture is called singular:
@@ -19,10 +19,7 @@ const MOST_NAMED: usize = 5;
 /// That some loads in path axes have those of another point.
 fn borrowed_feed(search: &Search<'_>, tips: &[Isometry3<f64>]) -> Option<Finding> {
     let process = search.options.process.as_ref();
-    let is_along = |point: &PathPoint| {
-        let load = point.load.as_ref().or(process.map(|process| &process.load));
-        load.is_some_and(|load| load.axes == ForceAxes::Path)
-    };
+    let is_along = |point: &PathPoint| point.is_loaded_along(process);
     if !search.points.iter().any(is_along) {
         return None;
     }
@@ -45,12 +42,18 @@ pub(super) fn findings(
     q: &[Vec<f64>],
     tips: &[Isometry3<f64>],
     summary: &PosturePathSummary,
+    control: Control<'_>,
 ) -> Result<Vec<Finding>> {
     let mut out: Vec<Finding> = borrowed_feed(search, tips).into_iter().collect();
-    let is_singular = in_order(q, |(_, q)| {
-        let frames = Frames::new(search.arm.robot(), q);
-        let tip = frames.point(&search.arm.tip().translation.vector);
-        Ok(condition_number(&frames, &tip, 1.0).is_none_or(|k| k > NEARLY_SINGULAR))
+    let robot = search.arm.robot();
+    let is_singular = in_blocks(q, "singular postures", control.quiet(), |_, block| {
+        let mut frames = Frames::zero(robot.joint_count());
+        let is_singular = |q: &Vec<f64>| {
+            frames.update(robot, q);
+            let tip = frames.point(&search.arm.tip().translation.vector);
+            condition_number(&frames, &tip, 1.0).is_none_or(|k| k > NEARLY_SINGULAR)
+        };
+        Ok(block.iter().map(is_singular).collect())
     })?;
     let points = is_singular.into_iter().enumerate();
     let singular = points.filter(|(_, is_singular)| *is_singular);

@@ -214,7 +214,7 @@ fn add(search: &Search<'_>, layer: &mut Vec<Node>, q: &[f64], turn: f64, load: &
     turns.sort_by(|a, b| search.off_centre(a).total_cmp(&search.off_centre(b)));
     // Bounds count among full turns alone; each is as good by all else.
     let first = Node::new(search, turns[0].clone(), turn, load)?;
-    let beyond = |q: &[f64]| search.beyond_bounds_along(&[q.to_vec()]);
+    let beyond = |q: &[f64]| if search.keeps { search.arm.at_work().beyond_bounds(q) } else { 0.0 };
     let room = first.missing - beyond(&first.q);
     for q in turns.into_iter().take(FULL_TURNS) {
         layer.push(Node { missing: room + beyond(&q), q, ..first });
