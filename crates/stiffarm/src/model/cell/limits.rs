@@ -160,22 +160,28 @@ impl Limits {
                 if !limit.holds_for(s < tool_points) {
                     continue;
                 }
-                let (value, along) = match limit.measure {
-                    Measure::Axis(axis) => (subject.point[axis], Vector3::ith(axis, 1.0)),
-                    Measure::FromAxis1 => {
-                        let axis = frames.axes()[0];
-                        let offset = subject.point - frames.origins()[0];
-                        let across = offset - axis * axis.dot(&offset);
-                        let distance = across.norm();
-                        let along = if distance > 0.0 { across / distance } else { Vector3::zeros() };
-                        (distance, along)
-                    }
+                let across = || {
+                    let axis = frames.axes()[0];
+                    let offset = subject.point - frames.origins()[0];
+                    offset - axis * axis.dot(&offset)
                 };
-                let (margin, along) = match limit.side {
-                    Side::AtLeast => (value - limit.at, along),
-                    Side::AtMost => (limit.at - value, -along),
+                let value = match limit.measure {
+                    Measure::Axis(axis) => subject.point[axis],
+                    Measure::FromAxis1 => across().norm(),
                 };
-                each(limit.kind, s, margin, &direction(subject, along));
+                let margin = match limit.side {
+                    Side::AtLeast => value - limit.at,
+                    Side::AtMost => limit.at - value,
+                };
+                each(limit.kind, s, margin, &|gradient| {
+                    let along = match limit.measure {
+                        Measure::Axis(axis) => Vector3::ith(axis, 1.0),
+                        Measure::FromAxis1 if value > 0.0 => across() / value,
+                        Measure::FromAxis1 => Vector3::zeros(),
+                    };
+                    let along = if limit.side == Side::AtMost { -along } else { along };
+                    direction(subject, along)(gradient);
+                });
             }
         }
         if let (Some([shortest, longest]), Load::Rope { anchor, .. }) = (self.rope_length, &setup.load) {

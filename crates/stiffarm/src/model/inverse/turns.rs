@@ -62,9 +62,13 @@ impl Turns {
 
     /// q of θ \[rad\].
     pub(super) fn controller_angles(&self, theta: &[f64]) -> Vec<f64> {
-        let turned = |j: usize| theta[j] - self.offset[j];
-        let angle = |i: usize| (0..theta.len()).map(|j| self.inverse[(i, j)] * turned(j)).sum();
-        (0..theta.len()).map(angle).collect()
+        // Sums of −0 and more are those of the rest.
+        let mut q = vec![-0.0; theta.len()];
+        for ((column, theta), offset) in self.inverse.column_iter().zip(theta).zip(&self.offset) {
+            let turned = theta - offset;
+            q.iter_mut().zip(&column).for_each(|(q, inverse)| *q += inverse * turned);
+        }
+        q
     }
 
     /// Middle of the limits, 0 or the limit itself where one has none \[rad\].
@@ -144,7 +148,7 @@ impl Turns {
     /// largest change of an angle.
     pub(super) fn near(&self, q: &[f64], goal: &[f64]) -> Option<Vec<f64>> {
         if self.separate {
-            let turned = q.iter().zip(goal).enumerate().map(|(j, (q, goal))| self.angle_near(j, *q, *goal));
+            let turned = q.iter().zip(goal).zip(&self.limits).map(|((q, goal), limits)| angle_near(*q, *goal, limits));
             return turned.collect();
         }
         let all = self.within_limits(q);
@@ -158,27 +162,14 @@ impl Turns {
             return Some(largest_change(turned, goal)).filter(|change| *change < least);
         }
         let mut largest: f64 = 0.0;
-        for (j, (q, goal)) in q.iter().zip(goal).enumerate() {
-            turned[j] = self.angle_near(j, *q, *goal)?;
-            largest = largest.max((turned[j] - goal).abs());
+        for (((q, goal), limits), turned) in q.iter().zip(goal).zip(&self.limits).zip(turned) {
+            *turned = angle_near(*q, *goal, limits)?;
+            largest = largest.max((*turned - goal).abs());
             if largest >= least {
                 return None;
             }
         }
         Some(largest)
-    }
-
-    /// Angle `q` of joint `j` with the turns within its limits that are nearest to `goal`; of separate turns.
-    fn angle_near(&self, j: usize, q: f64, goal: f64) -> Option<f64> {
-        let [low, high] = self.limits[j];
-        let [low, high] = [low - TOLERANCE, high + TOLERANCE];
-        if (goal - q).abs() < FRAC_PI_2 && low <= q && q <= high {
-            return Some(q);
-        }
-        let least = ((low - q) / TAU).ceil();
-        let most = ((high - q) / TAU).floor();
-        let turns = ((goal - q) / TAU).round();
-        (least <= most).then(|| q + turns.max(least).min(most) * TAU)
     }
 
     /// Every combination of turns within the limits, up to [`MOST_COMBINATIONS`] about the
@@ -245,6 +236,18 @@ impl Turns {
         };
         (0..a.len()).all(|i| wrapped(serial(i)).abs() < tolerance)
     }
+}
+
+/// An angle with the turns within its limits that are nearest to `goal`, of turns that are separate.
+fn angle_near(q: f64, goal: f64, limits: &[f64; 2]) -> Option<f64> {
+    let [low, high] = [limits[0] - TOLERANCE, limits[1] + TOLERANCE];
+    if (goal - q).abs() < FRAC_PI_2 && low <= q && q <= high {
+        return Some(q);
+    }
+    let least = ((low - q) / TAU).ceil();
+    let most = ((high - q) / TAU).floor();
+    let turns = ((goal - q) / TAU).round();
+    (least <= most).then(|| q + turns.max(least).min(most) * TAU)
 }
 
 /// Largest change of an angle from one posture to another \[rad\].

@@ -124,9 +124,7 @@ struct PathPostures {
     rms: f64,
     /// The same of the path as given, where its turn was freed.
     given_rms: Option<f64>,
-    /// Tip poses, base frame \[m\].
-    tips: Vec<Isometry3<f64>>,
-    /// Loads there.
+    /// Loads at the tip.
     wrenches: Vec<Wrench>,
 }
 
@@ -181,8 +179,7 @@ pub fn posture_path(
             branches => Some(branches.map_err(with_hint)?),
         },
     };
-    let branches = branches.as_ref();
-    let way = search.way(angles, free, branches, &poses, control);
+    let way = search.way(angles, free, branches.as_ref(), &poses, control);
     let mut way = way.map_err(with_hint)?;
     let (mut unkept_rms_m, mut about_limits) = (None, Vec::new());
     if origin != Origin::Given {
@@ -191,7 +188,7 @@ pub fn posture_path(
         if sum(&missing) > 0.0 {
             search.keeps = true;
             // Where the other search ends at a jump, what is known stays.
-            match search.way(angles, free, branches, &poses, control) {
+            match search.way(angles, free, branches.as_ref(), &poses, control) {
                 Err(error) if error.code() == Code::Interrupted => return Err(error),
                 Err(_) => {}
                 Ok(other) => {
@@ -207,7 +204,8 @@ pub fn posture_path(
             about_limits.extend(search.nothing_free(&poses, free, &way, &missing)?);
         }
     }
-    let PathPostures { q, turn, rms, given_rms, tips, wrenches } = way;
+    drop((branches, poses));
+    let PathPostures { q, turn, rms, given_rms, wrenches } = way;
     let mut summary = PosturePathSummary {
         origin,
         largest_step: largest_step(&q, points),
@@ -217,7 +215,7 @@ pub fn posture_path(
         turn,
         findings: Vec::new(),
     };
-    summary.findings = findings::findings(&search, &q, &tips, &summary, control)?;
+    summary.findings = findings::findings(&search, &q, &summary, control)?;
     summary.findings.extend(about_limits);
     let postures = points
         .iter()
@@ -324,7 +322,7 @@ impl Search<'_> {
         let tips = self.arm.tip_poses(&q, control.quiet())?;
         let wrenches = self.wrenches(&tips)?;
         let rms = self.rms(&self.deflections(&q, &wrenches, control)?);
-        Ok(PathPostures { q, turn, rms, given_rms: None, tips, wrenches })
+        Ok(PathPostures { q, turn, rms, given_rms: None, wrenches })
     }
 
     /// The postures that stand one after the other in `q`.

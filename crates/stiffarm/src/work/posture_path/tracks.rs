@@ -3,7 +3,7 @@
 use super::{Search, change};
 use crate::error::{Code, Error, Result};
 use crate::estimate::identify::rms;
-use crate::model::inverse::Method;
+use crate::model::inverse::{Method, largest_change};
 use crate::model::load::Wrench;
 use crate::model::observation::PostureTerms;
 use crate::numerics::control::Control;
@@ -66,19 +66,23 @@ impl Layers {
 pub(super) struct Branches {
     /// All branches of the first pose, inside and outside the limits.
     first: Vec<Vec<f64>>,
-    /// All branches of the poses, where they are known in closed form.
+    /// All branches of the poses in closed form.
     layers: Option<Layers>,
+    /// Loads at the poses; of the first one alone where the layers have the deflections.
     wrenches: Vec<Wrench>,
 }
 
 /// The branches of `poses`.
 pub(super) fn branches(search: &Search<'_>, poses: &[Isometry3<f64>], control: Control<'_>) -> Result<Branches> {
     let first = search.branches(0, &poses[0])?;
-    let wrenches = search.wrenches(poses)?;
+    let mut wrenches = search.wrenches(poses)?;
     let layers = match search.inverse.method() {
         Method::ClosedForm => Some(layers(search, poses, &wrenches, control)?),
         Method::Numeric => None,
     };
+    if layers.is_some() {
+        wrenches = vec![wrenches[0]];
+    }
     Ok(Branches { first, layers, wrenches })
 }
 
@@ -254,8 +258,8 @@ fn follow(
             .hint("start with another posture, or leave the turn about the tool axis free");
             return Err(stuck(search.named(i, &error)));
         };
-        let (j, step) = change(last, &next);
-        if step > search.largest_step(i - 1, i) {
+        if largest_change(last, &next) > search.largest_step(i - 1, i) {
+            let (j, step) = change(last, &next);
             return Err(stuck(jump(search, i, j, step)));
         }
         squares += square;
