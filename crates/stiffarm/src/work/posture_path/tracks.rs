@@ -7,7 +7,7 @@ use crate::model::inverse::{Method, largest_change};
 use crate::model::load::Wrench;
 use crate::model::observation::PostureTerms;
 use crate::numerics::control::Control;
-use crate::numerics::jobs::each_block;
+use crate::numerics::jobs::{each_block, in_order};
 use crate::units::rad_to_deg;
 use nalgebra::Isometry3;
 use std::f64::consts::FRAC_PI_2;
@@ -162,14 +162,55 @@ pub(super) fn postures(
         starts.sort_by(|a, b| far(&a[0]).total_cmp(&far(&b[0])));
         near_enough = far(&starts[0][0]).max(FRAC_PI_2);
     }
-    let mut broken: Option<BrokenBranch> = None;
-    let mut best: Option<(Vec<f64>, (f64, f64))> = None;
-    for turns in &starts {
+    let through = |turns: &[Vec<f64>], has_other: bool| {
+        let is_far =
+            |start: &[f64]| search.options.start.as_ref().is_some_and(|near| change(near, start).1 > near_enough);
+        Through::of(search, poses, branches, (turns, &is_far, has_other), control)
+    };
+    let mut through_all = Through::default();
+    if search.options.start.is_some() {
+        // The nearest that nothing forbids, wherever the others lead.
+        for turns in &starts {
+            through_all.add(through(turns, through_all.best.is_some())?);
+            if through_all.best.as_ref().is_some_and(|(_, (missing, _))| *missing == 0.0) {
+                break;
+            }
+        }
+    } else {
+        let each = in_order(&starts, |(_, turns)| through(turns, false))?;
+        each.into_iter().for_each(|one| through_all.add(one));
+    }
+    match through_all {
+        Through { best: Some((q, _)), .. } => Ok(search.each(&q)),
+        Through { broken: Some(broken), .. } => Err(broken.why),
+        Through { .. } => Err(Error::new(Code::Internal, "There was no branch to follow.")),
+    }
+}
+
+/// What following a branch, or several, leads to.
+#[derive(Default)]
+struct Through {
+    /// Posture after posture of the best way; what bounds, limits and shapes lack along it, then its RMS deflection \[m\].
+    best: Option<(Vec<f64>, (f64, f64))>,
+    /// The branch that leads farthest of those that break off.
+    broken: Option<BrokenBranch>,
+}
+
+impl Through {
+    /// Follows a branch from its full `turns`; from those that are far from the wanted start only where there is no other
+    /// way, of another branch or of this one.
+    fn of(
+        search: &Search<'_>,
+        poses: &[Isometry3<f64>],
+        branches: &Branches,
+        (turns, is_far, has_other): (&[Vec<f64>], &dyn Fn(&[f64]) -> bool, bool),
+        control: Control<'_>,
+    ) -> Result<Self> {
+        let mut through = Through::default();
         // Full turns leave every link where it is: what a way lacks of room, and what it costs.
         let mut of_branch: Option<(f64, f64)> = None;
         for start in turns {
-            let near = search.options.start.as_ref();
-            if near.is_some_and(|near| change(near, start).1 > near_enough) && best.is_some() {
+            if (has_other || through.best.is_some()) && is_far(start) {
                 continue;
             }
             control.check()?;
@@ -181,33 +222,34 @@ pub(super) fn postures(
                     };
                     of_branch = Some((lacking, cost));
                     let beyond = search.beyond_bounds_along(&q, control)?;
-                    let missing = lacking + beyond;
-                    if search.options.start.is_some() && missing == 0.0 {
-                        return Ok(search.each(&q));
-                    }
-                    // Flipped wrists bend alike: rounding does not choose between them.
-                    let is_better = |(_, rank): &(_, (f64, f64))| (missing, cost) < (rank.0, rank.1 * (1.0 - 1e-9));
-                    if best.as_ref().is_none_or(is_better) {
-                        best = Some((q, (missing, cost)));
-                    }
+                    through.add(Through { best: Some((q, (lacking + beyond, cost))), broken: None });
                     // Other turns of the same branch bend alike.
                     if beyond == 0.0 {
                         break;
                     }
                 }
-                Err(other) if other.why.code() == Code::Interrupted => return Err(other.why),
-                Err(other) => {
-                    if broken.as_ref().is_none_or(|b| other.length > b.length) {
-                        broken = Some(other);
-                    }
-                }
+                Err(broken) if broken.why.code() == Code::Interrupted => return Err(broken.why),
+                Err(broken) => through.add(Through { best: None, broken: Some(broken) }),
             }
         }
+        Ok(through)
     }
-    match (best, broken) {
-        (Some((q, _)), _) => Ok(search.each(&q)),
-        (None, Some(broken)) => Err(broken.why),
-        (None, None) => Err(Error::new(Code::Internal, "There was no branch to follow.")),
+
+    /// Keeps the better of both.
+    fn add(&mut self, other: Through) {
+        // Flipped wrists bend alike: rounding does not choose between them.
+        let is_better =
+            |(missing, cost): (f64, f64), than: (f64, f64)| (missing, cost) < (than.0, than.1 * (1.0 - 1e-9));
+        if let Some(best) = other.best
+            && self.best.as_ref().is_none_or(|than| is_better(best.1, than.1))
+        {
+            self.best = Some(best);
+        }
+        if let Some(broken) = other.broken
+            && self.broken.as_ref().is_none_or(|than| broken.length > than.length)
+        {
+            self.broken = Some(broken);
+        }
     }
 }
 
