@@ -9,7 +9,8 @@
 
 use super::{Search, change, turned};
 use crate::error::{Code, Error, Result};
-use crate::model::inverse::{Method, Outcome};
+use crate::model::inverse::Method;
+use crate::model::kinematics::Frames;
 use crate::model::load::Wrench;
 use crate::model::path::{feed_axes, load_axes, tip_wrench};
 use crate::numerics::control::Control;
@@ -116,16 +117,14 @@ fn through(
     let mut layers: Vec<Vec<Node>> = if closed {
         in_order_watched(knots, "turns about the tool axis", control, |(_, &i)| {
             let mut layer = Vec::new();
+            let mut frames = Frames::zero(search.arm.robot().joint_count());
             for k in 0..count {
                 let turn = wrapped(k as f64 * spacing);
                 let tip = turned(&poses[i], turn);
-                if let Outcome::Reachable(branches) =
-                    search.inverse.solve(&search.flange(&tip)).map_err(|e| search.at(i, e))?
-                {
-                    let load = wrench(i, &tip)?;
-                    for branch in branches {
-                        add(search, &mut layer, &branch.q, turn, &load)?;
-                    }
+                let flange = search.flange(&tip);
+                let mut postures = search.inverse.each_posture(&flange).map_err(|e| search.at(i, e))?;
+                while let Some(q) = postures.as_mut().and_then(|postures| postures.next(&mut frames)) {
+                    add(search, &mut layer, &q, turn, &wrench(i, &tip)?)?;
                 }
             }
             Ok(layer)
