@@ -162,11 +162,7 @@ pub(super) fn postures(
         starts.sort_by(|a, b| far(&a[0]).total_cmp(&far(&b[0])));
         near_enough = far(&starts[0][0]).max(FRAC_PI_2);
     }
-    let through = |turns: &[Vec<f64>], has_other: bool| {
-        let is_far =
-            |start: &[f64]| search.options.start.as_ref().is_some_and(|near| change(near, start).1 > near_enough);
-        Through::of(search, poses, branches, (turns, &is_far, has_other), control)
-    };
+    let through = |turns, has_other| Through::of(search, poses, branches, turns, (near_enough, has_other), control);
     let mut through_all = Through::default();
     if search.options.start.is_some() {
         // The nearest that nothing forbids, wherever the others lead.
@@ -203,14 +199,16 @@ impl Through {
         search: &Search<'_>,
         poses: &[Isometry3<f64>],
         branches: &Branches,
-        (turns, is_far, has_other): (&[Vec<f64>], &dyn Fn(&[f64]) -> bool, bool),
+        turns: &[Vec<f64>],
+        (near_enough, has_other): (f64, bool),
         control: Control<'_>,
     ) -> Result<Self> {
         let mut through = Through::default();
         // Full turns leave every link where it is: what a way lacks of room, and what it costs.
         let mut of_branch: Option<(f64, f64)> = None;
         for start in turns {
-            if (has_other || through.best.is_some()) && is_far(start) {
+            let is_far = search.options.start.as_ref().is_some_and(|near| change(near, start).1 > near_enough);
+            if is_far && (has_other || through.best.is_some()) {
                 continue;
             }
             control.check()?;
