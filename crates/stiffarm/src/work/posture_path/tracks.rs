@@ -162,7 +162,9 @@ pub(super) fn postures(
         starts.sort_by(|a, b| far(&a[0]).total_cmp(&far(&b[0])));
         near_enough = far(&starts[0][0]).max(FRAC_PI_2);
     }
-    let through = |turns, has_other| Through::of(search, poses, branches, turns, (near_enough, has_other), control);
+    let through = |turns: &[Vec<f64>], has_other: bool| {
+        Through::of(search, poses, branches, turns, (near_enough, has_other), control)
+    };
     let mut through_all = Through::default();
     if search.options.start.is_some() {
         // The nearest that nothing forbids, wherever the others lead.
