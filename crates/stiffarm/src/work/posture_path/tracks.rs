@@ -7,7 +7,7 @@ use crate::model::inverse::{Method, largest_change};
 use crate::model::load::Wrench;
 use crate::model::observation::PostureTerms;
 use crate::numerics::control::Control;
-use crate::numerics::jobs::{each_block, in_order};
+use crate::numerics::jobs::each_block;
 use crate::units::rad_to_deg;
 use nalgebra::Isometry3;
 use std::f64::consts::FRAC_PI_2;
@@ -166,17 +166,13 @@ pub(super) fn postures(
         Through::of(search, poses, branches, turns, (near_enough, has_other), control)
     };
     let mut through_all = Through::default();
-    if search.options.start.is_some() {
-        // The nearest that nothing forbids, wherever the others lead.
-        for turns in &starts {
-            through_all.add(through(turns, through_all.best.is_some())?);
-            if through_all.best.as_ref().is_some_and(|(_, (missing, _))| *missing == 0.0) {
-                break;
-            }
+    // One after the other: what each holds is large where the path is long.
+    for turns in &starts {
+        through_all.add(through(turns, through_all.best.is_some())?);
+        let is_free = through_all.best.as_ref().is_some_and(|(_, (missing, _))| *missing == 0.0);
+        if search.options.start.is_some() && is_free {
+            break;
         }
-    } else {
-        let each = in_order(&starts, |(_, turns)| through(turns, false))?;
-        each.into_iter().for_each(|one| through_all.add(one));
     }
     match through_all {
         Through { best: Some((q, _)), .. } => Ok(search.each(&q)),
