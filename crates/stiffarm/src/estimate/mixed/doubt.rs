@@ -70,44 +70,43 @@ pub(super) fn doubt(
             set(k, 1 + shared + d, block.norm_squared());
         }
     }
+    // R and R₂, with A⁻¹R.
     let by_ratio = (shared == 1).then(|| {
-        let sums = rows.ratio_sums(sizes.gamma, likelihood.left_out(), scale);
+        let sums = likelihood.directions().ratio_sums(sizes.gamma, scale);
         let moved = &inverse * &sums.first;
-        let both = &moved * &inverse;
         set(0, 1, sums.trace - moved.trace());
-        let second = (&inverse * &sums.second).trace();
-        let squares = sums.squares - 2.0 * second + (&moved * &moved).trace();
+        // The trace of a product is the sum of products of entries.
+        let squares = sums.squares - 2.0 * inverse.dot(&sums.second) + moved.tr_dot(&moved);
         set(1, 1, squares);
         for (c, class) in classes.iter().enumerate() {
-            set(1, 2 + c, class.clone().map(|i| both[(i, i)]).sum());
+            set(1, 2 + c, class.clone().map(|i| moved.row(i).tr_dot(&inverse.column(i))).sum());
         }
-        let ratio_term = &inverse * &sums.second * &inverse - &both * moved.transpose();
-        (ratio_term, both)
+        (sums, moved)
     });
     bound(&mut information, 1 + shared, MOST_DOUBT);
     let spread = inverted(&information);
 
-    // Σ W_kl E[∂v/∂θ_k ∂vᵀ/∂θ_l]/σ² of the scaled solution v.
-    let mut more = DMatrix::zeros(count, count);
-    let mut weighed = DMatrix::zeros(count, count);
+    // Σ W_kl E[∂v/∂θ_k ∂vᵀ/∂θ_l]/σ² of the scaled solution v, between A⁻¹ on both sides.
+    let mut middle = DMatrix::zeros(count, count);
     for (c, class) in classes.iter().enumerate() {
         for (d, other) in classes.iter().enumerate() {
             let weight = spread[(1 + shared + c, 1 + shared + d)];
             let at = ((class.start, other.start), (class.len(), other.len()));
             let block = seen.view(at.0, at.1) * weight;
-            weighed.view_mut(at.0, at.1).copy_from(&block);
-        }
-        if let Some((_, both)) = &by_ratio {
-            let cross =
-                both.columns(class.start, class.len()) * inverse.rows(class.start, class.len()) * spread[(1, 2 + c)];
-            more -= &cross;
-            more -= cross.transpose();
+            middle.view_mut(at.0, at.1).copy_from(&block);
         }
     }
-    more += &inverse * weighed * &inverse;
-    if let Some((ratio_term, _)) = &by_ratio {
-        more += ratio_term * spread[(1, 1)];
+    if let Some((sums, moved)) = &by_ratio {
+        for (c, class) in classes.iter().enumerate() {
+            let cross = moved.rows(class.start, class.len()) * spread[(1, 2 + c)];
+            let mut rows = middle.rows_mut(class.start, class.len());
+            rows -= &cross;
+            let mut columns = middle.columns_mut(class.start, class.len());
+            columns -= cross.transpose();
+        }
+        middle += (&sums.second - &sums.first * moved) * spread[(1, 1)];
     }
+    let more = &inverse * middle * &inverse;
     // Rounding makes the two sides differ in the last digit.
     let entry = |i: usize, j: usize| {
         let plain = inverse[(i, j)] * scale[i] * scale[j];

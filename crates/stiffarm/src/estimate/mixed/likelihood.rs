@@ -10,7 +10,8 @@
 //! −2 ln L_R = ν ln(s²) + ln|V| + ln|A| up to a constant, where ν s² = eᵀV⁻¹e − cᵀA⁻¹c
 //! are the squares that are left on ν = rows − rank Ψ degrees of freedom.
 
-use super::sums::{EqualDirections, Rows};
+use super::directions::Directions;
+use super::sums::Rows;
 use crate::model::elastic::ElasticClass;
 use crate::numerics::information::cholesky::Cholesky;
 use nalgebra::{DMatrix, DVector};
@@ -56,7 +57,7 @@ impl Solved {
     pub(super) fn values(&self, rows: &Rows) -> DVector<f64> {
         let mut out = self.change.clone();
         let mut axes = out.rows_mut(0, rows.fixed);
-        axes += &rows.start;
+        axes += rows.start();
         out
     }
 
@@ -117,24 +118,27 @@ impl Solved {
 /// The likelihood of all postures but some.
 pub(super) struct Likelihood<'a> {
     rows: &'a Rows,
-    left_out: &'a [usize],
+    /// XᵀX without shifts.
     plain: DMatrix<f64>,
-    alike: Option<EqualDirections>,
+    /// Number of rows.
+    count: usize,
+    directions: Directions,
 }
 
 impl<'a> Likelihood<'a> {
     /// Of all postures but `left_out` (ascending).
-    pub(super) fn new(rows: &'a Rows, left_out: &'a [usize]) -> Self {
-        Likelihood { rows, left_out, plain: rows.plain(left_out), alike: rows.alike(left_out) }
+    pub(super) fn new(rows: &'a Rows, left_out: &[usize]) -> Self {
+        let (plain, count) = rows.plain(left_out);
+        Likelihood { rows, plain, count, directions: rows.directions(left_out) }
     }
 
     pub(super) fn rows(&self) -> &'a Rows {
         self.rows
     }
 
-    /// Postures that take no part, ascending.
-    pub(super) fn left_out(&self) -> &'a [usize] {
-        self.left_out
+    /// Directions of the shifts of the postures that take part.
+    pub(super) fn directions(&self) -> &Directions {
+        &self.directions
     }
 
     /// `None` where the equations cannot be solved, or nothing is left of the
@@ -142,14 +146,14 @@ impl<'a> Likelihood<'a> {
     pub(super) fn solve(&self, sizes: &Sizes) -> Option<Solved> {
         let (fixed, random) = (self.rows.fixed, self.rows.random());
         let unknowns = fixed + random;
-        let sums = self.rows.at(sizes.gamma, self.left_out, &self.plain, self.alike.as_ref());
-        let free = sums.rows + self.rows.idle.len();
+        let mut gram = self.plain.clone();
+        let logarithms = self.directions.take_from(&mut gram, sizes.gamma);
+        let free = self.count + self.rows.idle.len();
         let free = free.checked_sub(fixed).filter(|free| *free > 0)?;
         let mut scale = DVector::from_element(unknowns, 1.0);
         for (class, size) in self.rows.classes.iter().zip(&sizes.classes) {
             scale.rows_mut(fixed + class.start, class.len()).fill(size.sqrt());
         }
-        let gram = sums.gram;
         let active: Vec<usize> = (0..unknowns).filter(|i| scale[*i] > 0.0).collect();
         let mut matrix = DMatrix::zeros(active.len(), active.len());
         for (j, from) in active.iter().enumerate() {
@@ -176,7 +180,7 @@ impl<'a> Likelihood<'a> {
             change[*i] = value * scale[*i];
         }
         Some(Solved {
-            value: free as f64 * variance.ln() + sums.logarithms + determinant,
+            value: free as f64 * variance.ln() + logarithms + determinant,
             change,
             variance,
             free,
@@ -209,14 +213,8 @@ impl<'a> Likelihood<'a> {
         let mut gram = DMatrix::zeros(count, count);
         if shared == 1 {
             let solution = solved.change.clone().resize_vertically(unknowns + 1, -1.0);
-            let ratio = self.rows.by_ratio(
-                sizes.gamma,
-                self.left_out,
-                &solution,
-                self.alike.as_ref(),
-                &|x| solved.whitened(x),
-                &|| solved.scaled(solved.scaled_inverse()),
-            );
+            let inverse = || solved.scaled(solved.scaled_inverse());
+            let ratio = self.directions.by_ratio(sizes.gamma, &solution, |x| solved.whitened(x), inverse);
             gradient[0] = ratio.logarithms - ratio.squares / solved.variance + ratio.determinant;
             along[0] = ratio.squares;
             gram[(0, 0)] = ratio.twice;

@@ -14,6 +14,7 @@
 //! So is their symmetry: no direction across an axis is preferred, and with the coupling
 //! the place of the origin hardly matters.
 
+mod directions;
 mod doubt;
 mod likelihood;
 mod means;
@@ -52,9 +53,8 @@ use likelihood::Sizes;
 use means::scattered;
 use nalgebra::{DMatrix, DVector};
 use sized_model::{Choice, SizedModel, fit_choice, likeliest, means, white};
-use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
-use sums::Rows;
+use sums::{PriorRows, Rows};
 
 /// The mixed model fitted to the displacements of a [`Fit`].
 #[derive(Clone)]
@@ -73,18 +73,6 @@ pub struct MixedFit {
     compliance: IdentifiedCompliance,
     reproduced: OnceLock<Reproduced>,
     response: OnceLock<Arc<Response>>,
-    /// Without each posture in turn.
-    folds: OnceLock<Vec<MixedFold>>,
-}
-
-/// The mixed model without some postures.
-#[derive(Clone)]
-pub(crate) struct MixedFold {
-    /// The postures left out (indices of blocks).
-    pub(crate) left_out: Vec<usize>,
-    /// The model from the others, its sizes found anew; `None` where they do not
-    /// determine every joint.
-    pub(crate) compliance: Option<IdentifiedCompliance>,
 }
 
 /// What some postures alone give.
@@ -167,7 +155,6 @@ impl MixedFit {
             sizes,
             values,
             compliance,
-            folds: OnceLock::new(),
         })
     }
 
@@ -210,12 +197,12 @@ impl MixedFit {
             let root = if *size > 0.0 { 1.0 / size.sqrt() } else { 0.0 };
             class.clone().for_each(|i| roots[(i, i)] = root);
         }
-        let (prior_rows, read) = self.rows.prior_rows();
+        let PriorRows { rows: prior_rows, read, .. } = self.rows.prior();
         let count = roots.nrows();
         roots = roots.resize_vertically(count + prior_rows.nrows(), 0.0);
-        roots.rows_mut(count, prior_rows.nrows()).copy_from(&prior_rows);
+        roots.rows_mut(count, prior_rows.nrows()).copy_from(prior_rows);
         let mut below = DVector::zeros(roots.nrows());
-        below.rows_mut(count, read.len()).copy_from(&read);
+        below.rows_mut(count, read.len()).copy_from(read);
         let scales = self.effects.iter().map(|effect| 1.0 / effect.scale);
         for columns in [&mut random, &mut roots] {
             scattered(columns, &means);
@@ -276,21 +263,6 @@ impl MixedFit {
         &self.system
     }
 
-    /// The model without each of `count` folds of postures, its sizes found anew each time.
-    ///
-    /// # Errors
-    /// Fewer than two folds, or more than postures; interrupted.
-    pub(crate) fn folds_of(&self, count: usize) -> Result<Cow<'_, [MixedFold]>> {
-        if count != self.rows.posture_count() {
-            return self.new_folds(count).map(Cow::Owned);
-        }
-        if let Some(folds) = self.folds.get() {
-            return Ok(Cow::Borrowed(folds));
-        }
-        let folds = self.new_folds(count)?;
-        Ok(Cow::Borrowed(self.folds.get_or_init(|| folds)))
-    }
-
     /// Both models from the postures `chosen` (indices of blocks, ascending) alone.
     ///
     /// # Errors
@@ -311,19 +283,17 @@ impl MixedFit {
         Ok(out)
     }
 
-    fn new_folds(&self, count: usize) -> Result<Vec<MixedFold>> {
-        self.folds_from(&self.fit.folds_of(count)?)
-    }
-
-    /// The model without each of `lists` of postures (indices of blocks, ascending).
+    /// What `take` makes of each of the folds `plain` of [`fit`](Self::fit) and of the model without its postures, the
+    /// sizes found anew; `None` where the others do not determine every joint. One fold is forgotten before the next: its
+    /// covariance is as large as that of all.
     ///
     /// # Errors
-    /// A fit that fails; interrupted.
-    pub(crate) fn folds_without(&self, lists: &[Vec<usize>]) -> Result<Vec<MixedFold>> {
-        self.folds_from(&self.fit.folds_without(lists)?)
-    }
-
-    fn folds_from(&self, plain: &[Fold]) -> Result<Vec<MixedFold>> {
+    /// The first of `take`, by order; interrupted.
+    pub(crate) fn each_fold<T: Send>(
+        &self,
+        plain: &[Fold],
+        take: impl Fn(&Fold, Option<&IdentifiedCompliance>) -> Result<T> + Sync + Send,
+    ) -> Result<Vec<T>> {
         let control = self.fit.control();
         in_order_watched(plain, "leaving postures out", control, |(_, fold)| {
             let (solution, left_out) = (&fold.solution, fold.left_out.as_slice());
@@ -335,7 +305,7 @@ impl MixedFit {
                 model.ok()?.compliance(&self.fit, left_out)
             };
             let determined = solution.undetermined == self.rows.idle;
-            Ok(MixedFold { left_out: fold.left_out.clone(), compliance: determined.then(compliance).flatten() })
+            take(fold, determined.then(compliance).flatten().as_ref())
         })
     }
 }

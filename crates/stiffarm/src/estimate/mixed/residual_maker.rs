@@ -45,7 +45,7 @@ impl MixedFit {
         let whitened = self.fit.prepared().whitened();
         let rows = &self.rows;
         let (fixed, mut random) = (rows.fixed, rows.random_columns());
-        let (mut prior_rows, read) = rows.prior_rows();
+        let mut prior_rows = rows.prior().rows.clone();
         for (class, size) in rows.classes.iter().zip(&self.sizes.classes) {
             for columns in [&mut random, &mut prior_rows] {
                 let mut class_columns = columns.columns_mut(class.start, class.len());
@@ -57,7 +57,7 @@ impl MixedFit {
         let count = prior_rows.ncols();
         let precision = prior_rows.tr_mul(&prior_rows) + DMatrix::identity(count, count);
         let mean = precision.clone().cholesky();
-        let mean = mean.map_or_else(|| DVector::zeros(count), |f| f.solve(&prior_rows.tr_mul(&read)));
+        let mean = mean.map_or_else(|| DVector::zeros(count), |f| f.solve(&prior_rows.tr_mul(&rows.prior().read)));
         let white = self.fit.white() - &random * mean;
         let mut all = whitened.psi().clone().resize_horizontally(fixed + random.ncols(), 0.0);
         all.columns_mut(fixed, random.ncols()).copy_from(&random);

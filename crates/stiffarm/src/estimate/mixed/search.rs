@@ -109,7 +109,7 @@ impl Search<'_, '_> {
         let classes = self.units.iter().enumerate().map(size);
         Sizes {
             gamma: if shared == 1 { x[0].exp() } else { 0.0 },
-            classes: classes.chain(self.likelihood.rows().held).collect(),
+            classes: classes.chain(self.likelihood.rows().held()).collect(),
         }
     }
 

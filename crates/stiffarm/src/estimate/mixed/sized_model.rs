@@ -96,7 +96,7 @@ pub(super) fn fit_choice(
         fitted(&fit.cell().setup.robot, joint_give(fit, axes).as_slice(), choice.sizing, &fit.cell().known_elements);
     let prior = elements_prior(&fit.cell().known_elements, &effects, choice.sigma);
     let scales = effects.iter().map(|effect| effect.scale);
-    let rows = white.of_effects(scales, &means(&effects), &prior);
+    let rows = white.of_effects(scales, &means(&effects), prior);
     if rows.rest() <= RESIDUAL_ROUNDING * fit.white().norm() {
         return Err(too_few("the joint axes leave nothing of the displacements"));
     }
@@ -106,7 +106,7 @@ pub(super) fn fit_choice(
     let nothing: Vec<bool> =
         (0..rows.estimated_count()).map(|i| ElasticClass::ALL.get(i).is_some_and(is_structure)).collect();
     let zeros = std::iter::repeat_n(0.0, rows.estimated_count());
-    let none = Sizes { gamma, classes: zeros.chain(rows.held).collect() };
+    let none = Sizes { gamma, classes: zeros.chain(rows.held()).collect() };
     let (Some((sizes, value)), Some(without)) =
         (likelihood.best(near, &nothing, fit.control()), likelihood.solve(&none))
     else {

@@ -3,8 +3,9 @@
 use super::{Model, Point, PointBands, Validation, band, check_tolerance, summarise};
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
-use crate::estimate::identify::{Fit, MeasuredSystem, missed, prediction_error, rounding};
+use crate::estimate::identify::{Fit, Fold, MeasuredSystem, missed, prediction_error, rounding};
 use crate::estimate::mixed::MixedFit;
+use crate::numerics::jobs::in_order;
 use nalgebra::Vector3;
 use std::borrow::Cow;
 
@@ -23,19 +24,14 @@ use std::borrow::Cow;
 pub fn cross_validate(fit: &Fit, count: usize, tolerance_m: Option<f64>) -> Result<Validation> {
     let confidence = fit.options().confidence;
     let system = fit.system();
-    let together = together(fit, count)?;
-    let folds = match &together {
-        Some(lists) => Cow::Owned(fit.folds_without(lists)?),
-        None => fit.folds_of(count)?,
-    };
-    let count = folds.len();
+    let folds = folds(fit, count)?;
     let rounding = rounding(system);
-    let folds = folds.iter().map(|fold| FoldPrediction {
-        out: &fold.left_out,
-        predictor: Some(IdentifiedCompliance::from_solution(system, &fold.solution, confidence)),
-        sees: Box::new(move |b| prediction_error(system, b, &fold.solution, rounding).is_some()),
-    });
-    gathered(fit, system, count, folds, tolerance_m)
+    let predicted = in_order(&folds, |(_, fold)| {
+        let predictor = IdentifiedCompliance::from_solution(system, &fold.solution, confidence);
+        let sees = |b| prediction_error(system, b, &fold.solution, rounding).is_some();
+        predicted((fit, system), &fold.left_out, Some(&predictor), sees)
+    })?;
+    gathered(fit, system, predicted, tolerance_m)
 }
 
 /// [`cross_validate`] with the mixed model, whose sizes are found anew in each fold.
@@ -43,19 +39,22 @@ pub fn cross_validate(fit: &Fit, count: usize, tolerance_m: Option<f64>) -> Resu
 /// # Errors
 /// As [`cross_validate`].
 pub fn cross_validate_mixed(mixed: &MixedFit, count: usize, tolerance_m: Option<f64>) -> Result<Validation> {
-    let system = mixed.system();
-    let together = together(mixed.fit(), count)?;
-    let folds = match &together {
-        Some(lists) => Cow::Owned(mixed.folds_without(lists)?),
-        None => mixed.folds_of(count)?,
-    };
-    let count = folds.len();
-    let folds = folds.iter().map(|fold| FoldPrediction {
-        out: &fold.left_out,
-        predictor: fold.compliance.clone(),
-        sees: Box::new(|_| true),
-    });
-    gathered(mixed.fit(), system, count, folds, tolerance_m)
+    let (fit, system) = (mixed.fit(), mixed.system());
+    let predicted = mixed.each_fold(&folds(fit, count)?, |fold, predictor| {
+        predicted((fit, system), &fold.left_out, predictor, |_| true)
+    })?;
+    gathered(fit, system, predicted, tolerance_m)
+}
+
+/// The fits without each of `count` folds of postures.
+///
+/// # Errors
+/// As [`cross_validate`].
+fn folds(fit: &Fit, count: usize) -> Result<Cow<'_, [Fold]>> {
+    match together(fit, count)? {
+        Some(lists) => fit.folds_without(&lists).map(Cow::Owned),
+        None => fit.folds_of(count),
+    }
 }
 
 /// Postures nearer than this in every joint are one and the same to a validation \[rad\].
@@ -103,48 +102,59 @@ fn together(fit: &Fit, count: usize) -> Result<Option<Vec<Vec<usize>>>> {
     Ok(Some(out))
 }
 
-/// A fold with what predicts it.
-struct FoldPrediction<'a> {
-    /// The postures left out (indices of blocks).
-    out: &'a [usize],
-    predictor: Option<IdentifiedCompliance>,
-    /// Whether the others determine all that a posture shows.
-    sees: Box<dyn Fn(usize) -> bool + 'a>,
+/// What a fold gives.
+struct FoldPrediction {
+    /// Points with the numbers of their labels.
+    points: Vec<(usize, Point)>,
+    /// Postures (indices of blocks) of which the others do not determine an unknown.
+    unpredicted: Vec<usize>,
 }
 
-fn gathered<'a>(
+/// The postures `out` by `predictor`, where it `sees` all that they show.
+fn predicted(
+    (fit, system): (&Fit, &MeasuredSystem),
+    out: &[usize],
+    predictor: Option<&IdentifiedCompliance>,
+    sees: impl Fn(usize) -> bool,
+) -> Result<FoldPrediction> {
+    let measured = fit.postures();
+    let bands = predictor.map(|predictor| PointBands::new(predictor, system)).transpose()?;
+    let mut fold = FoldPrediction { points: Vec::new(), unpredicted: Vec::new() };
+    for &b in out {
+        let block = &system.blocks[b];
+        let Some(predictor) = predictor.filter(|_| sees(b)) else {
+            fold.unpredicted.push(b);
+            continue;
+        };
+        let errors = missed(system, b, &predictor.values);
+        for label in system.labels_of(block) {
+            let displacement = &measured[label.measured].displacements[label.displacement];
+            let at = label.rows.start - block.rows.start;
+            let calculated: Vector3<f64> = displacement.value - errors.fixed_rows::<3>(at);
+            let value = &displacement.value;
+            let band = bands.as_ref().and_then(|bands| bands.of(block, label, value, &calculated));
+            let place = system.labels.partition_point(|l| l.rows.start < label.rows.start);
+            let point = Point { measured: label.measured, displacement: label.displacement, calculated, band };
+            fold.points.push((place, point));
+        }
+    }
+    Ok(fold)
+}
+
+fn gathered(
     fit: &Fit,
     system: &MeasuredSystem,
-    count: usize,
-    folds: impl Iterator<Item = FoldPrediction<'a>>,
+    folds: Vec<FoldPrediction>,
     tolerance_m: Option<f64>,
 ) -> Result<Validation> {
     check_tolerance(tolerance_m)?;
-    let measured = fit.postures();
+    let (measured, count) = (fit.postures(), folds.len());
     let mut by_label: Vec<Option<Point>> = vec![None; system.labels.len()];
     let mut unpredicted = Vec::new();
     for fold in folds {
-        let bands = match &fold.predictor {
-            Some(predictor) => Some(PointBands::new(predictor, system)?),
-            None => None,
-        };
-        for &b in fold.out {
-            let block = &system.blocks[b];
-            let Some(predictor) = fold.predictor.as_ref().filter(|_| (fold.sees)(b)) else {
-                unpredicted.push(b);
-                continue;
-            };
-            let errors = missed(system, b, &predictor.values);
-            for label in system.labels_of(block) {
-                let displacement = &measured[label.measured].displacements[label.displacement];
-                let at = label.rows.start - block.rows.start;
-                let calculated: Vector3<f64> = displacement.value - errors.fixed_rows::<3>(at);
-                let value = &displacement.value;
-                let band = bands.as_ref().and_then(|bands| bands.of(block, label, value, &calculated));
-                let place = system.labels.partition_point(|l| l.rows.start < label.rows.start);
-                by_label[place] =
-                    Some(Point { measured: label.measured, displacement: label.displacement, calculated, band });
-            }
+        unpredicted.extend(fold.unpredicted);
+        for (place, point) in fold.points {
+            by_label[place] = Some(point);
         }
     }
     unpredicted.sort_unstable();

@@ -222,63 +222,22 @@ impl<'a> FittedData<'a> {
     /// its band says.
     fn mixed_fits(&self, mixed: &MixedFit) -> Result<Vec<PostureFit>> {
         let system = mixed.system();
-        let folds = mixed.folds_of(system.blocks.len())?;
-        let all = folds.iter().zip(&system.blocks).enumerate();
-        let each = all.map(|(b, (fold, block))| {
-            let error = fold.compliance.as_ref().map(|compliance| missed(system, b, &compliance.values));
-            let p_value = match (&fold.compliance, &error) {
-                (Some(compliance), Some(error)) if self.has_residuals() => {
-                    self.mixed_p(system, b, compliance, error)?
-                }
+        let whitened = self.fit.prepared().whitened();
+        let judged = self.has_residuals();
+        let folds = self.fit.folds()?;
+        mixed.each_fold(folds, |fold, compliance| {
+            let b = fold.left_out[0];
+            let error = compliance.map(|compliance| missed(system, b, &compliance.values));
+            let p_value = match (compliance, &error) {
+                (Some(compliance), Some(error)) if judged => mixed_p((whitened, system), b, compliance, error)?,
                 _ => None,
             };
             Ok(PostureFit {
-                posture: block.posture.clone(),
+                posture: system.blocks[b].posture.clone(),
                 prediction_rms_m: error.map(|e| rms(e.as_slice())),
                 p_value,
             })
-        });
-        each.collect()
-    }
-
-    /// Probability of the error with which `compliance` predicts block `b`: its square in the covariance of the
-    /// prediction and of the readings, with the degrees of freedom of the combination that it is.
-    fn mixed_p(
-        &self,
-        system: &MeasuredSystem,
-        b: usize,
-        compliance: &IdentifiedCompliance,
-        error: &DVector<f64>,
-    ) -> Result<Option<f64>> {
-        let Some(spread) = compliance.spread.as_ref().filter(|spread| spread.sigma > 0.0) else {
-            return Ok(None);
-        };
-        let gamma = (spread.shift / spread.sigma).powi(2);
-        let (whitened, _) = self.fit.prepared().whitened().select(&[b], &system.delta)?;
-        let rows = &system.blocks[b].rows;
-        let mut psi = system.psi.rows(rows.start, rows.len()).into_owned();
-        whitened.whiten_block(0, &mut psi);
-        let psi = whitened.with_shifts(&psi, gamma);
-        let error = independent(&whitened, error, gamma);
-        let with = &spread.covariance * psi.transpose();
-        let mut covariance = &psi * &with;
-        for i in 0..rows.len() {
-            covariance[(i, i)] += spread.sigma.powi(2);
-        }
-        let Some(factor) = covariance.cholesky() else {
-            return Ok(None);
-        };
-        let along = factor.solve(&error);
-        let with = with * &along;
-        let variance = along.dot(&(&psi * &with)).max(0.0);
-        let noise = spread.sigma.powi(2) * along.norm_squared();
-        let most = spread.degrees_of_freedom.map_or(f64::INFINITY, |n| n as f64);
-        let free = match &spread.doubt {
-            Some(doubt) => doubt.bounded(most, &with, variance, noise),
-            None => most,
-        };
-        let count = rows.len();
-        Ok(f_tail(error.dot(&along) / count as f64, count, free.max(1.0) as usize))
+        })
     }
 
     /// Probability of a deviation of block `b` from the fit without it.
@@ -348,6 +307,45 @@ fn named(kind: OutlierKind, p_value: f64) -> Outlier {
         axis: None,
         p_value: p_value.min(1.0),
     }
+}
+
+/// Probability of the error with which `compliance` predicts block `b`: its square in the covariance of the
+/// prediction and of the readings, with the degrees of freedom of the combination that it is.
+fn mixed_p(
+    (whitened, system): (&Whitened, &MeasuredSystem),
+    b: usize,
+    compliance: &IdentifiedCompliance,
+    error: &DVector<f64>,
+) -> Result<Option<f64>> {
+    let Some(spread) = compliance.spread.as_ref().filter(|spread| spread.sigma > 0.0) else {
+        return Ok(None);
+    };
+    let gamma = (spread.shift / spread.sigma).powi(2);
+    let (whitened, _) = whitened.select(&[b], &system.delta)?;
+    let rows = &system.blocks[b].rows;
+    let mut psi = system.psi.rows(rows.start, rows.len()).into_owned();
+    whitened.whiten_block(0, &mut psi);
+    let psi = whitened.with_shifts(&psi, gamma);
+    let error = independent(&whitened, error, gamma);
+    let with = &spread.covariance * psi.transpose();
+    let mut covariance = &psi * &with;
+    for i in 0..rows.len() {
+        covariance[(i, i)] += spread.sigma.powi(2);
+    }
+    let Some(factor) = covariance.cholesky() else {
+        return Ok(None);
+    };
+    let along = factor.solve(&error);
+    let with = with * &along;
+    let variance = along.dot(&(&psi * &with)).max(0.0);
+    let noise = spread.sigma.powi(2) * along.norm_squared();
+    let most = spread.degrees_of_freedom.map_or(f64::INFINITY, |n| n as f64);
+    let free = match &spread.doubt {
+        Some(doubt) => doubt.bounded(most, &with, variance, noise),
+        None => most,
+    };
+    let count = rows.len();
+    Ok(f_tail(error.dot(&along) / count as f64, count, free.max(1.0) as usize))
 }
 
 /// Displacements made independent, shifts of ratio `gamma` included.
