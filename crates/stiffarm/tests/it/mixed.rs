@@ -31,15 +31,34 @@ pub fn dense(
     v
 }
 
+/// How the readings of a posture belong together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Readings {
+    Independent,
+    Correlated,
+    /// Under equal loads, at twelve postures more: shifts of few sizes, and more of them than unknowns.
+    EquallyLoaded,
+}
+
+pub fn any_readings() -> impl Strategy<Value = Readings> {
+    prop_oneof![Just(Readings::Independent), Just(Readings::Correlated), Just(Readings::EquallyLoaded)]
+}
+
 /// A random system with columns of nine random effects in two classes, and their model.
 pub fn random_model(
     seed: u64,
     postures: usize,
     unknowns: usize,
-    correlated: bool,
+    readings: Readings,
 ) -> (MeasuredSystem, DMatrix<f64>, Vec<std::ops::Range<usize>>, MixedModel) {
     let mut dice = Dice::new(seed);
-    let system = random_system(&mut dice, postures, unknowns, correlated);
+    let is_equally_loaded = readings == Readings::EquallyLoaded;
+    let postures = if is_equally_loaded { postures + 12 } else { postures };
+    let mut system = random_system(&mut dice, postures, unknowns, readings == Readings::Correlated);
+    if is_equally_loaded {
+        let loads = system.blocks.iter_mut().flat_map(|block| block.shared.iter_mut());
+        loads.filter(|load| **load != 0.0).for_each(|load| *load = 1.0);
+    }
     let random = DMatrix::from_fn(system.psi.nrows(), 9, |_, j| dice.between(-1.0, 1.0) * 3f64.powi(j as i32 / 4));
     let classes = vec![0..4, 4..9];
     let model = MixedModel::new(&system, &random, classes.clone()).unwrap();
@@ -51,9 +70,9 @@ proptest! {
 
     #[test]
     fn likelihood_effects_and_predictions_are_those_of_dense_matrices(
-        seed in any::<u64>(), postures in 4..8_usize, unknowns in 1..4_usize, correlated in any::<bool>(),
+        seed in any::<u64>(), postures in 4..8_usize, unknowns in 1..4_usize, readings in any_readings(),
     ) {
-        let (system, random, classes, model) = random_model(seed, postures, unknowns, correlated);
+        let (system, random, classes, model) = random_model(seed, postures, unknowns, readings);
         let rows = system.psi.nrows();
         let mut constant = None;
         for (gamma, ratios) in [(0.3, [0.5, 0.01]), (1e-3, [2.0, 30.0]), (20.0, [1e-4, 0.2])] {

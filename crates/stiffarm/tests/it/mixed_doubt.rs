@@ -3,7 +3,7 @@
 
 use crate::common::prelude::*;
 use crate::estimators::dense_covariance;
-use crate::mixed::{dense, rails, random_model};
+use crate::mixed::{any_readings, dense, rails, random_model};
 
 use proptest::prelude::*;
 use std::ops::Range;
@@ -53,9 +53,9 @@ proptest! {
 
     #[test]
     fn covariance_and_doubt_are_those_of_dense_matrices(
-        seed in any::<u64>(), postures in 4..8_usize, unknowns in 1..4_usize, correlated in any::<bool>(),
+        seed in any::<u64>(), postures in 4..8_usize, unknowns in 1..4_usize, readings in any_readings(),
     ) {
-        let (system, random, classes, model) = random_model(seed, postures, unknowns, correlated);
+        let (system, random, classes, model) = random_model(seed, postures, unknowns, readings);
         prop_assume!(model.has_shifts());
         for (gamma, ratios) in [(0.3, [0.5, 0.01]), (1e-2, [2.0, 30.0]), (20.0, [1e-4, 0.2])] {
             let v = dense(&system, gamma, &random, &classes, &ratios);

@@ -204,7 +204,7 @@ impl Rows {
         for &b in left_out {
             let rows = &self.shared.postures[b];
             let block = self.in_units(self.shared.all.rows(rows.start, rows.len()).into_owned());
-            gram.gemm_tr(-1.0, &block, &block, 1.0);
+            gram.gemm(-1.0, &block.transpose(), &block, 1.0);
             count -= rows.len();
         }
         (gram, count)

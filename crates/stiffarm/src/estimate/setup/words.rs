@@ -7,9 +7,11 @@ use crate::estimate::quantity::value::{QuantityAtValue, QuantityValue};
 use crate::findings::{Finding, codes, length, list, visible};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
-use crate::units::{STANDARD_GRAVITY, m_to_mm, rad_to_deg};
+use crate::units::{STANDARD_GRAVITY, m_to_mm, rad_to_deg, rounded};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
+/// Decimals of a degree at most: pendants show no more.
+const MOST_DECIMALS: usize = 4;
 /// Standard errors of what is printed behind ±.
 const COVERAGE: f64 = 2.0;
 
@@ -123,6 +125,13 @@ fn place_mm(values: &[f64], errors: &[f64]) -> String {
     }
 }
 
+/// Degrees with the decimals that their error has, at least one.
+fn with_error_deg(value: f64, error: f64) -> String {
+    let shown = |decimals: &usize| error <= 0.0 || error >= 0.5 * 0.1f64.powi(*decimals as i32);
+    let decimals = (1..MOST_DECIMALS).find(shown).unwrap_or(MOST_DECIMALS);
+    format!("{:.decimals$}° ± {error:.decimals$}°", rounded(value, decimals as i32))
+}
+
 fn bare_mm(values: &[f64]) -> String {
     let all: Vec<String> = values.iter().map(|v| format!("{:.0}", m_to_mm(*v) + 0.0)).collect();
     format!("({})", all.join(", "))
@@ -190,7 +199,7 @@ pub(super) fn wanted(cell: &Cell, (quantity, place): &QuantityAtValue, freed: &F
             let offset = (offset + 180.0).rem_euclid(360.0) - 180.0;
             let sign = place.turn[(0, 0)] < 0.0;
             let error = COVERAGE * rad_to_deg(errors[0]);
-            let off = format!("off by {offset:.1}° ± {error:.1}°");
+            let off = format!("off by {}", with_error_deg(offset, error));
             let said = match (sign, offset.abs() < 0.5) {
                 (true, true) => "turning the other way".to_string(),
                 (true, false) => format!("turning the other way and {off}"),
@@ -272,4 +281,17 @@ fn known_point(cell: &Cell, values: &[f64], errors: &[f64]) -> String {
     let near = points.filter(|point| (point.position - at).norm() < within.max(2e-3));
     let nearest = near.min_by(|a, b| (a.position - at).norm().total_cmp(&(b.position - at).norm()));
     nearest.map_or_else(String::new, |point| format!(" (measuring point {} lies there)", point.name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_error_deg;
+
+    #[test]
+    fn a_small_angle_has_the_decimals_of_its_error() {
+        assert_eq!(with_error_deg(-1.234, 0.21), "-1.2° ± 0.2°");
+        assert_eq!(with_error_deg(-0.0123, 0.0044), "-0.012° ± 0.004°");
+        assert_eq!(with_error_deg(-0.00001, 1e-7), "0.0000° ± 0.0000°");
+        assert_eq!(with_error_deg(90.0, 0.0), "90.0° ± 0.0°");
+    }
 }
