@@ -36,10 +36,11 @@ impl Rows {
 /// As [`PostureTerms::new`]; a length that is not above zero.
 #[doc(alias = "regressor")]
 #[doc(alias = "identification Jacobian")]
-pub fn observation_matrix<Q: AsRef<[f64]> + Sync>(setup: &Setup, postures: &[Q], rows: Rows) -> Result<DMatrix<f64>> {
+pub fn observation_matrix<Q: AsRef<[f64]>>(setup: &Setup, postures: &[Q], rows: Rows) -> Result<DMatrix<f64>> {
     let (height, width) = observation_shape(setup, postures.len(), rows);
+    let postures: Vec<&[f64]> = postures.iter().map(AsRef::as_ref).collect();
     let mut psi = DMatrix::zeros(height, width);
-    fill_observation_matrix(setup, postures, rows, psi.as_mut_slice())?;
+    fill_observation_matrix(setup, &postures, rows, psi.as_mut_slice())?;
     Ok(psi)
 }
 
@@ -49,19 +50,14 @@ pub fn observation_shape(setup: &Setup, postures: usize, rows: Rows) -> (usize, 
     (rows.per_point() * setup.tool.point_count() * states, setup.robot.spring_count())
 }
 
-/// Postures of one job: their block of Ψ is some 100 kB, which the processor's cache holds.
+/// Postures of one job.
 const JOB: usize = 256;
 
 /// [`observation_matrix`] into `psi`, column by column, of [`observation_shape`].
 ///
 /// # Errors
 /// As [`observation_matrix`]; another size.
-pub fn fill_observation_matrix<Q: AsRef<[f64]> + Sync>(
-    setup: &Setup,
-    postures: &[Q],
-    rows: Rows,
-    psi: &mut [f64],
-) -> Result<()> {
+pub fn fill_observation_matrix(setup: &Setup, postures: &[&[f64]], rows: Rows, psi: &mut [f64]) -> Result<()> {
     if let Rows::FullPose { length } = rows
         && !(length.is_finite() && length > 0.0)
     {
@@ -77,19 +73,26 @@ pub fn fill_observation_matrix<Q: AsRef<[f64]> + Sync>(
     }
     let setups = setup.cases();
     let (one, _) = observation_shape(setup, 1, rows);
-    let mut parts: Vec<(&[Q], Vec<&mut [f64]>)> = postures.chunks(JOB).map(|part| (part, Vec::new())).collect();
+    let mut parts: Vec<Part> = postures.chunks(JOB).map(|postures| Part { postures, columns: Vec::new() }).collect();
     for column in psi.chunks_exact_mut(height) {
-        for ((_, columns), part) in parts.iter_mut().zip(column.chunks_mut(JOB * one)) {
-            columns.push(part);
+        for (part, rows) in parts.iter_mut().zip(column.chunks_mut(JOB * one)) {
+            part.columns.push(rows);
         }
     }
-    jobs::each(parts, |(postures, mut columns)| fill(&setups, postures, rows, &mut columns))
+    jobs::each(parts, |part| fill(&setups, rows, part))
 }
 
-/// Rows of a few postures under each load, in the terms of one place in memory.
-fn fill<Q: AsRef<[f64]>>(setups: &[Setup], postures: &[Q], rows: Rows, columns: &mut [&mut [f64]]) -> Result<()> {
+/// Some of the postures, and their rows of each column of Ψ.
+struct Part<'a> {
+    postures: &'a [&'a [f64]],
+    columns: Vec<&'a mut [f64]>,
+}
+
+/// Fills in the rows of a part under each load, in the terms of one place in memory.
+fn fill(setups: &[Setup], rows: Rows, part: Part<'_>) -> Result<()> {
+    let Part { postures, mut columns } = part;
     let mut last: Option<PostureTerms> = None;
-    let states = postures.iter().flat_map(|q| setups.iter().map(move |setup| (setup, q.as_ref())));
+    let states = postures.iter().flat_map(|q| setups.iter().map(move |setup| (setup, *q)));
     for (state, (setup, q)) in states.enumerate() {
         let terms = match &mut last {
             None => last.insert(PostureTerms::new(setup, q, None)?),
@@ -103,11 +106,11 @@ fn fill<Q: AsRef<[f64]>>(setups: &[Setup], postures: &[Q], rows: Rows, columns: 
         if setup.robot.spring_mixing().is_none() {
             // Ψ_ij = J^m_ij Γ_j, Eq. (11).
             let shift = |a: usize, j: usize| terms.columns[a * n + j] * terms.torque[j];
-            put(rows, state, columns, m, shift, |j| terms.frames.axes()[j] * terms.torque[j]);
+            put(rows, state, &mut columns, m, shift, |j| terms.frames.axes()[j] * terms.torque[j]);
         } else {
             let (shifts, turns) = (terms.block(&setup.robot), terms.rotation_block(&setup.robot));
             let shift = |a: usize, j: usize| shifts.fixed_view::<3, 1>(3 * a, j).into_owned();
-            put(rows, state, columns, m, shift, |j| turns.fixed_view::<3, 1>(0, j).into_owned());
+            put(rows, state, &mut columns, m, shift, |j| turns.fixed_view::<3, 1>(0, j).into_owned());
         }
     }
     Ok(())
@@ -122,13 +125,16 @@ fn put(
     shift: impl Fn(usize, usize) -> Vector3<f64>,
     turn: impl Fn(usize) -> Vector3<f64>,
 ) {
-    let per_point = rows.per_point();
-    let one = per_point * points;
+    let one = rows.per_point() * points;
     for (j, column) in columns.iter_mut().enumerate() {
-        for (a, row) in column[one * state..one * (state + 1)].chunks_exact_mut(per_point).enumerate() {
-            row[..3].copy_from_slice(shift(a, j).as_slice());
-            if let Rows::FullPose { length } = rows {
-                row[3..].copy_from_slice((turn(j) * length).as_slice());
+        let (places, _) = column[one * state..one * (state + 1)].as_chunks_mut::<3>();
+        match rows {
+            Rows::Translations => places.iter_mut().enumerate().for_each(|(a, place)| *place = shift(a, j).into()),
+            Rows::FullPose { length } => {
+                for (a, both) in places.chunks_exact_mut(2).enumerate() {
+                    both[0] = shift(a, j).into();
+                    both[1] = (turn(j) * length).into();
+                }
             }
         }
     }
