@@ -1,6 +1,6 @@
 //! The elastic model that predicts, and what it is worth beside the joint axes alone.
 
-use super::mixed::{MixedFit, MixedResult};
+use super::mixed::{MixedFit, MixedResult, Sizes};
 use super::validate::{Validation, cross_validate, cross_validate_mixed};
 use crate::error::{Code, Result};
 use crate::estimate::identify::{Fit, IdentifyOptions, JointEstimate};
@@ -141,12 +141,12 @@ pub(crate) fn carried(fit: &Fit) -> Result<std::result::Result<MixedFit, String>
 ///
 /// # Errors
 /// As [`elastic`].
-pub(crate) fn carried_near(fit: &Fit, other: Option<&MixedFit>) -> Result<std::result::Result<MixedFit, String>> {
+pub(crate) fn carried_near(fit: &Fit, near: Option<&Sizes>) -> Result<std::result::Result<MixedFit, String>> {
     let postures = fit.system().blocks.len();
     if postures < FEWEST_POSTURES {
         return Ok(Err(format!("Fewer than {FEWEST_POSTURES} postures cannot show what gives way beyond them.")));
     }
-    match MixedFit::near(fit, other) {
+    match MixedFit::near(fit, near) {
         Ok(mixed) => Ok(Ok(mixed)),
         Err(error) if [Code::TooFewData, Code::NotIdentifiable].contains(&error.code()) => {
             Ok(Err(error.message().to_string()))

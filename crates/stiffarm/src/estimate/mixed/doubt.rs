@@ -23,7 +23,6 @@
 //! over the directions x of shifts, a² = γ·size and w = 1 + a².
 
 use super::likelihood::{Likelihood, Sizes, Solved};
-use super::sums::Rows;
 use nalgebra::{DMatrix, Dyn, SymmetricEigen};
 use std::ops::Range;
 
@@ -37,12 +36,8 @@ const RANK: f64 = 1e-10;
 
 /// Covariance of h and u − û in the columns' own units, the doubt about the sizes in it,
 /// and that of ln σ² and the logarithms of the classes' ratios.
-pub(super) fn doubt(
-    rows: &Rows,
-    likelihood: &Likelihood<'_>,
-    sizes: &Sizes,
-    solved: &Solved,
-) -> (DMatrix<f64>, DMatrix<f64>) {
+pub(super) fn doubt(likelihood: &Likelihood, sizes: &Sizes, solved: &Solved) -> (DMatrix<f64>, DMatrix<f64>) {
+    let rows = likelihood.rows();
     let scale = solved.scale();
     let inverse = solved.scaled_inverse();
     let count = inverse.ncols();

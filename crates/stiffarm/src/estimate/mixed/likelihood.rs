@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Sizes of the random parts in units of σ².
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Sizes {
+pub(crate) struct Sizes {
     /// γ = τ²/σ².
     pub(super) gamma: f64,
     /// λ = ω²/σ² of each class.
@@ -116,8 +116,8 @@ impl Solved {
 }
 
 /// The likelihood of all postures but some.
-pub(super) struct Likelihood<'a> {
-    rows: &'a Rows,
+pub(super) struct Likelihood {
+    rows: Rows,
     /// XᵀX without shifts.
     plain: DMatrix<f64>,
     /// Number of rows.
@@ -125,15 +125,15 @@ pub(super) struct Likelihood<'a> {
     directions: Directions,
 }
 
-impl<'a> Likelihood<'a> {
+impl Likelihood {
     /// Of all postures but `left_out` (ascending).
-    pub(super) fn new(rows: &'a Rows, left_out: &[usize]) -> Self {
+    pub(super) fn new(rows: Rows, left_out: &[usize]) -> Self {
         let (plain, count) = rows.plain(left_out);
-        Likelihood { rows, plain, count, directions: rows.directions(left_out) }
+        Likelihood { plain, count, directions: rows.directions(left_out), rows }
     }
 
-    pub(super) fn rows(&self) -> &'a Rows {
-        self.rows
+    pub(super) fn rows(&self) -> &Rows {
+        &self.rows
     }
 
     /// Directions of the shifts of the postures that take part.

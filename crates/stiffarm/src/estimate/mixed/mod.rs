@@ -33,6 +33,7 @@ pub(crate) mod internals {
     pub use super::model::MixedModel;
 }
 
+pub(crate) use likelihood::Sizes;
 pub(crate) use never_loaded::never_loaded;
 pub(crate) use reproduced::Reproduced;
 pub(crate) use residual_maker::ResidualMaker;
@@ -49,7 +50,6 @@ use crate::model::load::Load;
 use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::numerics::information::scale_columns;
 use crate::numerics::jobs::in_order_watched;
-use likelihood::Sizes;
 use means::scattered;
 use nalgebra::{DMatrix, DVector};
 use sized_model::{Choice, SizedModel, fit_choice, likeliest, means, white};
@@ -112,11 +112,11 @@ impl MixedFit {
         MixedFit::near(fit, None)
     }
 
-    /// The same, its sizes looked for near those of `other`.
+    /// The same, its sizes looked for near `near`.
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub(crate) fn near(fit: &Fit, other: Option<&MixedFit>) -> Result<Self> {
+    pub(crate) fn near(fit: &Fit, near: Option<&Sizes>) -> Result<Self> {
         if let Some(conflict) = MixedFit::excluded_by(fit.options()) {
             return Err(conflict);
         }
@@ -138,11 +138,10 @@ impl MixedFit {
         let columns = fit.columns(&terms);
         let system = extended(fit.system(), &terms, &columns);
         let white = white(fit, &effects, &columns);
-        let near = other.map(|other| &other.sizes);
         let (axes, gamma) = (&solution.values, solution.gamma);
         let (sizing, model) = likeliest(fit, &white, axes, gamma, &[], near)?;
-        let compliance = model.compliance(fit, &[]).ok_or_else(|| too_few("the equations are singular"))?;
-        let SizedModel { effects, rows, sizes, values } = model;
+        let compliance = model.compliance(fit).ok_or_else(|| too_few("the equations are singular"))?;
+        let SizedModel { effects, likelihood, sizes, values } = model;
         Ok(MixedFit {
             reproduced: OnceLock::new(),
             response: OnceLock::new(),
@@ -150,7 +149,7 @@ impl MixedFit {
             fit: fit.clone(),
             effects,
             white,
-            rows,
+            rows: likelihood.rows().clone(),
             system,
             sizes,
             values,
@@ -167,6 +166,11 @@ impl MixedFit {
     /// general springs.
     pub fn compliance(&self) -> &IdentifiedCompliance {
         &self.compliance
+    }
+
+    /// Sizes of the random parts.
+    pub(crate) fn sizes(&self) -> &Sizes {
+        &self.sizes
     }
 
     /// Standard deviation ω of the entries of a class \[its unit\].
@@ -278,7 +282,7 @@ impl MixedFit {
         // All is searched for afresh: what was found of all postures knows the others.
         let (axes, gamma) = (&plain.solution.values, plain.solution.gamma);
         let model = likeliest(&self.fit, &self.white, axes, gamma, &plain.left_out, None).ok();
-        out.mixed = model.and_then(|(_, model)| model.compliance(&self.fit, &plain.left_out));
+        out.mixed = model.and_then(|(_, model)| model.compliance(&self.fit));
         out.axes = Some(plain.solution.values);
         Ok(out)
     }
@@ -302,7 +306,7 @@ impl MixedFit {
             let compliance = || {
                 let choice = Choice { sizing: self.sizing, structure: true, sigma };
                 let model = fit_choice(&self.fit, &self.white, axes, gamma, left_out, choice, near);
-                model.ok()?.compliance(&self.fit, left_out)
+                model.ok()?.compliance(&self.fit)
             };
             let determined = solution.undetermined == self.rows.idle;
             take(fold, determined.then(compliance).flatten().as_ref())

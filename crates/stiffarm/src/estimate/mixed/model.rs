@@ -29,18 +29,18 @@ impl MixedModel {
     /// −2 ln of the restricted likelihood, up to a constant, and its derivatives by ln γ
     /// and by the logarithm of each class's variance ratio.
     pub fn value(&self, gamma: f64, classes: &[f64]) -> Option<(f64, Vec<f64>)> {
-        Likelihood::new(&self.rows, &[]).value_and_gradient(&sizes(gamma, classes))
+        Likelihood::new(self.rows.clone(), &[]).value_and_gradient(&sizes(gamma, classes))
     }
 
     /// The curvature by which the search for the ratios steps.
     pub fn curvature(&self, gamma: f64, classes: &[f64]) -> Option<DMatrix<f64>> {
-        let slopes = Likelihood::new(&self.rows, &[]).slopes(&sizes(gamma, classes))?;
+        let slopes = Likelihood::new(self.rows.clone(), &[]).slopes(&sizes(gamma, classes))?;
         Some(slopes.curvature)
     }
 
     /// h and u, their covariance and σ² at given ratios, all postures but `left_out`.
     pub fn solve(&self, gamma: f64, classes: &[f64], left_out: &[usize]) -> Option<(DVector<f64>, DMatrix<f64>, f64)> {
-        let solved = Likelihood::new(&self.rows, left_out).solve(&sizes(gamma, classes))?;
+        let solved = Likelihood::new(self.rows.clone(), left_out).solve(&sizes(gamma, classes))?;
         let covariance = solved.inverse() * solved.variance;
         Some((solved.values(&self.rows), covariance, solved.variance))
     }
@@ -48,10 +48,10 @@ impl MixedModel {
     /// Covariance of h and u − û at given ratios with the doubt about the ratios in it, and
     /// the covariance of ln σ² and the logarithms of the classes' ratios.
     pub fn doubt(&self, gamma: f64, classes: &[f64]) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
-        let likelihood = Likelihood::new(&self.rows, &[]);
+        let likelihood = Likelihood::new(self.rows.clone(), &[]);
         let sizes = sizes(gamma, classes);
         let solved = likelihood.solve(&sizes)?;
-        Some(doubt(&self.rows, &likelihood, &sizes, &solved))
+        Some(doubt(&likelihood, &sizes, &solved))
     }
 
     /// True where the data tell shifts from noise.
@@ -61,8 +61,11 @@ impl MixedModel {
 
     /// γ and the variance ratios of largest likelihood, with −2 ln L.
     pub fn best(&self) -> Option<(f64, Vec<f64>, f64)> {
-        let best =
-            Likelihood::new(&self.rows, &[]).best(None, &vec![false; self.rows.estimated_count()], Control::default());
+        let best = Likelihood::new(self.rows.clone(), &[]).best(
+            None,
+            &vec![false; self.rows.estimated_count()],
+            Control::default(),
+        );
         best.map(|(sizes, value)| (sizes.gamma, sizes.classes, value))
     }
 }

@@ -29,7 +29,7 @@ const HALVED: usize = 40;
 /// Share of what a step promises that it has to keep.
 const PROMISED_SHARE: f64 = 1e-4;
 
-impl Likelihood<'_> {
+impl Likelihood {
     /// The sizes of largest likelihood: from `near`, or from several starts. Classes that are `nothing` are left out.
     /// `None` where there is no likelihood.
     pub(super) fn best(&self, near: Option<&Sizes>, nothing: &[bool], control: Control<'_>) -> Option<(Sizes, f64)> {
@@ -86,15 +86,15 @@ impl Likelihood<'_> {
 }
 
 /// The search over logarithms: ln γ, then ln λ in units of each class.
-struct Search<'a, 'b> {
-    likelihood: &'b Likelihood<'a>,
+struct Search<'a> {
+    likelihood: &'a Likelihood,
     bounds: Vec<[f64; 2]>,
     units: Vec<f64>,
     /// Classes that are nothing and stay so.
     nothing: Vec<bool>,
 }
 
-impl Search<'_, '_> {
+impl Search<'_> {
     /// Number of logarithms before those of the classes.
     fn shared(&self) -> usize {
         self.bounds.len() - self.units.len()

@@ -16,7 +16,7 @@ use std::ops::Range;
 /// A mixed model with its sizes.
 pub(super) struct SizedModel {
     pub(super) effects: Vec<Effect>,
-    pub(super) rows: Rows,
+    pub(super) likelihood: Likelihood,
     pub(super) sizes: Sizes,
     /// −2 ln L_R, and that without random effects.
     pub(super) values: [f64; 2],
@@ -65,8 +65,8 @@ pub(super) fn likeliest(
     if fit.cell().known_elements.is_empty() {
         return Ok((sizing, likelier));
     }
-    let first = of(sizing, None, likelier.sigma(left_out))?;
-    let mut with = of(sizing, Some(&first.sizes), first.sigma(left_out))?;
+    let first = of(sizing, None, likelier.sigma())?;
+    let mut with = of(sizing, Some(&first.sizes), first.sigma())?;
     with.values = likelier.values;
     Ok((sizing, with))
 }
@@ -100,7 +100,8 @@ pub(super) fn fit_choice(
     if rows.rest() <= RESIDUAL_ROUNDING * fit.white().norm() {
         return Err(too_few("the joint axes leave nothing of the displacements"));
     }
-    let likelihood = Likelihood::new(&rows, left_out);
+    let likelihood = Likelihood::new(rows, left_out);
+    let rows = likelihood.rows();
     let is_structure =
         |class: &ElasticClass| matches!(class, ElasticClass::Bearing | ElasticClass::Beam) && !choice.structure;
     let nothing: Vec<bool> =
@@ -114,7 +115,7 @@ pub(super) fn fit_choice(
     };
     // The search may end a hair above what no effects at all give.
     let (sizes, value) = if without.value <= value { (none, without.value) } else { (sizes, value) };
-    Ok(SizedModel { effects, rows, sizes, values: [value, without.value] })
+    Ok(SizedModel { effects, likelihood, sizes, values: [value, without.value] })
 }
 
 /// Rows of what is known of the effects, in units of their scales, where σ is `sigma`; none without.
@@ -135,43 +136,43 @@ fn elements_prior(elements: &[KnownElement], effects: &[Effect], sigma: Option<f
 
 impl SizedModel {
     /// σ of a displacement.
-    fn sigma(&self, left_out: &[usize]) -> Option<f64> {
-        let solved = Likelihood::new(&self.rows, left_out).solve(&self.sizes);
+    fn sigma(&self) -> Option<f64> {
+        let solved = self.likelihood.solve(&self.sizes);
         solved.map(|solved| solved.variance.sqrt())
     }
 
-    /// The solution of the equations of all postures in the effects' own units.
+    /// The solution of the equations in the effects' own units.
     pub(super) fn solution(&self) -> Option<DVector<f64>> {
-        let solved = Likelihood::new(&self.rows, &[]).solve(&self.sizes)?;
+        let solved = self.likelihood.solve(&self.sizes)?;
         Some(self.values(&solved))
     }
 
     /// What `solved` gives in the effects' own units: u = L w.
     fn values(&self, solved: &Solved) -> DVector<f64> {
-        let means = moved(means(&self.effects), self.rows.fixed);
-        let mut values = DMatrix::from_columns(&[solved.values(&self.rows)]).transpose();
+        let means = moved(means(&self.effects), self.likelihood.rows().fixed);
+        let mut values = DMatrix::from_columns(&[solved.values(self.likelihood.rows())]).transpose();
         gathered(&mut values, &means);
         DVector::from_fn(values.len(), |i, _| values[i] * self.scale(i))
     }
 
     /// Unit of unknown `i`.
     fn scale(&self, i: usize) -> f64 {
-        match i.checked_sub(self.rows.fixed) {
+        match i.checked_sub(self.likelihood.rows().fixed) {
             Some(i) => self.effects[i].scale,
             None => 1.0,
         }
     }
 
-    /// The solution of the mixed-model equations of all postures but `left_out` in the effects' own units.
-    pub(super) fn compliance(&self, fit: &Fit, left_out: &[usize]) -> Option<IdentifiedCompliance> {
-        let SizedModel { effects, rows, sizes, .. } = self;
-        let likelihood = Likelihood::new(rows, left_out);
+    /// The solution of the mixed-model equations in the effects' own units, with its covariance.
+    pub(super) fn compliance(&self, fit: &Fit) -> Option<IdentifiedCompliance> {
+        let SizedModel { effects, likelihood, sizes, .. } = self;
+        let rows = likelihood.rows();
         let plain = fit.solution();
         let fixed = rows.fixed;
         let scale = |i: usize| self.scale(i);
         let solved = likelihood.solve(sizes)?;
         let means = moved(means(effects), fixed);
-        let (mut covariance, of_sizes) = doubt(rows, &likelihood, sizes, &solved);
+        let (mut covariance, of_sizes) = doubt(likelihood, sizes, &solved);
         for _ in 0..2 {
             gathered(&mut covariance, &means);
             covariance = covariance.transpose();

@@ -37,7 +37,7 @@ pub fn free(fit: &Fit, elastic: ElasticChoice) -> Result<Option<(Fit, Vec<FreedQ
     if is_mixed {
         let granted = QuantityFit::new(start, fit.clone(), true, None)?;
         all = granted.value;
-        at = QuantityFit::new(at.values, at.fit, true, granted.mixed.as_deref())?;
+        at = QuantityFit::new(at.values, at.fit, true, granted.sizes.as_ref())?;
         for _ in 0..SEARCHES {
             let next = stated.refined(at.clone());
             let fall = at.value - next.value;

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::estimate::elastic::carried_near;
 use crate::estimate::identify::{Fit, Response};
-use crate::estimate::mixed::MixedFit;
+use crate::estimate::mixed::{MixedFit, Sizes};
 use crate::estimate::quantity::answer::Answers;
 use crate::estimate::quantity::stated::StatedExperiment;
 use crate::estimate::quantity::value::QuantityAtValue;
@@ -23,8 +23,10 @@ pub(super) const SETTLED_LIKELIHOOD: f64 = 1e-2;
 pub(super) struct QuantityFit {
     pub values: Vec<QuantityAtValue>,
     pub fit: Fit,
-    /// Springs beyond the axes, where they are granted.
+    /// Springs beyond the axes, where they are granted, until [`forget`](Self::forget).
     pub mixed: Option<Arc<MixedFit>>,
+    /// Their sizes.
+    pub sizes: Option<Sizes>,
     /// −2 ln L, restricted, with them or of the axes alone.
     pub value: f64,
 }
@@ -77,12 +79,18 @@ impl QuantityFit {
 
     /// The fit as it is, with springs beyond the axes where the readings carry these and `is_mixed` grants them, looked
     /// for near those of `near`.
-    pub(super) fn new(values: Vec<QuantityAtValue>, fit: Fit, is_mixed: bool, near: Option<&MixedFit>) -> Result<Self> {
+    pub(super) fn new(values: Vec<QuantityAtValue>, fit: Fit, is_mixed: bool, near: Option<&Sizes>) -> Result<Self> {
         let mixed = match is_mixed {
             true => carried_near(&fit, near)?.ok(),
             false => None,
         };
-        Ok(QuantityFit { values, value: value(&fit, mixed.as_ref()), mixed: mixed.map(Arc::new), fit })
+        let sizes = mixed.as_ref().map(|mixed| mixed.sizes().clone());
+        Ok(QuantityFit { values, value: value(&fit, mixed.as_ref()), mixed: mixed.map(Arc::new), sizes, fit })
+    }
+
+    /// The fit without the model that goes on from it: several of them would be many times the readings.
+    pub(super) fn forget(self) -> Self {
+        QuantityFit { mixed: None, ..self }
     }
 }
 
@@ -120,12 +128,7 @@ impl<'a> Linear<'a> {
 
 impl StatedExperiment<'_> {
     /// The fit with quantities at these values; `None` where it cannot be had.
-    pub(super) fn at(
-        &self,
-        values: Vec<QuantityAtValue>,
-        is_mixed: bool,
-        near: Option<&MixedFit>,
-    ) -> Option<QuantityFit> {
+    pub(super) fn at(&self, values: Vec<QuantityAtValue>, is_mixed: bool, near: Option<&Sizes>) -> Option<QuantityFit> {
         let (cell, measured) = self.changed(&values).ok()?;
         let fit = Fit::new(&cell, measured, self.fit.options()).ok()?;
         let at = QuantityFit::new(values, fit, is_mixed, near).ok()?;
@@ -191,7 +194,7 @@ impl StatedExperiment<'_> {
             let mut better = None;
             for _ in 0..shorter {
                 let values = moved(&at.values, &step.change, share);
-                let next = self.at(values, is_mixed, at.mixed.as_deref());
+                let next = self.at(values, is_mixed, at.sizes.as_ref());
                 better = next.filter(|next| next.value < at.value);
                 if better.is_some() {
                     break;

@@ -142,13 +142,14 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
     let before = value(&fit, mixed);
     let mut beside = in_order(&alone, |(_, at)| {
         fit.control().check()?;
-        let at = QuantityFit::new(at.values.clone(), at.fit.clone(), grants, mixed)?;
+        let at = QuantityFit::new(at.values.clone(), at.fit.clone(), grants, mixed.map(MixedFit::sizes))?;
         let hope = before - at.value + stated.gain(&at);
-        Ok(if hope > WORTH_SEARCHING { stated.refined(at) } else { at })
+        let at = if hope > WORTH_SEARCHING { stated.refined(at) } else { at };
+        Ok((described(&stated, &at, before), at.forget()))
     })?;
-    sort_by_number(&mut beside, price);
-    let described = beside.iter().flat_map(|at| described(&stated, at, before));
-    let freed: Vec<FreedQuantity> = described.collect();
+    sort_by_number(&mut beside, |(_, at)| price(at));
+    let (described, beside): (Vec<_>, Vec<QuantityFit>) = beside.into_iter().unzip();
+    let freed: Vec<FreedQuantity> = described.into_iter().flatten().collect();
     let (best, first) = (&beside[0], &freed[0]);
     let quantity = best.values[0].0;
     let finding = match judged(&fit, best, first, grants)? {
@@ -304,7 +305,7 @@ fn without_worst(fit: &Fit, at: &QuantityFit, grants: bool) -> Result<(f64, Stri
     let value = |fit: &Fit| {
         let rows = fit.system().blocks[worst].rows.clone();
         match fit.filtered(|label| !rows.contains(&label.rows.start))? {
-            Some(fit) => Ok(QuantityFit::new(at.values.clone(), fit, grants, at.mixed.as_deref())?.value),
+            Some(fit) => Ok(QuantityFit::new(at.values.clone(), fit, grants, at.sizes.as_ref())?.value),
             None => Ok(f64::INFINITY),
         }
     };
