@@ -66,8 +66,7 @@ impl Frames {
     /// # Panics
     /// If `q` does not have one entry per joint.
     pub fn update(&mut self, robot: &Robot, q: &[f64]) {
-        let theta = robot.serial_angles(q);
-        self.update_serial(robot, theta.iter().copied());
+        self.update_serial(robot, robot.each_serial_angle(q));
     }
 
     /// Moves these frames to the serial angles θ \[rad\], one per joint.
