@@ -8,6 +8,7 @@ use crate::path::{Outputs, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
 use std::io::Write;
+use std::mem::take;
 use std::rc::Rc;
 use stiffarm::{Error, Result};
 use stiffarm_files::source::read_path;
@@ -27,8 +28,9 @@ pub fn run(session: &Session, args: &args::Predict) -> Result<Answer> {
     }
     let path = args.path.as_ref();
     let (axes, log) = (request.path.axes, args.along.log.as_deref());
-    let path = path.map(|path| read_path(session, path, &named.cell, args.along.language, axes, log)).transpose()?;
-    let points = path.as_ref().map(|path| path.table.points.as_slice());
+    let mut path =
+        path.map(|path| read_path(session, path, &named.cell, args.along.language, axes, log)).transpose()?;
+    let points = path.as_mut().map(|path| take(&mut path.table.points));
     let in_file = |e: Error| match &path {
         Some(path) if e.place().key.as_deref() == Some("cell_load") => {
             Error::new(e.code(), "With --cell-load the postures must be joint angles.")
@@ -39,14 +41,16 @@ pub fn run(session: &Session, args: &args::Predict) -> Result<Answer> {
         None => e,
     };
     let predictor = &saved.predictor;
-    let (loaded, mut result) = Progress::new(session, "predicting deflections")
+    let (cell, mut result) = Progress::new(session, "predicting deflections")
         .watch(|control| {
-            let loaded = request.loaded(named.cell.clone(), predictor, points, control)?;
+            let loaded = request.loaded(named.cell.clone(), predictor, points.as_deref(), control)?;
+            // A path may have millions of points.
+            drop(points);
             let result = request.predict(&loaded, &saved, control)?;
-            Ok((loaded, result))
+            Ok((loaded.cell, result))
         })
         .map_err(in_file)?;
-    named.cell = loaded.cell;
+    named.cell = cell;
     if let (Some(summary), Some(path)) = (&mut result.postures, &path) {
         summary.findings.extend(path.findings.iter().cloned());
     }

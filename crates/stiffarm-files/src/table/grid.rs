@@ -64,11 +64,12 @@ pub(super) struct Table<'a> {
     pub(super) remarks: Vec<Finding>,
 }
 
-/// Where a column stands, and its unit if it has one.
+/// Where a column stands, its unit if it has one, and what its numbers can be.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Column {
     pub(super) at: usize,
     pub(super) unit: Option<Unit>,
+    pub(super) sense: Option<&'static Sense>,
 }
 
 impl<'a> Table<'a> {

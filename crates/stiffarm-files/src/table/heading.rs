@@ -9,6 +9,7 @@ use super::quantity::{Quantity, Unit};
 use super::suggest::{counts, suggestion};
 use std::collections::BTreeMap;
 use stiffarm::error::{Code, Error, Result, did_you_mean};
+use stiffarm::units::Sense;
 
 /// A column that a table may have.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -60,12 +61,12 @@ impl ColumnDefinition {
     pub(super) fn column(&self, heading: &str, at: usize) -> Option<Column> {
         let rest = heading.strip_prefix(self.stem.as_str())?;
         if self.quantity.units().is_empty() {
-            return rest.is_empty().then_some(Column { at, unit: None });
+            return rest.is_empty().then_some(Column { at, unit: None, sense: Sense::of(heading) });
         }
         let suffix = rest.strip_prefix('_')?;
         let mut units = self.quantity.units().iter();
         let unit = *units.find(|unit| unit.suffix == suffix)?;
-        Some(Column { at, unit: Some(unit) })
+        Some(Column { at, unit: Some(unit), sense: Sense::of(heading) })
     }
 }
 

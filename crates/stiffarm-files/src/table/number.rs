@@ -4,7 +4,7 @@ use super::grid::{Column, Row, Rows, Style, Table};
 use nalgebra::Vector3;
 use std::borrow::Cow;
 use stiffarm::error::{Code, Error, Result};
-use stiffarm::units::{LARGEST_NUMBER, Sense};
+use stiffarm::units::LARGEST_NUMBER;
 
 /// Lengths of a table in another unit have an error of their own: so many times the
 /// limit of others is left to it.
@@ -89,7 +89,7 @@ impl Table<'_> {
             let message = format!("\"{text}\" is not a finite number.");
             return Err(self.error(row, at, Code::NotFinite, message));
         }
-        if let Some(message) = self.beyond_sense(at, value) {
+        if let Some(message) = self.beyond_sense(column, value) {
             let error = self.error(row, at, Code::TableRow, message);
             let other = column.unit.and_then(|unit| unit.of_others(&self.headings[at].name));
             return Err(error.hint_if(other));
@@ -97,18 +97,15 @@ impl Table<'_> {
         Ok(column.unit.map_or(value, |unit| (unit.to_si)(value)))
     }
 
-    /// Says that the number in column `at` cannot be meant, where that is so.
-    fn beyond_sense(&self, at: usize, value: f64) -> Option<String> {
-        let name = &self.headings[at].name;
-        let Some(sense) = Sense::of(name) else {
+    /// Says that the number in `column` cannot be meant, where that is so.
+    fn beyond_sense(&self, column: Column, value: f64) -> Option<String> {
+        let Some(sense) = column.sense else {
             return (value.abs() > LARGEST_NUMBER).then(|| format!("{value:e} is too large."));
         };
-        let units = ["mm", "m", "um", "in"];
-        let is_length = units.iter().any(|unit| name.ends_with(&format!("_{unit}")));
-        if is_length && value.abs() < LENGTHS * sense.limit {
-            return None;
-        }
-        sense.refuse(value)
+        let refused = sense.refuse(value)?;
+        let unit = self.headings[column.at].name.rsplit_once('_').map(|(_, unit)| unit);
+        let is_length = unit.is_some_and(|unit| ["mm", "m", "um", "in"].contains(&unit));
+        (!is_length || value.abs() >= LENGTHS * sense.limit).then_some(refused)
     }
 
     fn not_a_number(&self, row: &Row, column: usize, text: &str) -> Error {

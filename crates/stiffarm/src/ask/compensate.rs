@@ -71,7 +71,7 @@ impl PathOptions {
             }
         };
         let tolerance = self.tolerance_mm.map(mm_to_m);
-        let (features, finding) = features((cell, &arm), &followed.postures, tolerance, deviation)?;
+        let (features, finding) = features((cell, &arm), &followed.postures, tolerance, deviation, control)?;
         compensation.findings.extend(finding);
         let points = followed.postures.iter().zip(&compensation.points);
         let points = points.map(|(posture, point)| (posture, point.uncompensated_shift_m, point.band));

@@ -167,7 +167,7 @@ impl PredictOptions {
             Deviation { shift_m: point.shift_m, half_width_m: point.band.map(|band| band.size_m[3]), residual_m: None }
         };
         let tolerance = self.path.tolerance_mm.map(mm_to_m);
-        let (features, finding) = features((&loaded.cell, &arm), &loaded.postures, tolerance, deviation)?;
+        let (features, finding) = features((&loaded.cell, &arm), &loaded.postures, tolerance, deviation, control)?;
         prediction.findings.extend(finding);
         let points = loaded.postures.iter().zip(&prediction.points);
         let points = points.map(|(posture, point)| (posture, point.shift_m, point.band));

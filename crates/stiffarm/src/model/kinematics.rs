@@ -51,7 +51,8 @@ impl Frames {
         self.update_serial(robot, theta.iter().copied());
     }
 
-    fn zero(n: usize) -> Self {
+    /// Memory for the frames of `n` joints.
+    pub(crate) fn zero(n: usize) -> Self {
         Frames {
             axes: vec![Vector3::zeros(); n],
             origins: vec![Vector3::zeros(); n],

@@ -11,7 +11,7 @@ use crate::model::kinematics::Frames;
 use crate::model::load::{Load, Wrench};
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::robot::Robot;
-use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
+use nalgebra::{DMatrix, DVector, DVectorView, Matrix6, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
 /// Changes of θ below this, and below the rounding of the deflection, end the
@@ -217,31 +217,30 @@ impl Equilibrium {
 /// happens only where the load is of the order that buckles the arm.
 pub fn equilibrium(setup: &Setup, q: &[f64], stiffness: &[f64], wrench: Option<&Wrench>) -> Result<Equilibrium> {
     let compliance = joint_compliance(&setup.robot, stiffness)?;
-    let terms = PostureTerms::new(setup, q, wrench)?;
-    let start = setup.robot.serial_angles(q);
-    equilibrium_from(setup, &compliance, &start, terms, wrench)
+    let mut terms = PostureTerms::new(setup, q, wrench)?;
+    let (deflection, iterations) = settle(setup, &compliance, &mut terms, wrench)?;
+    Ok(Equilibrium { terms, deflection, iterations })
 }
 
-/// The same for a compliance matrix K_θ⁻¹ (n × n), from the serial angles
-/// `start` \[rad\] with the arm's `terms` there.
+/// Moves the unloaded arm's `terms` to the same for a compliance matrix K_θ⁻¹ (n × n); the joint deflections \[rad\]
+/// and the iterations used.
 ///
 /// # Errors
 /// No convergence.
-pub(crate) fn equilibrium_from(
+pub(crate) fn settle(
     setup: &Setup,
     compliance: &DMatrix<f64>,
-    start: &DVector<f64>,
-    terms: PostureTerms,
+    terms: &mut PostureTerms,
     wrench: Option<&Wrench>,
-) -> Result<Equilibrium> {
+) -> Result<(DVector<f64>, usize)> {
     let (frames, at) = (terms.frames(), terms.loading_point());
     let following = wrench.and_then(|wrench| setup.load.following(frames, at, wrench));
     match following {
         Some(load) => {
             let setup = Setup { load, ..setup.clone() };
-            iterate(&setup, compliance, start, terms, None)
+            iterate(&setup, compliance, terms, None)
         }
-        None => iterate(setup, compliance, start, terms, wrench),
+        None => iterate(setup, compliance, terms, wrench),
     }
 }
 
@@ -249,23 +248,26 @@ pub(crate) fn equilibrium_from(
 fn iterate(
     setup: &Setup,
     compliance: &DMatrix<f64>,
-    start: &DVector<f64>,
-    mut terms: PostureTerms,
+    terms: &mut PostureTerms,
     wrench: Option<&Wrench>,
-) -> Result<Equilibrium> {
+) -> Result<(DVector<f64>, usize)> {
+    let start = DVector::from_column_slice(terms.frames().serial_angles());
     let mut deflection = DVector::zeros(start.len());
+    let (mut next, mut theta) = (deflection.clone(), start.clone());
     for iterations in 1..=EQUILIBRIUM_ITERATIONS {
-        let next = compliance * DVector::from_column_slice(terms.torque());
-        let change = (&next - &deflection).amax();
-        deflection = next;
-        let theta = start + &deflection;
+        next.gemv(1.0, compliance, &DVectorView::from_slice(terms.torque(), start.len()), 0.0);
+        deflection -= &next;
+        let change = deflection.amax();
+        deflection.copy_from(&next);
+        theta.copy_from(&start);
+        theta += &deflection;
         terms.frames.move_to_serial_angles(&setup.robot, theta.as_slice());
         terms.fill(setup, wrench)?;
         if !change.is_finite() {
             break;
         }
         if change <= EQUILIBRIUM_TOLERANCE + 4.0 * f64::EPSILON * deflection.amax() {
-            return Ok(Equilibrium { terms, deflection, iterations });
+            return Ok((deflection, iterations));
         }
     }
     Err(Error::invalid("The loaded arm has no stable equilibrium near this posture.")

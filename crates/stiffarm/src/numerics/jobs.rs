@@ -40,6 +40,8 @@ fn on_all_cores(count: usize, run: &(dyn Fn(usize) + Sync)) {
 /// Jobs whose results are held twice for a moment, and jobs between two reports.
 const PORTION: usize = 2048;
 const REPORTED: usize = 64;
+/// Small jobs that are done one after the other in the same memory.
+const BLOCK: usize = 64;
 
 /// The same with progress, which can be stopped between any two jobs.
 ///
@@ -125,6 +127,37 @@ pub fn each_in_order<J: Sync, T: Send>(
         run(job)
     };
     each_portion(jobs, what, control, watched, take)
+}
+
+/// [`in_order_watched`] for jobs that are smaller than what it takes to distribute them: `run` has the number of the
+/// first job of a block and the block, and gives as many results.
+///
+/// # Errors
+/// As [`in_order_watched`].
+pub fn in_blocks<J: Sync, T: Send>(
+    jobs: &[J],
+    what: &str,
+    control: Control<'_>,
+    run: impl Fn(usize, &[J]) -> Result<Vec<T>> + Sync + Send,
+) -> Result<Vec<T>> {
+    let mut out = Vec::with_capacity(jobs.len());
+    each_block(jobs, what, control, run, |part| out.extend(part))?;
+    Ok(out)
+}
+
+/// The same whose results are handed to `take`, block by block in their order.
+///
+/// # Errors
+/// As [`in_order_watched`].
+pub fn each_block<J: Sync, T: Send>(
+    jobs: &[J],
+    what: &str,
+    control: Control<'_>,
+    run: impl Fn(usize, &[J]) -> Result<T> + Sync + Send,
+    take: impl FnMut(T),
+) -> Result<()> {
+    let blocks: Vec<&[J]> = jobs.chunks(BLOCK).collect();
+    each_in_order(&blocks, what, control, |(b, block)| run(b * BLOCK, block), take)
 }
 
 fn each_portion<J: Sync, T: Send>(

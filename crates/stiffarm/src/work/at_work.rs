@@ -11,7 +11,8 @@ use crate::model::path::LoadedPosture;
 use crate::model::robot::Robot;
 use crate::model::scene::Scene;
 use crate::model::tool::NamedPoint;
-use crate::numerics::jobs::in_order;
+use crate::numerics::control::Control;
+use crate::numerics::jobs::in_blocks;
 use crate::units::rad_to_deg;
 use nalgebra::{Isometry3, Vector3};
 
@@ -41,19 +42,13 @@ impl AtWork {
         }
     }
 
-    /// The limit that the posture `q` violates most, if any.
-    pub fn violated(&self, q: &[f64]) -> Result<Option<LimitMargin>> {
-        if self.limits.is_empty() && self.scene.is_empty() {
-            return Ok(None);
+    /// The limits, ready to be looked at posture by posture.
+    pub fn limits(&self) -> LimitsAtWork<'_> {
+        LimitsAtWork {
+            margins: Margins::new(&self.setup, &self.limits, &self.scene),
+            terms: PostureTerms::memory(&self.setup),
+            are_none: self.limits.is_empty() && self.scene.is_empty(),
         }
-        let unloaded = Wrench::force(Vector3::zeros());
-        let terms = PostureTerms::new(&self.setup, q, Some(&unloaded))?;
-        let mut margins = Margins::new(&self.setup, &self.limits, &self.scene);
-        if margins.least(&terms) >= 0.0 {
-            return Ok(None);
-        }
-        // Names only for those that need words.
-        Ok(margins.smallest(&terms).filter(LimitMargin::is_violated))
     }
 
     /// The robot with the cell's bounds as limits.
@@ -61,11 +56,14 @@ impl AtWork {
         &self.robot
     }
 
-    /// How far limits and shapes are from allowing `q`, whatever the full turns of its joints: whole
-    /// micrometres, since rounding must not choose between postures; 0 where they allow it.
+    /// As [`LimitsAtWork::violated`].
+    pub fn violated(&self, q: &[f64]) -> Result<Option<LimitMargin>> {
+        self.limits().violated(q)
+    }
+
+    /// As [`LimitsAtWork::lacks_room`].
     pub fn lacks_room(&self, q: &[f64]) -> Result<f64> {
-        let violated = self.violated(q)?.map_or(0.0, |violated| -violated.margin);
-        Ok((1e6 * violated).ceil())
+        self.limits().lacks_room(q)
     }
 
     /// The same of the bounds, in whole millionths of a radian.
@@ -113,13 +111,46 @@ impl AtWork {
     }
 }
 
+/// The limits of a cell at work at one posture after another.
+pub(super) struct LimitsAtWork<'a> {
+    margins: Margins<'a>,
+    terms: PostureTerms,
+    are_none: bool,
+}
+
+impl LimitsAtWork<'_> {
+    /// The limit that the posture `q` violates most, if any.
+    pub fn violated(&mut self, q: &[f64]) -> Result<Option<LimitMargin>> {
+        if self.are_none {
+            return Ok(None);
+        }
+        let unloaded = Wrench::force(Vector3::zeros());
+        self.terms.move_to(self.margins.setup(), q, Some(&unloaded))?;
+        if self.margins.least(&self.terms) >= 0.0 {
+            return Ok(None);
+        }
+        // Names only for those that need words.
+        Ok(self.margins.smallest(&self.terms).filter(LimitMargin::is_violated))
+    }
+
+    /// How far limits and shapes are from allowing `q`, whatever the full turns of its joints: whole
+    /// micrometres, since rounding must not choose between postures; 0 where they allow it.
+    pub fn lacks_room(&mut self, q: &[f64]) -> Result<f64> {
+        let violated = self.violated(q)?.map_or(0.0, |violated| -violated.margin);
+        Ok((1e6 * violated).ceil())
+    }
+}
+
 /// A finding where postures of a path or a task are forbidden, with the first of them and its line:
 /// serious where shapes would collide.
 ///
 /// # Errors
-/// Angles of the wrong number or not finite.
-pub(super) fn forbidden(at_work: &AtWork, postures: &[LoadedPosture]) -> Result<Option<Finding>> {
-    let violated = in_order(postures, |(_, posture)| at_work.violated(&posture.q))?;
+/// Angles of the wrong number or not finite; interrupted.
+pub(super) fn forbidden(at_work: &AtWork, postures: &[LoadedPosture], control: Control<'_>) -> Result<Option<Finding>> {
+    let violated = in_blocks(postures, "limits and shapes", control.quiet(), |_, block| {
+        let mut limits = at_work.limits();
+        block.iter().map(|posture| limits.violated(&posture.q)).collect()
+    })?;
     let (mut count, of, mut worst) = (0, postures.len(), Severity::Caution);
     let mut first = None;
     for (posture, violated) in postures.iter().zip(violated) {

@@ -4,6 +4,7 @@ use crate::error::Result;
 use crate::findings::{Finding, length, length_with_error};
 use crate::model::cell::Cell;
 use crate::model::path::{LoadedPosture, feed_axes};
+use crate::numerics::control::Control;
 use crate::work::predict::LoadedArm;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -96,12 +97,13 @@ pub(crate) fn features(
     postures: &[LoadedPosture],
     default_tolerance: Option<f64>,
     deviation: impl Fn(usize) -> Deviation,
+    control: Control<'_>,
 ) -> Result<(Vec<Feature>, Option<Finding>)> {
     if default_tolerance.is_none() && postures.iter().all(|posture| posture.feature.is_none()) {
         return Ok((Vec::new(), None));
     }
     let angles: Vec<&[f64]> = postures.iter().map(|p| p.q.as_slice()).collect();
-    let tips = arm.tip_poses(&angles)?;
+    let tips = arm.tip_poses(&angles, control.quiet())?;
     let feeds = feed_axes(&tips);
     // In the order in which they come first.
     let mut groups: Vec<(Arc<str>, Vec<usize>)> = Vec::new();

@@ -61,7 +61,7 @@ pub(super) fn split(table: &mut Table<'_>, pattern: &NamePattern, names: &Names<
         let parts = if whole.text.is_empty() {
             vec![""; pattern.columns().count()]
         } else {
-            table.name(&row, Column { at, unit: None })?;
+            table.name(&row, Column { at, unit: None, sense: None })?;
             names.split(pattern, &whole.text).ok_or_else(|| {
                 let message = format!("\"{}\" does not fit the pattern {}.", whole.text, pattern.text());
                 let error = table.error(&row, at, Code::TableRow, message);

@@ -20,7 +20,7 @@ use crate::model::load::Wrench;
 use crate::model::measurement::{Displacement, MeasuredPosture, ReferencePart};
 use crate::model::observation::PostureTerms;
 use crate::model::posture::Posture;
-use crate::model::stiffness::{compliance_of_springs, displacement_between, equilibrium_from, joint_compliance};
+use crate::model::stiffness::{compliance_of_springs, displacement_between, joint_compliance, settle};
 use crate::numerics::streams::run_rng;
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
@@ -131,7 +131,6 @@ fn displacements(
     compliance: &DMatrix<f64>,
     model: Model,
 ) -> Result<Vec<Vector3<f64>>> {
-    let robot = &cell.setup.robot;
     let (q, wrench) = (&measured.posture.q, measured.wrench.as_ref());
     let setup = &*cell.setup.of_state(&measured.state)?;
     let terms = PostureTerms::new(setup, q, wrench)?;
@@ -141,9 +140,9 @@ fn displacements(
     let after = match model {
         Model::Linear => None,
         Model::Equilibrium => {
-            let start = robot.serial_angles(q);
-            let moved = equilibrium_from(setup, compliance, &start, terms.clone(), wrench)?;
-            Some(moved.frames().clone())
+            let mut moved = terms.clone();
+            settle(setup, compliance, &mut moved, wrench)?;
+            Some(moved.frames)
         }
     };
     // Δq = K_θ⁻¹ Γ, Eq. (5).

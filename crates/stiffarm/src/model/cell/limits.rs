@@ -143,6 +143,14 @@ impl Limits {
         });
     }
 
+    /// The smallest margin of one posture, infinite without limits; `on_points` are the limits
+    /// [on points](Self::on_points).
+    pub(crate) fn least(&self, on_points: &[PointLimit], setup: &Setup, terms: &PostureTerms) -> f64 {
+        let mut least = f64::INFINITY;
+        self.visit(on_points, setup, terms, |_, _, margin, _| least = least.min(margin));
+        least
+    }
+
     /// Calls `each` with limit, number of the subject, margin and derivative, subject by subject.
     fn visit(
         &self,

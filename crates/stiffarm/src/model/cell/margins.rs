@@ -115,10 +115,7 @@ impl<'a> Margins<'a> {
     /// the largest one; 0 or more exactly where every limit is met. Where a limit of points is violated
     /// by a millimetre or more, it is the smallest of those: shapes are not looked at.
     pub fn least(&mut self, terms: &PostureTerms) -> f64 {
-        let mut values = vec![0.0; self.point_count];
-        let none = Slopes::default();
-        self.limits.evaluate(&self.on_points, &self.setup, terms, &mut values, none);
-        let mut least = values.iter().fold(f64::INFINITY, |l, v| l.min(*v));
+        let mut least = self.limits.least(&self.on_points, &self.setup, terms);
         if least < -CLEAR_VIOLATION {
             return least;
         }

@@ -32,9 +32,10 @@ use crate::model::observation::check_angles;
 use crate::model::robot::Robot;
 use crate::numerics::information::svd;
 use crate::units::{rad_to_deg, rad_to_sentence_deg};
-use closed_form::{ClosedForm, Theta};
+use closed_form::{ClosedForm, Theta, wrapped};
 use nalgebra::{DMatrix, Isometry3, Matrix6, Vector6};
 use numeric::{Descent, SOLVED_RESIDUAL, scaled_columns, twist};
+use std::vec::IntoIter;
 use turns::Turns;
 pub(crate) use turns::largest_change;
 
@@ -168,7 +169,7 @@ impl InverseKinematics {
     /// A pose that is not finite.
     pub fn solve(&self, flange: &Isometry3<f64>) -> Result<Outcome> {
         check_pose(flange)?;
-        let branches = self.all(flange, &self.turns.middle());
+        let branches = self.all(flange, self.turns.middle());
         if !branches.is_empty() {
             return Ok(Outcome::Reachable(branches));
         }
@@ -245,6 +246,12 @@ impl InverseKinematics {
         both_fit.then(|| self.turns.near(q, near)).flatten()
     }
 
+    /// Writes to `turned` what [`turns_near`](Self::turns_near) says of finite angles; the largest change from `near`
+    /// \[rad\], `None` also where it is `least` or more.
+    pub(crate) fn turned_near(&self, q: &[f64], near: &[f64], least: f64, turned: &mut [f64]) -> Option<f64> {
+        self.turns.turned_near(q, near, least, turned)
+    }
+
     /// Every posture within the machine's limits that differs from `q` \[rad\]
     /// by full turns of its joints; of very wide limits those about the middle.
     pub fn turns_within_limits(&self, q: &[f64]) -> Vec<Vec<f64>> {
@@ -257,22 +264,35 @@ impl InverseKinematics {
 
     /// All branches, free angles near `near`.
     fn all(&self, flange: &Isometry3<f64>, near: &[f64]) -> Vec<Branch> {
-        let Some(closed_form) = &self.closed_form else {
+        let Some(mut postures) = self.postures(flange, near) else {
             return self.search(flange, near);
         };
-        let mut frames = Frames::at_serial_angles(&self.robot, &[0.0; 6]);
+        let mut frames = Frames::zero(self.robot.joint_count());
         let mut branches: Vec<Branch> = Vec::with_capacity(8);
-        for mut theta in closed_form.solve(flange, &self.theta(near), SLACK * self.size) {
-            let Some(condition) = self.polish(&mut frames, flange, &mut theta) else {
-                continue;
-            };
-            let branch = self.branch(&self.turns.controller_angles(&theta), condition);
-            let is_same = |b: &Branch| self.turns.alike(&b.q, &branch.q, SAME_ANGLE);
-            if !branches.iter().any(is_same) {
-                branches.push(branch);
-            }
+        while let Some(q) = postures.next(&mut frames) {
+            branches.push(self.branch(q, self.inverse_jacobian(&frames).0));
         }
         branches
+    }
+
+    /// The postures of [`solve`](Self::solve) one by one, `None` without a closed form.
+    ///
+    /// # Errors
+    /// A pose that is not finite.
+    pub(crate) fn each_posture<'a>(&'a self, flange: &'a Isometry3<f64>) -> Result<Option<Postures<'a>>> {
+        check_pose(flange)?;
+        Ok(self.postures(flange, self.turns.middle()))
+    }
+
+    fn postures<'a>(&'a self, flange: &'a Isometry3<f64>, near: &[f64]) -> Option<Postures<'a>> {
+        let closed_form = self.closed_form.as_ref()?;
+        let solutions = closed_form.solve(flange, &self.theta(near), SLACK * self.size);
+        Some(Postures {
+            inverse: self,
+            flange,
+            before: Vec::with_capacity(solutions.len()),
+            solutions: solutions.into_iter(),
+        })
     }
 
     fn theta(&self, q: &[f64]) -> Theta {
@@ -280,33 +300,32 @@ impl InverseKinematics {
         std::array::from_fn(|i| serial[i])
     }
 
-    fn branch(&self, q: &[f64], condition: f64) -> Branch {
-        let q = self.turns.to_middle(q);
+    /// `q` has the turns nearest to the middle of the limits.
+    fn branch(&self, q: Vec<f64>, condition: f64) -> Branch {
         Branch { within_limits: self.turns.contain(&q), singular: condition > SINGULAR_CONDITION, q, condition }
     }
 
-    /// A Newton step where formulas leave more than rounding; the condition
-    /// number at the posture, `None` when it does not hold the pose.
-    fn polish(&self, frames: &mut Frames, flange: &Isometry3<f64>, theta: &mut Theta) -> Option<f64> {
+    /// A Newton step where formulas leave more than rounding, to which `frames` move; whether the posture then holds
+    /// the pose.
+    fn polish(&self, frames: &mut Frames, flange: &Isometry3<f64>, theta: &mut Theta) -> bool {
         frames.update_serial(&self.robot, theta.iter().copied());
         let mut residual = twist(flange, frames.flange(), self.size);
-        let (mut condition, mut inverse) = self.inverse_jacobian(frames);
         for _ in 0..2 {
-            let Some(solver) = &inverse else { break };
             if residual.norm() < 1e-14 {
                 break;
             }
-            let step = solver * residual;
+            let (_, Some(inverse)) = self.inverse_jacobian(frames) else { break };
+            let step = inverse * residual;
             let trial: Theta = std::array::from_fn(|i| theta[i] + step[i]);
             frames.update_serial(&self.robot, trial.iter().copied());
             let next = twist(flange, frames.flange(), self.size);
             if next.norm() >= 0.5 * residual.norm() {
+                frames.update_serial(&self.robot, theta.iter().copied());
                 break;
             }
             (*theta, residual) = (trial, next);
-            (condition, inverse) = self.inverse_jacobian(frames);
         }
-        (residual.norm() <= ACCEPTED_RESIDUAL).then_some(condition)
+        residual.norm() <= ACCEPTED_RESIDUAL
     }
 
     /// Condition number and inverse of the scaled Jacobian of six joints.
@@ -353,6 +372,32 @@ impl InverseKinematics {
             1 => "it has no other posture; move or turn the pose".to_string(),
             count => format!("of the pose's {count} postures this one leaves the limits least; move or turn the pose"),
         })
+    }
+}
+
+/// The postures of a pose in closed form, one after the other, each once.
+pub(crate) struct Postures<'a> {
+    inverse: &'a InverseKinematics,
+    flange: &'a Isometry3<f64>,
+    solutions: IntoIter<Theta>,
+    before: Vec<Theta>,
+}
+
+impl Postures<'_> {
+    /// The next one, with the full turns nearest to the middle of the machine's limits \[rad\]; `frames` move there.
+    pub(crate) fn next(&mut self, frames: &mut Frames) -> Option<Vec<f64>> {
+        for mut theta in self.solutions.by_ref() {
+            if !self.inverse.polish(frames, self.flange, &mut theta) {
+                continue;
+            }
+            let is_same = |other: &Theta| other.iter().zip(&theta).all(|(a, b)| wrapped(a - b).abs() < SAME_ANGLE);
+            if !self.before.iter().any(is_same) {
+                self.before.push(theta);
+                let turns = &self.inverse.turns;
+                return Some(turns.to_middle(turns.controller_angles(&theta)));
+            }
+        }
+        None
     }
 }
 

@@ -210,7 +210,8 @@ impl InverseKinematics {
         if !solved || branches.iter().any(|b| self.turns.alike(&b.q, &q, same)) {
             return false;
         }
-        branches.push(self.branch(&q, self.condition(&q)));
+        let condition = self.condition(&q);
+        branches.push(self.branch(self.turns.to_middle(q), condition));
         true
     }
 }

@@ -8,7 +8,7 @@
 use super::closed_form::wrapped;
 use crate::model::robot::Robot;
 use nalgebra::{DMatrix, DVector};
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// An angle this far outside its limits is still inside \[rad\], as
 /// [`Robot::outside_limits`] has it.
@@ -22,6 +22,8 @@ const MOST_TURNS_ASIDE: f64 = 64.0;
 #[derive(Debug, Clone)]
 pub(super) struct Turns {
     limits: Vec<[f64; 2]>,
+    /// Middle of the limits, 0 or the limit itself where one has none \[rad\].
+    middle: Vec<f64>,
     offset: DVector<f64>,
     coupling: DMatrix<f64>,
     inverse: DMatrix<f64>,
@@ -41,8 +43,16 @@ impl Turns {
         if separate {
             inverse.apply(|v| *v = v.round());
         }
+        let middle = |[low, high]: &[f64; 2]| match (low.is_finite(), high.is_finite()) {
+            (true, true) => low + (high - low) / 2.0,
+            (true, false) => low.max(0.0),
+            (false, true) => high.min(0.0),
+            (false, false) => 0.0,
+        };
+        let limits: Vec<[f64; 2]> = robot.joints().iter().map(|j| j.limits).collect();
         Turns {
-            limits: robot.joints().iter().map(|j| j.limits).collect(),
+            middle: limits.iter().map(middle).collect(),
+            limits,
             offset: robot.serial_angles(&vec![0.0; n]),
             coupling: robot.coupling().clone(),
             inverse,
@@ -52,26 +62,25 @@ impl Turns {
 
     /// q of θ \[rad\].
     pub(super) fn controller_angles(&self, theta: &[f64]) -> Vec<f64> {
-        let turned = DVector::from_column_slice(theta) - &self.offset;
-        (&self.inverse * turned).as_slice().to_vec()
+        // Sums of −0 and more are those of the rest.
+        let mut q = vec![-0.0; theta.len()];
+        for ((column, theta), offset) in self.inverse.column_iter().zip(theta).zip(&self.offset) {
+            let turned = theta - offset;
+            q.iter_mut().zip(&column).for_each(|(q, inverse)| *q += inverse * turned);
+        }
+        q
     }
 
     /// Middle of the limits, 0 or the limit itself where one has none \[rad\].
-    pub(super) fn middle(&self) -> Vec<f64> {
-        let middle = |[low, high]: &[f64; 2]| match (low.is_finite(), high.is_finite()) {
-            (true, true) => low + (high - low) / 2.0,
-            (true, false) => low.max(0.0),
-            (false, true) => high.min(0.0),
-            (false, false) => 0.0,
-        };
-        self.limits.iter().map(middle).collect()
+    pub(super) fn middle(&self) -> &[f64] {
+        &self.middle
     }
 
     /// Limits with infinite and absurdly wide ones cut to some turns about the
     /// middle.
     pub(super) fn finite_limits(&self, turns: f64) -> Vec<[f64; 2]> {
         let wide = turns * TAU;
-        let cut = |(limit, middle): (&[f64; 2], f64)| [limit[0].max(middle - wide), limit[1].min(middle + wide)];
+        let cut = |(limit, middle): (&[f64; 2], &f64)| [limit[0].max(middle - wide), limit[1].min(middle + wide)];
         self.limits.iter().zip(self.middle()).map(cut).collect()
     }
 
@@ -94,14 +103,14 @@ impl Turns {
     }
 
     /// `q` with the turns nearest to `goal`, whatever the limits.
-    fn nearest(&self, q: &[f64], goal: &[f64]) -> Vec<f64> {
+    fn nearest(&self, mut q: Vec<f64>, goal: &[f64]) -> Vec<f64> {
         if self.separate {
-            let turned = |(q, goal): (&f64, &f64)| q + ((goal - q) / TAU).round() * TAU;
-            return q.iter().zip(goal).map(turned).collect();
+            q.iter_mut().zip(goal).for_each(|(q, goal)| *q += ((goal - *q) / TAU).round() * TAU);
+            return q;
         }
         let missing = DVector::from_fn(q.len(), |j, _| goal[j] - q[j]);
         let turns = (&self.coupling * missing / TAU).map(f64::round);
-        let mut best = DVector::from_column_slice(q) + &self.inverse * turns * TAU;
+        let mut best = DVector::from_column_slice(&q) + &self.inverse * turns * TAU;
         let change = |q: &DVector<f64>| largest_change(q.as_slice(), goal);
         // Rounding is best in θ; single turns more or less may be better in q.
         for _ in 0..MOST_COMBINATIONS.ilog2() {
@@ -124,29 +133,43 @@ impl Turns {
 
     /// `q` with the turns nearest to the middle of the limits; within them
     /// where any are.
-    pub(super) fn to_middle(&self, q: &[f64]) -> Vec<f64> {
-        let middle = self.middle();
-        let central = self.nearest(q, &middle);
-        if self.separate || self.contain(&central) {
+    pub(super) fn to_middle(&self, q: Vec<f64>) -> Vec<f64> {
+        if self.separate {
+            return self.nearest(q, &self.middle);
+        }
+        let central = self.nearest(q.clone(), &self.middle);
+        if self.contain(&central) {
             return central;
         }
-        self.near(q, &middle).unwrap_or(central)
+        self.near(&q, &self.middle).unwrap_or(central)
     }
 
     /// `q` with the turns within the limits that are nearest to `goal` by the
     /// largest change of an angle.
     pub(super) fn near(&self, q: &[f64], goal: &[f64]) -> Option<Vec<f64>> {
         if self.separate {
-            let turned = q.iter().zip(goal).zip(&self.limits).map(|((q, goal), limit)| {
-                let least = ((limit[0] - TOLERANCE - q) / TAU).ceil();
-                let most = ((limit[1] + TOLERANCE - q) / TAU).floor();
-                let turns = ((goal - q) / TAU).round();
-                (least <= most).then(|| q + turns.max(least).min(most) * TAU)
-            });
+            let turned = q.iter().zip(goal).zip(&self.limits).map(|((q, goal), limits)| angle_near(*q, *goal, limits));
             return turned.collect();
         }
         let all = self.within_limits(q);
         all.into_iter().min_by(|a, b| largest_change(a, goal).total_cmp(&largest_change(b, goal)))
+    }
+
+    /// The same written to `turned`; its largest change, `None` also where it is `least` or more.
+    pub(super) fn turned_near(&self, q: &[f64], goal: &[f64], least: f64, turned: &mut [f64]) -> Option<f64> {
+        if !self.separate {
+            turned.copy_from_slice(&self.near(q, goal)?);
+            return Some(largest_change(turned, goal)).filter(|change| *change < least);
+        }
+        let mut largest: f64 = 0.0;
+        for (((q, goal), limits), turned) in q.iter().zip(goal).zip(&self.limits).zip(turned) {
+            *turned = angle_near(*q, *goal, limits)?;
+            largest = largest.max((*turned - goal).abs());
+            if largest >= least {
+                return None;
+            }
+        }
+        Some(largest)
     }
 
     /// Every combination of turns within the limits, up to [`MOST_COMBINATIONS`] about the
@@ -154,7 +177,7 @@ impl Turns {
     pub(super) fn within_limits(&self, q: &[f64]) -> Vec<Vec<f64>> {
         let n = q.len();
         let limits = self.finite_limits(MOST_TURNS_ASIDE);
-        let central = self.nearest(q, &self.middle());
+        let central = self.nearest(q.to_vec(), &self.middle);
         // Range of the whole turns of each joint: of q where they are separate, else of θ.
         let mut ranges: Vec<Vec<f64>> = (0..n)
             .map(|j| {
@@ -213,6 +236,18 @@ impl Turns {
         };
         (0..a.len()).all(|i| wrapped(serial(i)).abs() < tolerance)
     }
+}
+
+/// An angle with the turns within its limits that are nearest to `goal`, of turns that are separate.
+fn angle_near(q: f64, goal: f64, limits: &[f64; 2]) -> Option<f64> {
+    let [low, high] = [limits[0] - TOLERANCE, limits[1] + TOLERANCE];
+    if (goal - q).abs() < FRAC_PI_2 && low <= q && q <= high {
+        return Some(q);
+    }
+    let least = ((low - q) / TAU).ceil();
+    let most = ((high - q) / TAU).floor();
+    let turns = ((goal - q) / TAU).round();
+    (least <= most).then(|| q + turns.max(least).min(most) * TAU)
 }
 
 /// Largest change of an angle from one posture to another \[rad\].

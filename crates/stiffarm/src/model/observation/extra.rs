@@ -302,7 +302,7 @@ fn place(joint: Option<usize>) -> usize {
 /// Terms with their values; those of one general spring are one compliance.
 #[derive(Debug, Clone)]
 pub(crate) struct Elements {
-    /// Compliances of all places, symmetric.
+    /// Compliances of the places that give way, symmetric.
     pub(crate) springs: Vec<(Option<usize>, Matrix6<f64>)>,
     rest: Vec<(ExtraTerm, f64)>,
 }
@@ -326,6 +326,7 @@ impl Elements {
                 term => rest.push((term, *value)),
             }
         }
+        springs.retain(|(_, compliance)| *compliance != Matrix6::zeros());
         Elements { springs, rest }
     }
 
@@ -333,7 +334,6 @@ impl Elements {
     /// among them or not: \[shift (m); turn (rad)\], base axes.
     pub(crate) fn twist(&self, terms: &PostureTerms, at: &Vector3<f64>, lost: bool) -> Vector6<f64> {
         let springs = self.springs.iter();
-        let springs = springs.filter(|(_, c)| *c != Matrix6::zeros());
         let springs = springs.map(|(joint, c)| LoadedSpring::new(terms, *joint).with(c).twist(at));
         let rest = self.rest.iter().filter(|(term, _)| lost || term.is_spring());
         let rest = rest.map(|(term, value)| term.twist(terms, at) * *value);

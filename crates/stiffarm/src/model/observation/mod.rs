@@ -97,13 +97,17 @@ impl PostureTerms {
     /// The load is [`Load::Measured`] and no wrench is given, or `q` has the
     /// wrong length or an entry that is not finite.
     pub fn new(setup: &Setup, q: &[f64], wrench: Option<&Wrench>) -> Result<Self> {
-        let robot = &setup.robot;
-        check_angles(robot, q)?;
-        let frames = Frames::new(robot, q);
-        let n = robot.joint_count();
+        let mut terms = PostureTerms::memory(setup);
+        terms.move_to(setup, q, wrench)?;
+        Ok(terms)
+    }
+
+    /// Memory for the terms of `setup` at one posture after another.
+    pub(crate) fn memory(setup: &Setup) -> Self {
+        let n = setup.robot.joint_count();
         let m = setup.tool.point_count();
-        let mut terms = PostureTerms {
-            frames,
+        PostureTerms {
+            frames: Frames::zero(n),
             loading_point: Vector3::zeros(),
             loading_columns: vec![Vector3::zeros(); n],
             measuring_points: vec![Vector3::zeros(); m],
@@ -111,9 +115,17 @@ impl PostureTerms {
             wrench: Wrench::force(Vector3::zeros()),
             torque: vec![0.0; n],
             before: Vec::new(),
-        };
-        terms.fill(setup, wrench)?;
-        Ok(terms)
+        }
+    }
+
+    /// Moves these terms to the controller angles `q` \[rad\] without allocating.
+    ///
+    /// # Errors
+    /// As [`PostureTerms::new`].
+    pub(crate) fn move_to(&mut self, setup: &Setup, q: &[f64], wrench: Option<&Wrench>) -> Result<()> {
+        check_angles(&setup.robot, q)?;
+        self.frames.update(&setup.robot, q);
+        self.fill(setup, wrench)
     }
 
     /// Recomputes everything at `q` without allocating.

@@ -68,9 +68,14 @@ pub fn tip_wrenches(
     process: Option<&ProcessLoad>,
     workpiece: &Isometry3<f64>,
 ) -> Result<Vec<Wrench>> {
-    let feeds = load_axes(feed_axes(poses));
-    let all = points.iter().zip(poses).zip(&feeds);
-    all.map(|((point, pose), feed)| tip_wrench(point, pose, feed.as_ref(), process, workpiece)).collect()
+    let are_needed = points.iter().any(|point| point.is_loaded_along(process));
+    let feeds = if are_needed { load_axes(feed_axes(poses)) } else { Vec::new() };
+    let all = points.iter().zip(poses).enumerate();
+    all.map(|(i, (point, pose))| {
+        let feed = feeds.get(i).and_then(Option::as_ref);
+        tip_wrench(point, pose, feed, process, workpiece)
+    })
+    .collect()
 }
 
 /// The same of one point with its feed axes.

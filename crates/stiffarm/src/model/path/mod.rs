@@ -10,7 +10,7 @@ pub use frames::{feed_axes, load_axes, tip_wrenches};
 
 use crate::error::{Code, Error, Result};
 use crate::model::load::Wrench;
-use crate::model::process::{ProcessLoad, TipLoad};
+use crate::model::process::{ForceAxes, ProcessLoad, TipLoad};
 use nalgebra::{Isometry3, UnitVector3, Vector3};
 use std::sync::Arc;
 
@@ -74,6 +74,12 @@ impl PathPoint {
             ))
         })?;
         Ok(Some(load))
+    }
+
+    /// Whether its load, its own or else that of `process`, is in the axes of the path.
+    pub(crate) fn is_loaded_along(&self, process: Option<&ProcessLoad>) -> bool {
+        let load = self.load.as_ref().or(process.map(|process| &process.load));
+        load.is_some_and(|load| load.axes == ForceAxes::Path)
     }
 
     /// `error` with the line of this point.

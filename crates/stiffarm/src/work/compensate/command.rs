@@ -46,12 +46,25 @@ pub struct Command {
 /// a load that buckles the arm, or bends what is not determined; a posture in which the
 /// arm cannot make up for what gives way beyond its joints.
 pub fn command(arm: &LoadedArm, nominal: &[f64], wrench: &Wrench) -> Result<Command> {
+    command_in(arm, nominal, wrench, &mut arm.memory())
+}
+
+/// The same in the memory of `terms`.
+///
+/// # Errors
+/// As [`command`].
+pub(super) fn command_in(
+    arm: &LoadedArm,
+    nominal: &[f64],
+    wrench: &Wrench,
+    terms: &mut PostureTerms,
+) -> Result<Command> {
     let robot = arm.robot();
-    let mut terms = arm.terms(nominal, wrench)?;
+    arm.stand_at(nominal, wrench, terms)?;
     let target = terms.frames().flange() * arm.tip();
     let mut theta = robot.serial_angles(nominal);
     if arm.has_more_than_joints() {
-        reach(arm, &mut theta, &mut terms, wrench, &target)?;
+        reach(arm, &mut theta, terms, wrench, &target)?;
     }
     // θ_command = θ_loaded − K_θ⁻¹ Γ(θ_loaded)
     let give = arm.compliance() * DVector::from_column_slice(terms.torque());
@@ -59,7 +72,7 @@ pub fn command(arm: &LoadedArm, nominal: &[f64], wrench: &Wrench) -> Result<Comm
         .controller_angles(&(theta - give))
         .ok_or_else(|| Error::new(Code::Internal, "The coupling of the robot cannot be undone."))?;
     let q: Vec<f64> = q.iter().copied().collect();
-    let bent = arm.deflect(&q, wrench)?;
+    let bent = arm.deflect_in(&q, wrench, terms)?;
     Ok(Command { q, nominal: target, unloaded: bent.before, loaded: bent.after })
 }
 

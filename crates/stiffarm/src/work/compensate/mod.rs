@@ -11,6 +11,7 @@
 
 mod command;
 
+use command::command_in;
 pub use command::{Command, command};
 
 use crate::error::{Code, Error, Result};
@@ -19,6 +20,7 @@ use crate::estimate::identify::rms;
 use crate::findings::{Finding, Severity, length};
 use crate::model::cell::Cell;
 use crate::model::implausible;
+use crate::model::observation::PostureTerms;
 use crate::model::path::LoadedPosture;
 use crate::numerics::control::Control;
 use crate::units::{rad_to_deg, rad_to_sentence_deg};
@@ -186,7 +188,7 @@ pub(crate) fn compensate_on(
         (arm, bands.as_ref()),
         postures,
         ("compensating", control),
-        |posture| point(arm, posture).map_err(|e| predictor.explain(posture.at(e))),
+        |posture, terms| point(arm, posture, terms).map_err(|e| predictor.explain(posture.at(e))),
         |point| (point.uncompensated_shift_m, &mut point.band),
     )?;
     let confidence = bands.map(|b| b.confidence);
@@ -201,13 +203,13 @@ pub(crate) fn compensate_on(
     let loads = postures.iter().map(|p| (&*p.name, &p.wrench));
     out.findings.extend(implausible::load(arm.robot(), loads));
     // Where the loaded arm stands: its command is off by as much as it gives way.
-    out.findings.extend(forbidden(arm.at_work(), postures)?);
+    out.findings.extend(forbidden(arm.at_work(), postures, control)?);
     Ok(out)
 }
 
-fn point(arm: &LoadedArm, posture: &LoadedPosture) -> Result<PointCompensation> {
+fn point(arm: &LoadedArm, posture: &LoadedPosture, terms: &mut PostureTerms) -> Result<PointCompensation> {
     let wrench = &posture.wrench;
-    let command = command(arm, &posture.q, wrench)?;
+    let command = command_in(arm, &posture.q, wrench, terms)?;
     let robot = arm.robot();
     if let Some((j, angle)) = robot.outside_limits(&command.q)
         && robot.outside_limits(&posture.q).is_none()
@@ -223,7 +225,7 @@ fn point(arm: &LoadedArm, posture: &LoadedPosture) -> Result<PointCompensation> 
         return Err(Error::new(Code::OutsideLimits, message)
             .hint("choose another posture for this point, farther from the limit"));
     }
-    let bent = arm.deflect(&posture.q, wrench)?;
+    let bent = arm.deflect_in(&posture.q, wrench, terms)?;
     let shift: Vector3<f64> = bent.displacement.fixed_rows::<3>(0).into_owned();
     let correction = motion(&command.nominal, &command.unloaded);
     let left = motion(&command.nominal, &command.loaded);

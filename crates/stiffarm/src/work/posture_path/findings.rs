@@ -6,9 +6,8 @@ use crate::findings::{Finding, length, more, percent};
 use crate::model::dexterity::condition_number;
 use crate::model::kinematics::Frames;
 use crate::model::path::{PathPoint, feed_axes};
-use crate::model::process::ForceAxes;
-use crate::numerics::jobs::in_order;
-use nalgebra::Isometry3;
+use crate::numerics::control::Control;
+use crate::numerics::jobs::in_blocks;
 
 /// k(J_N), Eq. (21) at a length of 1 m, above which a posture is called singular:
 /// the wrist is within about a degree of straight then.
@@ -17,40 +16,44 @@ const NEARLY_SINGULAR: f64 = 60.0;
 const MOST_NAMED: usize = 5;
 
 /// That some loads in path axes have those of another point.
-fn borrowed_feed(search: &Search<'_>, tips: &[Isometry3<f64>]) -> Option<Finding> {
+fn borrowed_feed(search: &Search<'_>, q: &[Vec<f64>], control: Control<'_>) -> Result<Option<Finding>> {
     let process = search.options.process.as_ref();
-    let is_along = |point: &PathPoint| {
-        let load = point.load.as_ref().or(process.map(|process| &process.load));
-        load.is_some_and(|load| load.axes == ForceAxes::Path)
-    };
+    let is_along = |point: &PathPoint| point.is_loaded_along(process);
     if !search.points.iter().any(is_along) {
-        return None;
+        return Ok(None);
     }
-    let feeds = feed_axes(tips);
+    let feeds = feed_axes(&search.arm.tip_poses(q, control.quiet())?);
     let pairs = search.points.iter().zip(&feeds);
     let mut borrowed = pairs.filter(|(point, feed)| feed.is_none() && is_along(point));
-    let (first, _) = borrowed.next()?;
+    let Some((first, _)) = borrowed.next() else {
+        return Ok(None);
+    };
     let more = more(borrowed.count());
     let sentence = format!(
         "At point {}{more} the path does not move across the tool axis, as in a plunge: the load there has the \
          path axes of the next move.",
         first.name
     );
-    Some(Finding::note("feed-of-the-next", "path", sentence))
+    Ok(Some(Finding::note("feed-of-the-next", "path", sentence)))
 }
 
-/// All of them, for the postures `q` with the tip at `tips`.
+/// All of them, for the postures `q`.
 pub(super) fn findings(
     search: &Search<'_>,
     q: &[Vec<f64>],
-    tips: &[Isometry3<f64>],
     summary: &PosturePathSummary,
+    control: Control<'_>,
 ) -> Result<Vec<Finding>> {
-    let mut out: Vec<Finding> = borrowed_feed(search, tips).into_iter().collect();
-    let is_singular = in_order(q, |(_, q)| {
-        let frames = Frames::new(search.arm.robot(), q);
-        let tip = frames.point(&search.arm.tip().translation.vector);
-        Ok(condition_number(&frames, &tip, 1.0).is_none_or(|k| k > NEARLY_SINGULAR))
+    let mut out: Vec<Finding> = borrowed_feed(search, q, control)?.into_iter().collect();
+    let robot = search.arm.robot();
+    let is_singular = in_blocks(q, "singular postures", control.quiet(), |_, block| {
+        let mut frames = Frames::zero(robot.joint_count());
+        let is_singular = |q: &Vec<f64>| {
+            frames.update(robot, q);
+            let tip = frames.point(&search.arm.tip().translation.vector);
+            condition_number(&frames, &tip, 1.0).is_none_or(|k| k > NEARLY_SINGULAR)
+        };
+        Ok(block.iter().map(is_singular).collect())
     })?;
     let points = is_singular.into_iter().enumerate();
     let singular = points.filter(|(_, is_singular)| *is_singular);

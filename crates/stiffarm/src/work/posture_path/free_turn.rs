@@ -9,7 +9,8 @@
 
 use super::{Search, change, turned};
 use crate::error::{Code, Error, Result};
-use crate::model::inverse::{Method, Outcome};
+use crate::model::inverse::Method;
+use crate::model::kinematics::Frames;
 use crate::model::load::Wrench;
 use crate::model::path::{feed_axes, load_axes, tip_wrench};
 use crate::numerics::control::Control;
@@ -116,16 +117,14 @@ fn through(
     let mut layers: Vec<Vec<Node>> = if closed {
         in_order_watched(knots, "turns about the tool axis", control, |(_, &i)| {
             let mut layer = Vec::new();
+            let mut frames = Frames::zero(search.arm.robot().joint_count());
             for k in 0..count {
                 let turn = wrapped(k as f64 * spacing);
                 let tip = turned(&poses[i], turn);
-                if let Outcome::Reachable(branches) =
-                    search.inverse.solve(&search.flange(&tip)).map_err(|e| search.at(i, e))?
-                {
-                    let load = wrench(i, &tip)?;
-                    for branch in branches {
-                        add(search, &mut layer, &branch.q, turn, &load)?;
-                    }
+                let flange = search.flange(&tip);
+                let mut postures = search.inverse.each_posture(&flange).map_err(|e| search.at(i, e))?;
+                while let Some(q) = postures.as_mut().and_then(|postures| postures.next(&mut frames)) {
+                    add(search, &mut layer, &q, turn, &wrench(i, &tip)?)?;
                 }
             }
             Ok(layer)
@@ -214,7 +213,7 @@ fn add(search: &Search<'_>, layer: &mut Vec<Node>, q: &[f64], turn: f64, load: &
     turns.sort_by(|a, b| search.off_centre(a).total_cmp(&search.off_centre(b)));
     // Bounds count among full turns alone; each is as good by all else.
     let first = Node::new(search, turns[0].clone(), turn, load)?;
-    let beyond = |q: &[f64]| search.beyond_bounds_along(&[q.to_vec()]);
+    let beyond = |q: &[f64]| if search.keeps { search.arm.at_work().beyond_bounds(q) } else { 0.0 };
     let room = first.missing - beyond(&first.q);
     for q in turns.into_iter().take(FULL_TURNS) {
         layer.push(Node { missing: room + beyond(&q), q, ..first });

@@ -22,14 +22,16 @@ use crate::estimate::identify::rms;
 use crate::findings::Finding;
 use crate::model::inverse::{InverseKinematics, Method, Outcome};
 use crate::model::load::Wrench;
+use crate::model::observation::PostureTerms;
 use crate::model::path::{LoadedPosture, PathPoint, PathTarget, tip_wrenches};
 use crate::model::process::ProcessLoad;
 use crate::numerics::control::Control;
-use crate::numerics::jobs::in_order_watched;
+use crate::numerics::jobs::in_blocks;
 use crate::units::deg_to_rad;
 use crate::work::predict::LoadedArm;
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, UnitVector3, Vector3};
 use serde::{Deserialize, Serialize};
+use tracks::Branches;
 
 /// How to find the postures of a path.
 #[derive(Debug, Clone, PartialEq)]
@@ -122,6 +124,8 @@ struct PathPostures {
     rms: f64,
     /// The same of the path as given, where its turn was freed.
     given_rms: Option<f64>,
+    /// Loads at the tip.
+    wrenches: Vec<Wrench>,
 }
 
 /// Finds the postures of `points`.
@@ -167,7 +171,15 @@ pub fn posture_path(
     };
     let angles = angles.as_deref();
     let with_hint = |error| turned_round::with_hint(&search, &poses, free, error);
-    let way = search.way(angles, free, axis_only, &poses, control);
+    let branches = match angles.is_some() || axis_only {
+        true => None,
+        false => match tracks::branches(&search, &poses, control) {
+            // Whoever frees the turn may do so because it cannot be kept.
+            Err(error) if free && error.code() != Code::Interrupted => None,
+            branches => Some(branches.map_err(with_hint)?),
+        },
+    };
+    let way = search.way(angles, free, branches.as_ref(), &poses, control);
     let mut way = way.map_err(with_hint)?;
     let (mut unkept_rms_m, mut about_limits) = (None, Vec::new());
     if origin != Origin::Given {
@@ -176,7 +188,7 @@ pub fn posture_path(
         if sum(&missing) > 0.0 {
             search.keeps = true;
             // Where the other search ends at a jump, what is known stays.
-            match search.way(angles, free, axis_only, &poses, control) {
+            match search.way(angles, free, branches.as_ref(), &poses, control) {
                 Err(error) if error.code() == Code::Interrupted => return Err(error),
                 Err(_) => {}
                 Ok(other) => {
@@ -192,9 +204,8 @@ pub fn posture_path(
             about_limits.extend(search.nothing_free(&poses, free, &way, &missing)?);
         }
     }
-    let PathPostures { q, turn, rms, given_rms } = way;
-    let tips = arm.tip_poses(&q)?;
-    let wrenches = search.wrenches(&tips)?;
+    drop((branches, poses));
+    let PathPostures { q, turn, rms, given_rms, wrenches } = way;
     let mut summary = PosturePathSummary {
         origin,
         largest_step: largest_step(&q, points),
@@ -204,7 +215,7 @@ pub fn posture_path(
         turn,
         findings: Vec::new(),
     };
-    summary.findings = findings::findings(&search, &q, &tips, &summary)?;
+    summary.findings = findings::findings(&search, &q, &summary, control)?;
     summary.findings.extend(about_limits);
     let postures = points
         .iter()
@@ -272,27 +283,26 @@ impl Search<'_> {
         &self,
         angles: Option<&[Vec<f64>]>,
         free: bool,
-        axis_only: bool,
+        branches: Option<&Branches>,
         poses: &[Isometry3<f64>],
         control: Control<'_>,
     ) -> Result<PathPostures> {
-        let unturned_postures = match angles {
-            Some(q) => Some(q.to_vec()),
-            None if axis_only => None,
-            None => match tracks::postures(self, poses, control) {
-                // Whoever frees the turn may do so because it cannot be kept.
+        let unturned_postures = match (angles, branches) {
+            (Some(q), _) => Some(q.to_vec()),
+            (None, None) => None,
+            (None, Some(branches)) => match tracks::postures(self, poses, branches, control) {
                 Err(error) if free && error.code() != Code::Interrupted => None,
                 other => Some(other?),
             },
         };
-        let unturned_way = unturned_postures.map(|q| self.bent(q, None)).transpose()?;
+        let unturned_way = unturned_postures.map(|q| self.bent(q, None, control)).transpose()?;
         let unturned_way = match unturned_way {
             Some(way) if !free => return Ok(way),
             unturned_way => unturned_way,
         };
         let q = unturned_way.as_ref().map(|way| way.q.as_slice());
         let turned_postures = free_turn::postures(self, poses, q, control)?;
-        let mut turned_way = self.bent(turned_postures.q, Some(turned_postures.turns))?;
+        let mut turned_way = self.bent(turned_postures.q, Some(turned_postures.turns), control)?;
         let Some(mut unturned_way) = unturned_way else {
             return Ok(turned_way);
         };
@@ -308,10 +318,16 @@ impl Search<'_> {
     }
 
     /// The postures `q` with their deflections.
-    fn bent(&self, q: Vec<Vec<f64>>, turn: Option<Vec<f64>>) -> Result<PathPostures> {
-        let wrenches = self.wrenches(&self.arm.tip_poses(&q)?)?;
-        let rms = self.rms(&self.deflections(&q, &wrenches)?);
-        Ok(PathPostures { q, turn, rms, given_rms: None })
+    fn bent(&self, q: Vec<Vec<f64>>, turn: Option<Vec<f64>>, control: Control<'_>) -> Result<PathPostures> {
+        let tips = self.arm.tip_poses(&q, control.quiet())?;
+        let wrenches = self.wrenches(&tips)?;
+        let rms = self.rms(&self.deflections(&q, &wrenches, control)?);
+        Ok(PathPostures { q, turn, rms, given_rms: None, wrenches })
+    }
+
+    /// The postures that stand one after the other in `q`.
+    fn each(&self, q: &[f64]) -> Vec<Vec<f64>> {
+        q.chunks(self.arm.robot().joint_count()).map(<[f64]>::to_vec).collect()
     }
 
     /// What ways are compared by: what is missing, where it counts, then the deflection.
@@ -348,16 +364,24 @@ impl Search<'_> {
     }
 
     /// Sizes of the deflections by the linear model \[m\].
-    fn deflections(&self, q: &[Vec<f64>], wrenches: &[Wrench]) -> Result<Vec<f64>> {
-        let jobs: Vec<(&Vec<f64>, &Wrench)> = q.iter().zip(wrenches).collect();
-        in_order_watched(&jobs, "bending", Control::default(), |(i, (q, wrench))| {
-            self.deflection(q, wrench).map_err(|e| self.at(i, e))
+    fn deflections(&self, q: &[Vec<f64>], wrenches: &[Wrench], control: Control<'_>) -> Result<Vec<f64>> {
+        in_blocks(q, "bending", control.quiet(), |start, block| {
+            let mut terms = self.arm.memory();
+            let sizes = (start..).zip(block).map(|(i, q)| {
+                self.arm.stand_at(q, &wrenches[i], &mut terms).map_err(|e| self.at(i, e))?;
+                Ok(self.shift(&terms))
+            });
+            sizes.collect()
         })
     }
 
     fn deflection(&self, q: &[f64], wrench: &Wrench) -> Result<f64> {
-        let terms = self.arm.terms(q, wrench)?;
-        Ok(self.arm.linear(&terms).fixed_rows::<3>(0).norm())
+        Ok(self.shift(&self.arm.terms(q, wrench)?))
+    }
+
+    /// Size of the shift of the tip at the posture and under the load of `terms` \[m\].
+    fn shift(&self, terms: &PostureTerms) -> f64 {
+        self.arm.linear(terms).fixed_rows::<3>(0).norm()
     }
 
     /// Postures of point `i` at the tip pose `tip`, inside and outside the limits.

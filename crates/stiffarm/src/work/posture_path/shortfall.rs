@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::findings::{Finding, length, more};
 use crate::model::inverse::{Method, Outcome};
 use crate::numerics::control::Control;
-use crate::numerics::jobs::{in_order, in_order_watched};
+use crate::numerics::jobs::{in_blocks, in_order, in_order_watched};
 use nalgebra::Isometry3;
 use std::f64::consts::TAU;
 
@@ -35,29 +35,38 @@ impl Search<'_> {
         if self.keeps { self.missing(q) } else { Ok(0.0) }
     }
 
-    /// What limits and shapes lack along a way, by so many of its points as can be looked at for each of
+    /// What limits and shapes lack along a way, whose postures stand one after the other in `q`, by so many of its points as can be looked at for each of
     /// several ways; 0 where the search does not keep them.
-    pub(super) fn lacks_room_along(&self, q: &[Vec<f64>]) -> Result<f64> {
+    pub(super) fn lacks_room_along(&self, q: &[f64]) -> Result<f64> {
         if !self.keeps {
             return Ok(0.0);
         }
-        let some: Vec<&Vec<f64>> = q.iter().step_by(q.len().div_ceil(RANKED_BY).max(1)).collect();
+        let postures = q.chunks(self.arm.robot().joint_count());
+        let some: Vec<&[f64]> = postures.clone().step_by(postures.len().div_ceil(RANKED_BY).max(1)).collect();
         let each = in_order(&some, |(_, q)| self.arm.at_work().lacks_room(q))?;
         Ok(each.iter().sum())
     }
 
-    /// What the bounds lack along a way; 0 where the search does not keep them.
-    pub(super) fn beyond_bounds_along(&self, q: &[Vec<f64>]) -> f64 {
+    /// What the bounds lack along a way, whose postures stand one after the other in `q`; 0 where the search does not
+    /// keep them.
+    pub(super) fn beyond_bounds_along(&self, q: &[f64], control: Control<'_>) -> Result<f64> {
         if !self.keeps {
-            return 0.0;
+            return Ok(0.0);
         }
-        let each = q.iter().map(|q| self.arm.at_work().beyond_bounds(q));
-        each.sum()
+        let postures: Vec<&[f64]> = q.chunks(self.arm.robot().joint_count()).collect();
+        let beyond = |q: &&[f64]| self.arm.at_work().beyond_bounds(q);
+        let each = in_blocks(&postures, "bounds", control.quiet(), |_, block| Ok(block.iter().map(beyond).collect()))?;
+        Ok(each.iter().sum())
     }
 
     /// What is missing at each posture of a way.
     pub(super) fn missing_along(&self, q: &[Vec<f64>], control: Control<'_>) -> Result<Vec<f64>> {
-        in_order_watched(q, "limits and shapes", control, |(_, q)| self.missing(q))
+        let at_work = self.arm.at_work();
+        in_blocks(q, "limits and shapes", control, |_, block| {
+            let mut limits = at_work.limits();
+            let missing = |q: &Vec<f64>| Ok(limits.lacks_room(q)? + at_work.beyond_bounds(q));
+            block.iter().map(missing).collect()
+        })
     }
 
     /// That the way which bends least was left, and what that cost; nothing where another bends alike.

@@ -3,12 +3,17 @@
 use super::{Search, change};
 use crate::error::{Code, Error, Result};
 use crate::estimate::identify::rms;
-use crate::model::inverse::Method;
+use crate::model::inverse::{Method, largest_change};
+use crate::model::load::Wrench;
+use crate::model::observation::PostureTerms;
 use crate::numerics::control::Control;
-use crate::numerics::jobs::each_in_order;
+use crate::numerics::jobs::{each_block, in_order};
 use crate::units::rad_to_deg;
 use nalgebra::Isometry3;
 use std::f64::consts::FRAC_PI_2;
+
+/// Points that are followed between two looks at whether to stop.
+const BETWEEN_CHECKS: usize = 4096;
 
 /// Where and why a branch could not be followed.
 struct BrokenBranch {
@@ -17,62 +22,128 @@ struct BrokenBranch {
     why: Error,
 }
 
-/// A branch that was followed to the end.
-struct Track {
-    q: Vec<Vec<f64>>,
-    /// What bounds, limits and shapes lack along it, then its RMS deflection \[m\].
-    rank: (f64, f64),
-}
-
-/// All branches of many poses, without a vector for each: a path may have
-/// millions of points.
-struct Layers {
+/// All branches of many poses that are within the limits, without a vector for each: a path may have millions of points.
+pub(super) struct Layers {
     joints: usize,
     angles: Vec<f64>,
-    /// Where the branches of each pose end in `angles`.
+    /// Squared deflection of each branch \[m²\].
+    squares: Vec<f64>,
+    /// How many branches there are up to the end of each pose.
     ends: Vec<usize>,
 }
 
 impl Layers {
     fn new(joints: usize) -> Self {
-        Layers { joints, angles: Vec::new(), ends: Vec::new() }
+        Layers { joints, angles: Vec::new(), squares: Vec::new(), ends: Vec::new() }
     }
 
-    fn push(&mut self, branches: &[Vec<f64>]) {
-        branches.iter().for_each(|q| self.angles.extend(q));
-        self.ends.push(self.angles.len());
+    fn push(&mut self, q: &[f64], square: f64) {
+        self.angles.extend(q);
+        self.squares.push(square);
     }
 
-    /// The branches of pose `i`.
-    fn of(&self, i: usize) -> impl Iterator<Item = &[f64]> {
+    fn end_pose(&mut self) {
+        self.ends.push(self.squares.len());
+    }
+
+    fn append(&mut self, other: &Layers) {
+        let before = self.squares.len();
+        self.angles.extend(&other.angles);
+        self.squares.extend(&other.squares);
+        self.ends.extend(other.ends.iter().map(|end| before + end));
+    }
+
+    /// The branches of pose `i` with their squared deflections.
+    fn of(&self, i: usize) -> impl Iterator<Item = (&[f64], f64)> {
         let start = i.checked_sub(1).map_or(0, |before| self.ends[before]);
-        self.angles[start..self.ends[i]].chunks(self.joints)
+        let branches = start..self.ends[i];
+        let angles = self.angles[start * self.joints..self.ends[i] * self.joints].chunks(self.joints);
+        angles.zip(self.squares[branches].iter().copied())
+    }
+}
+
+/// What the ways through given poses are chosen from.
+pub(super) struct Branches {
+    /// All branches of the first pose, inside and outside the limits.
+    first: Vec<Vec<f64>>,
+    /// All branches of the poses in closed form.
+    layers: Option<Layers>,
+    /// Loads at the poses; of the first one alone where the layers have the deflections.
+    wrenches: Vec<Wrench>,
+}
+
+/// The branches of `poses`.
+pub(super) fn branches(search: &Search<'_>, poses: &[Isometry3<f64>], control: Control<'_>) -> Result<Branches> {
+    let first = search.branches(0, &poses[0])?;
+    let mut wrenches = search.wrenches(poses)?;
+    let layers = match search.inverse.method() {
+        Method::ClosedForm => Some(layers(search, poses, &wrenches, control)?),
+        Method::Numeric => None,
+    };
+    if layers.is_some() {
+        wrenches = vec![wrenches[0]];
+    }
+    Ok(Branches { first, layers, wrenches })
+}
+
+fn layers(search: &Search<'_>, poses: &[Isometry3<f64>], wrenches: &[Wrench], control: Control<'_>) -> Result<Layers> {
+    let joints = search.arm.robot().joint_count();
+    let mut layers = Layers::new(joints);
+    let solve = |start: usize, block: &[Isometry3<f64>]| {
+        let mut part = Layers::new(joints);
+        let mut terms = search.arm.memory();
+        for (i, pose) in (start..).zip(block) {
+            search.push_branches(i, pose, &wrenches[i], &mut terms, &mut part)?;
+        }
+        Ok(part)
+    };
+    each_block(poses, "inverse kinematics", control, solve, |part| layers.append(&part))?;
+    Ok(layers)
+}
+
+impl Search<'_> {
+    /// Adds the branches of point `i`, whose tip is at `pose` under `wrench`, to `layers`.
+    fn push_branches(
+        &self,
+        i: usize,
+        pose: &Isometry3<f64>,
+        wrench: &Wrench,
+        terms: &mut PostureTerms,
+        layers: &mut Layers,
+    ) -> Result<()> {
+        let flange = self.flange(pose);
+        let mut turned = vec![0.0; layers.joints];
+        let mut is_reached = false;
+        let mut postures = self.inverse.each_posture(&flange).map_err(|e| self.at(i, e))?;
+        while let Some(q) = postures.as_mut().and_then(|postures| postures.next(&mut terms.frames)) {
+            is_reached = true;
+            // What no turns bring within the limits is never followed.
+            if self.inverse.turned_near(&q, &q, f64::INFINITY, &mut turned).is_some() {
+                self.arm.load(wrench, terms).map_err(|e| self.at(i, e))?;
+                layers.push(&q, self.shift(terms).powi(2));
+            }
+        }
+        layers.end_pose();
+        // What is missing to a pose out of reach.
+        if is_reached { Ok(()) } else { self.branches(i, pose).map(|_| ()) }
     }
 }
 
 /// Postures with the tip at `poses`.
-pub(super) fn postures(search: &Search<'_>, poses: &[Isometry3<f64>], control: Control<'_>) -> Result<Vec<Vec<f64>>> {
-    let closed = search.inverse.method() == Method::ClosedForm;
-    // All branches of all poses, or of the first one.
-    let solved = if closed { poses } else { &poses[..1] };
-    let mut layers = Layers::new(search.arm.robot().joint_count());
-    let solve = |(i, pose): (usize, &Isometry3<f64>)| {
-        let mut branches = search.branches(i, pose)?;
-        if i > 0 {
-            // What no turns bring within the limits is never followed.
-            branches.retain(|q| search.inverse.turns_near(q, q).is_some());
-        }
-        Ok(branches)
-    };
-    each_in_order(solved, "inverse kinematics", control, solve, |branches| {
-        layers.push(&branches);
-    })?;
+pub(super) fn postures(
+    search: &Search<'_>,
+    poses: &[Isometry3<f64>],
+    branches: &Branches,
+    control: Control<'_>,
+) -> Result<Vec<Vec<f64>>> {
+    let first = branches.first.iter();
     let mut starts: Vec<Vec<Vec<f64>>> =
-        layers.of(0).map(|q| search.inverse.turns_within_limits(q)).filter(|turns| !turns.is_empty()).collect();
+        first.map(|q| search.inverse.turns_within_limits(q)).filter(|turns| !turns.is_empty()).collect();
     if starts.is_empty() {
+        let near = branches.first.first().map_or(&[][..], Vec::as_slice);
         let error = search
             .inverse
-            .nearest(&search.flange(&poses[0]), layers.of(0).next().unwrap_or(&[]))
+            .nearest(&search.flange(&poses[0]), near)
             .err()
             .unwrap_or_else(|| Error::new(Code::OutsideLimits, "No posture is within the limits."));
         return Err(search.named(0, &error));
@@ -91,75 +162,137 @@ pub(super) fn postures(search: &Search<'_>, poses: &[Isometry3<f64>], control: C
         starts.sort_by(|a, b| far(&a[0]).total_cmp(&far(&b[0])));
         near_enough = far(&starts[0][0]).max(FRAC_PI_2);
     }
-    let wrenches = search.wrenches(poses)?;
-    let mut broken: Option<BrokenBranch> = None;
-    let mut best: Option<Track> = None;
-    for turns in &starts {
-        // Full turns leave every link where it is.
-        let mut room: Option<f64> = None;
+    let through = |turns: &[Vec<f64>], has_other: bool| {
+        Through::of(search, poses, branches, turns, (near_enough, has_other), control)
+    };
+    let mut through_all = Through::default();
+    if search.options.start.is_some() {
+        // The nearest that nothing forbids, wherever the others lead.
+        for turns in &starts {
+            through_all.add(through(turns, through_all.best.is_some())?);
+            if through_all.best.as_ref().is_some_and(|(_, (missing, _))| *missing == 0.0) {
+                break;
+            }
+        }
+    } else {
+        let each = in_order(&starts, |(_, turns)| through(turns, false))?;
+        each.into_iter().for_each(|one| through_all.add(one));
+    }
+    match through_all {
+        Through { best: Some((q, _)), .. } => Ok(search.each(&q)),
+        Through { broken: Some(broken), .. } => Err(broken.why),
+        Through { .. } => Err(Error::new(Code::Internal, "There was no branch to follow.")),
+    }
+}
+
+/// What following a branch, or several, leads to.
+#[derive(Default)]
+struct Through {
+    /// Posture after posture of the best way; what bounds, limits and shapes lack along it, then its RMS deflection \[m\].
+    best: Option<(Vec<f64>, (f64, f64))>,
+    /// The branch that leads farthest of those that break off.
+    broken: Option<BrokenBranch>,
+}
+
+impl Through {
+    /// Follows a branch from its full `turns`; from those that are far from the wanted start only where there is no other
+    /// way, of another branch or of this one.
+    fn of(
+        search: &Search<'_>,
+        poses: &[Isometry3<f64>],
+        branches: &Branches,
+        turns: &[Vec<f64>],
+        (near_enough, has_other): (f64, bool),
+        control: Control<'_>,
+    ) -> Result<Self> {
+        let mut through = Through::default();
+        // Full turns leave every link where it is: what a way lacks of room, and what it costs.
+        let mut of_branch: Option<(f64, f64)> = None;
         for start in turns {
-            let near = search.options.start.as_ref();
-            if near.is_some_and(|near| change(near, start).1 > near_enough) && best.is_some() {
+            let is_far = search.options.start.as_ref().is_some_and(|near| change(near, start).1 > near_enough);
+            if is_far && (has_other || through.best.is_some()) {
                 continue;
             }
-            if control.stopped() {
-                return Err(Error::new(Code::Interrupted, "Interrupted."));
-            }
-            match follow(search, poses, closed.then_some(&layers), start) {
-                Ok(track) => {
-                    let lacking = match room {
-                        Some(lacking) => lacking,
-                        None => search.lacks_room_along(&track)?,
+            control.check()?;
+            match follow(search, poses, branches, start, control) {
+                Ok((q, squares)) => {
+                    let (lacking, cost) = match of_branch {
+                        Some(of_branch) => of_branch,
+                        None => (search.lacks_room_along(&q)?, branches.cost(search, &q, squares, control)?),
                     };
-                    room = Some(lacking);
-                    let beyond = search.beyond_bounds_along(&track);
-                    let missing = lacking + beyond;
-                    if search.options.start.is_some() && missing == 0.0 {
-                        return Ok(track);
-                    }
-                    let cost = rms(&search.deflections(&track, &wrenches)?);
-                    // Flipped wrists bend alike: rounding does not choose between them.
-                    let is_better = |than: &Track| (missing, cost) < (than.rank.0, than.rank.1 * (1.0 - 1e-9));
-                    if best.as_ref().is_none_or(is_better) {
-                        best = Some(Track { q: track, rank: (missing, cost) });
-                    }
+                    of_branch = Some((lacking, cost));
+                    let beyond = search.beyond_bounds_along(&q, control)?;
+                    through.add(Through { best: Some((q, (lacking + beyond, cost))), broken: None });
                     // Other turns of the same branch bend alike.
                     if beyond == 0.0 {
                         break;
                     }
                 }
-                Err(other) => {
-                    if broken.as_ref().is_none_or(|b| other.length > b.length) {
-                        broken = Some(other);
-                    }
-                }
+                Err(broken) if broken.why.code() == Code::Interrupted => return Err(broken.why),
+                Err(broken) => through.add(Through { best: None, broken: Some(broken) }),
             }
         }
+        Ok(through)
     }
-    match (best, broken) {
-        (Some(track), _) => Ok(track.q),
-        (None, Some(broken)) => Err(broken.why),
-        (None, None) => Err(Error::new(Code::Internal, "There was no branch to follow.")),
+
+    /// Keeps the better of both.
+    fn add(&mut self, other: Through) {
+        // Flipped wrists bend alike: rounding does not choose between them.
+        let is_better =
+            |(missing, cost): (f64, f64), than: (f64, f64)| (missing, cost) < (than.0, than.1 * (1.0 - 1e-9));
+        if let Some(best) = other.best
+            && self.best.as_ref().is_none_or(|than| is_better(best.1, than.1))
+        {
+            self.best = Some(best);
+        }
+        if let Some(broken) = other.broken
+            && self.broken.as_ref().is_none_or(|than| broken.length > than.length)
+        {
+            self.broken = Some(broken);
+        }
     }
 }
 
-/// Follows the branch that begins at `start`.
+impl Branches {
+    /// RMS deflection along `q` \[m\]; `squares` is the sum of the squares behind the first point in closed form.
+    fn cost(&self, search: &Search<'_>, q: &[f64], squares: f64, control: Control<'_>) -> Result<f64> {
+        let q = search.each(q);
+        if self.layers.is_none() {
+            return Ok(rms(&search.deflections(&q, &self.wrenches, control)?));
+        }
+        let first = search.deflection(&q[0], &self.wrenches[0])?;
+        Ok(((first.powi(2) + squares) / q.len() as f64).sqrt())
+    }
+}
+
+/// Follows the branch that begins at `start`: posture after posture, and the sum of their squared deflections behind
+/// the first one, where the branches have them.
 fn follow(
     search: &Search<'_>,
     poses: &[Isometry3<f64>],
-    layers: Option<&Layers>,
+    branches: &Branches,
     start: &[f64],
-) -> Result<Vec<Vec<f64>>, BrokenBranch> {
-    let mut track = Vec::with_capacity(poses.len());
-    track.push(start.to_vec());
+    control: Control<'_>,
+) -> Result<(Vec<f64>, f64), BrokenBranch> {
+    let n = start.len();
+    let mut q = Vec::with_capacity(n * poses.len());
+    q.extend(start);
+    let (mut next, mut turned) = (vec![0.0; n], vec![0.0; n]);
+    let mut squares = 0.0;
     for (i, pose) in poses.iter().enumerate().skip(1) {
-        let last = &track[i - 1];
-        let next = match layers {
-            Some(layers) => nearest(search, layers.of(i), last),
-            None => iterated(search, pose, last),
-        };
         let stuck = |why: Error| BrokenBranch { length: i, why };
-        let Some(next) = next else {
+        if i.is_multiple_of(BETWEEN_CHECKS) {
+            control.check().map_err(stuck)?;
+        }
+        let last = &q[n * (i - 1)..];
+        let square = match &branches.layers {
+            Some(layers) => nearest(search, layers.of(i), last, &mut next, &mut turned),
+            None => iterated(search, pose, last).map(|posture| {
+                next = posture;
+                0.0
+            }),
+        };
+        let Some(square) = square else {
             let error = Error::new(
                 Code::OutsideLimits,
                 "the branch that was followed to here ends at a limit of the machine, or at the edge of its reach.",
@@ -167,19 +300,33 @@ fn follow(
             .hint("start with another posture, or leave the turn about the tool axis free");
             return Err(stuck(search.named(i, &error)));
         };
-        let (j, step) = change(last, &next);
-        if step > search.largest_step(i - 1, i) {
+        if largest_change(last, &next) > search.largest_step(i - 1, i) {
+            let (j, step) = change(last, &next);
             return Err(stuck(jump(search, i, j, step)));
         }
-        track.push(next);
+        squares += square;
+        q.extend(&next);
     }
-    Ok(track)
+    Ok((q, squares))
 }
 
-/// The posture among `branches`, with turns within the limits, nearest to `last`.
-fn nearest<'b>(search: &Search<'_>, branches: impl Iterator<Item = &'b [f64]>, last: &[f64]) -> Option<Vec<f64>> {
-    let near = branches.filter_map(|q| search.inverse.turns_near(q, last));
-    near.min_by(|a, b| change(last, a).1.total_cmp(&change(last, b).1))
+/// Writes the posture among `branches`, with turns within the limits, that is nearest to `last` to `next`; its squared
+/// deflection.
+fn nearest<'b>(
+    search: &Search<'_>,
+    branches: impl Iterator<Item = (&'b [f64], f64)>,
+    last: &[f64],
+    next: &mut [f64],
+    turned: &mut [f64],
+) -> Option<f64> {
+    let (mut least, mut nearest) = (f64::INFINITY, None);
+    for (q, square) in branches {
+        if let Some(change) = search.inverse.turned_near(q, last, least, turned) {
+            (least, nearest) = (change, Some(square));
+            next.copy_from_slice(turned);
+        }
+    }
+    nearest
 }
 
 /// The posture that iterations from `last` lead to, if it is within the limits.

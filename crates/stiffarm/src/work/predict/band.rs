@@ -105,7 +105,7 @@ impl Common {
 /// Points whose bands are found together.
 const TOGETHER: usize = 8;
 
-/// What `run` finds at each of the postures; `place` is the shift of the tip of `arm` (m) in it, and where the band of
+/// What `run` finds at each of the postures, in memory for the terms of `arm`; `place` is the shift of the tip of `arm` (m) in it, and where the band of
 /// that shift goes.
 ///
 /// # Errors
@@ -114,12 +114,13 @@ pub(crate) fn with_bands<T: Send>(
     (arm, bands): (&LoadedArm, Option<&Bands>),
     postures: &[LoadedPosture],
     (what, control): (&str, Control<'_>),
-    run: impl Fn(&LoadedPosture) -> Result<T> + Sync + Send,
+    run: impl Fn(&LoadedPosture, &mut PostureTerms) -> Result<T> + Sync + Send,
     place: fn(&mut T) -> ([f64; 3], &mut Option<TipBand>),
 ) -> Result<Vec<T>> {
     let together: Vec<&[LoadedPosture]> = postures.chunks(TOGETHER).collect();
     let some = |(_, postures): (usize, &&[LoadedPosture])| {
-        let mut points: Vec<T> = postures.iter().map(&run).collect::<Result<_>>()?;
+        let mut terms = arm.memory();
+        let mut points: Vec<T> = postures.iter().map(|posture| run(posture, &mut terms)).collect::<Result<_>>()?;
         let Some(bands) = bands else {
             return Ok(points);
         };

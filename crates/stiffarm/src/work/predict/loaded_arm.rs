@@ -12,10 +12,11 @@ use crate::model::kinematics::Frames;
 use crate::model::load::{Load, Wrench};
 use crate::model::observation::{Elements, ExtraTerm, PostureTerms, Setup};
 use crate::model::robot::Robot;
-use crate::model::stiffness::{compliance_of_springs, equilibrium_from};
+use crate::model::stiffness::{compliance_of_springs, settle};
 use crate::model::tool::{NamedPoint, Tool};
+use crate::numerics::control::Control;
 use crate::numerics::information::ZERO_COLUMN;
-use crate::numerics::jobs::in_order;
+use crate::numerics::jobs::in_blocks;
 use crate::work::at_work::AtWork;
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
 
@@ -147,8 +148,20 @@ impl LoadedArm {
     }
 
     /// The same at many postures, on all cores.
-    pub(crate) fn tip_poses<Q: AsRef<[f64]> + Sync>(&self, postures: &[Q]) -> Result<Vec<Isometry3<f64>>> {
-        in_order(postures, |(_, q)| Ok(self.tip_pose(q.as_ref())))
+    pub(crate) fn tip_poses<Q: AsRef<[f64]> + Sync>(
+        &self,
+        postures: &[Q],
+        control: Control<'_>,
+    ) -> Result<Vec<Isometry3<f64>>> {
+        let robot = &self.setup.robot;
+        in_blocks(postures, "tip poses", control, |_, block| {
+            let mut frames = Frames::zero(robot.joint_count());
+            let pose = |q: &Q| {
+                frames.update(robot, q.as_ref());
+                frames.flange() * self.tip
+            };
+            Ok(block.iter().map(pose).collect())
+        })
     }
 
     /// Terms of the arm at `q` under `wrench` (at the loaded point, base axes) as it is
@@ -160,6 +173,27 @@ impl LoadedArm {
         PostureTerms::new(&self.setup, q, Some(wrench))
     }
 
+    /// Memory for the terms of the arm at one posture after another.
+    pub(crate) fn memory(&self) -> PostureTerms {
+        PostureTerms::memory(&self.setup)
+    }
+
+    /// Moves `terms` to the controller angles `q` \[rad\] of the unloaded arm, under `wrench`.
+    ///
+    /// # Errors
+    /// As [`terms`](Self::terms).
+    pub(crate) fn stand_at(&self, q: &[f64], wrench: &Wrench, terms: &mut PostureTerms) -> Result<()> {
+        terms.move_to(&self.setup, q, Some(wrench))
+    }
+
+    /// Loads `terms`, whose frames stand at a posture of the unloaded arm, by `wrench`.
+    ///
+    /// # Errors
+    /// As [`terms`](Self::terms).
+    pub(crate) fn load(&self, wrench: &Wrench, terms: &mut PostureTerms) -> Result<()> {
+        terms.fill(&self.setup, Some(wrench))
+    }
+
     /// What `wrench` (at the loaded point, base axes) does to the tip at the controller
     /// angles `q` \[rad\].
     ///
@@ -167,13 +201,20 @@ impl LoadedArm {
     /// Angles of the wrong number or not finite; a load that buckles the arm, or that bends
     /// what was not determined.
     pub fn deflect(&self, q: &[f64], wrench: &Wrench) -> Result<Deflection> {
-        let terms = self.terms(q, wrench)?;
-        self.check_determined(&terms)?;
+        self.deflect_in(q, wrench, &mut self.memory())
+    }
+
+    /// The same in the memory of `terms`, which then are those of the equilibrium.
+    ///
+    /// # Errors
+    /// As [`deflect`](Self::deflect).
+    pub(crate) fn deflect_in(&self, q: &[f64], wrench: &Wrench, terms: &mut PostureTerms) -> Result<Deflection> {
+        self.stand_at(q, wrench, terms)?;
+        self.check_determined(terms)?;
         let before = terms.frames().flange() * self.tip;
-        let linear = self.linear(&terms);
-        let start = self.setup.robot.serial_angles(q);
-        let equilibrium = equilibrium_from(&self.setup, &self.compliance, &start, terms, Some(wrench))?;
-        let after = self.loaded_tip(&equilibrium.terms);
+        let linear = self.linear(terms);
+        settle(&self.setup, &self.compliance, terms, Some(wrench))?;
+        let after = self.loaded_tip(terms);
         Ok(Deflection { displacement: motion(&before, &after), before, after, linear })
     }
 
@@ -216,11 +257,11 @@ impl LoadedArm {
     /// load of `terms`: \[shift (m); rotation vector (rad)\], base axes.
     pub fn linear(&self, terms: &PostureTerms) -> Vector6<f64> {
         // Δq = K_θ⁻¹ Γ, Eq. (5); Δ = J Δq, Eq. (6).
-        let deflection = &self.compliance * DVector::from_column_slice(terms.torque());
         let mut twist = self.added(terms, true);
-        for (j, angle) in deflection.iter().enumerate() {
-            let column = terms.columns[j] * *angle;
-            let axis = terms.frames().axes()[j] * *angle;
+        for (j, row) in self.compliance.row_iter().enumerate() {
+            let angle: f64 = row.iter().zip(terms.torque()).map(|(compliance, torque)| compliance * torque).sum();
+            let column = terms.columns[j] * angle;
+            let axis = terms.frames().axes()[j] * angle;
             twist += Vector6::new(column.x, column.y, column.z, axis.x, axis.y, axis.z);
         }
         twist

@@ -8,6 +8,7 @@ use crate::estimate::identify::rms;
 use crate::findings::{Finding, Severity, length, percent};
 use crate::model::cell::Cell;
 use crate::model::implausible;
+use crate::model::observation::PostureTerms;
 use crate::model::path::LoadedPosture;
 use crate::model::stiffness::Model;
 use crate::numerics::control::Control;
@@ -176,8 +177,8 @@ pub(crate) fn predict_on(
         (arm, bands.as_ref()),
         postures,
         ("bending", control),
-        |posture| {
-            let predicted = point(arm, posture, options);
+        |posture, terms| {
+            let predicted = point(arm, posture, options, terms);
             predicted.map_err(|e| predictor.explain(posture.at(e)))
         },
         |point| (point.shift_m, &mut point.band),
@@ -197,13 +198,18 @@ pub(crate) fn predict_on(
     let seen = IdentifiedRange { displacement: options.measured_up_to, force: options.loaded_up_to };
     let beyond = beyond_data("deflection", &sizes.collect::<Vec<_>>(), seen);
     out.findings.extend(beyond);
-    out.findings.extend(forbidden(arm.at_work(), postures)?);
+    out.findings.extend(forbidden(arm.at_work(), postures, control)?);
     Ok(out)
 }
 
-fn point(arm: &LoadedArm, posture: &LoadedPosture, options: &PredictOptions) -> Result<PointPrediction> {
+fn point(
+    arm: &LoadedArm,
+    posture: &LoadedPosture,
+    options: &PredictOptions,
+    terms: &mut PostureTerms,
+) -> Result<PointPrediction> {
     let wrench = &posture.wrench;
-    let bent = arm.deflect(&posture.q, wrench)?;
+    let bent = arm.deflect_in(&posture.q, wrench, terms)?;
     let twist = match options.model {
         Model::Linear => bent.linear,
         Model::Equilibrium => bent.displacement,

@@ -2,8 +2,9 @@
 
 use super::{PointPrediction, Prediction};
 use crate::numerics::control::Control;
-use crate::numerics::jobs::each_in_order;
+use crate::numerics::jobs::each_block;
 use crate::units::{m_to_mm, rad_to_deg, rad_to_shortest_deg};
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{Result, Write};
 
@@ -91,24 +92,23 @@ impl Prediction {
         let keys: Vec<&str> = columns.iter().map(|column| column.key).collect();
         writeln!(out, "point,{angles}{}", keys.join(","))?;
         let mut written = Ok(());
-        each_in_order(
-            &self.points,
-            "writing",
-            Control::default(),
-            |(_, point)| Ok(row(point, &columns)),
-            |row| {
-                if written.is_ok() {
-                    written = out.write_all(row.as_bytes());
-                }
-            },
-        )
-        .map_err(std::io::Error::other)?;
+        let rows = |_, block: &[PointPrediction]| {
+            let mut rows = String::new();
+            block.iter().for_each(|point| add_row(&mut rows, point, &columns));
+            Ok(rows)
+        };
+        let take = |rows: String| {
+            if written.is_ok() {
+                written = out.write_all(rows.as_bytes());
+            }
+        };
+        each_block(&self.points, "writing", Control::default(), rows, take).map_err(std::io::Error::other)?;
         written
     }
 }
 
-fn row(point: &PointPrediction, columns: &[&PointColumn]) -> String {
-    let mut row = quoted(&point.point);
+fn add_row(row: &mut String, point: &PointPrediction, columns: &[&PointColumn]) {
+    row.push_str(&quoted(&point.point));
     let mut add = |number: Option<f64>| {
         // Writing to memory cannot fail.
         let _ = match number {
@@ -126,14 +126,13 @@ fn row(point: &PointPrediction, columns: &[&PointColumn]) -> String {
         });
     }
     row.push('\n');
-    row
 }
 
 /// A name as a field of a table.
-fn quoted(name: &str) -> String {
+fn quoted(name: &str) -> Cow<'_, str> {
     if name.contains([',', '"', '\n', '#', ';']) {
-        format!("\"{}\"", name.replace('"', "\"\""))
+        format!("\"{}\"", name.replace('"', "\"\"")).into()
     } else {
-        name.to_string()
+        name.into()
     }
 }
