@@ -9,7 +9,7 @@ use numpy::{
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stiffarm::model::observation::{Rows, observation_matrix as matrix};
+use stiffarm::model::observation::{Rows, fill_observation_matrix, observation_shape};
 use stiffarm::plan::index::{Index, evaluate_groups};
 use stiffarm::{Code, Error};
 
@@ -66,8 +66,14 @@ pub fn observation_matrix<'py>(
         Some(length) => Rows::FullPose { length },
     };
     let postures = postures(&angles)?;
-    let matrix = py.detach(|| matrix(&cell.cell.setup, &postures, rows));
-    array(py, matrix.raised(py)?)
+    let setup = &cell.cell.setup;
+    let (height, width) = observation_shape(setup, postures.len(), rows);
+    // Columns one after the other, as the library's matrices have them.
+    let matrix = PyArray2::zeros(py, [height, width], true);
+    let mut psi = matrix.readwrite();
+    let psi = psi.as_slice_mut()?;
+    py.detach(|| on_cores(|| fill_observation_matrix(setup, &postures, rows, psi))).raised(py)?;
+    Ok(matrix)
 }
 
 /// Indices of many groups, each an array with an entry per group; NaN where one does not exist.

@@ -96,6 +96,7 @@ pub mod internals {
     pub use crate::numerics::{
         arrangements, half_width, information, jobs, nelder_mead, optimise, sample, scalar, streams,
     };
+    pub use crate::plan::index::internals::evaluate_for;
     pub use crate::plan::index::kernel::lanes::{Lanes, WIDTH, sin_cos};
     pub use crate::plan::index::kernel::{Kernel, KernelOutputs};
     pub use crate::plan::index::minimax::Minimax;

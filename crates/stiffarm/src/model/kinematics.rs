@@ -123,6 +123,7 @@ impl Frames {
     }
 
     /// A point given in flange axes, in the base frame \[m\].
+    #[inline]
     pub fn point(&self, in_flange: &Vector3<f64>) -> Vector3<f64> {
         self.flange.rotation * in_flange + self.flange.translation.vector
     }
@@ -133,6 +134,7 @@ impl Frames {
     }
 
     /// Linear part of Jacobian column `i` at the base-frame point `p`.
+    #[inline]
     pub fn column(&self, i: usize, p: &Vector3<f64>) -> Vector3<f64> {
         self.axes[i].cross(&(p - self.origins[i]))
     }

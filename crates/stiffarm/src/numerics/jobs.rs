@@ -18,6 +18,20 @@ pub fn in_order<J: Sync, T: Send>(jobs: &[J], run: impl Fn((usize, &J)) -> Resul
     results.filter_map(|result| result.unwrap_or_else(PoisonError::into_inner)).collect()
 }
 
+/// Runs `jobs`, each handed over whole, on all cores; one alone where it is, for waking a thread takes longer than a
+/// small job.
+///
+/// # Errors
+/// The first error by order.
+pub fn each<J: Send>(jobs: Vec<J>, run: impl Fn(J) -> Result<()> + Sync + Send) -> Result<()> {
+    if jobs.len() < 2 {
+        return jobs.into_iter().try_for_each(run);
+    }
+    let jobs: Vec<_> = jobs.into_iter().map(|job| Mutex::new(Some(job))).collect();
+    let take = |job: &Mutex<Option<J>>| job.lock().unwrap_or_else(PoisonError::into_inner).take();
+    in_order(&jobs, |(_, job)| take(job).map_or(Ok(()), &run)).map(drop)
+}
+
 /// One function for all kinds of jobs: compiled anew for each, what distributes them was a twentieth of the library.
 fn on_all_cores(count: usize, run: &(dyn Fn(usize) + Sync)) {
     (0..count).into_par_iter().for_each(run);

@@ -7,7 +7,7 @@ use crate::common::prelude::*;
 use stiffarm::estimate::simulate::ModelErrors;
 use stiffarm::estimate::validate::validate;
 use stiffarm::model::load::LoadCase;
-use stiffarm::model::observation::Setup;
+use stiffarm::model::observation::{Setup, fill_observation_matrix, observation_shape};
 use stiffarm::plan::check::check;
 use stiffarm::plan::index::evaluate_groups;
 
@@ -70,6 +70,27 @@ fn by_hand(cell: &Cell, postures: &[Vec<f64>]) -> DMatrix<f64> {
         at += block.nrows();
     }
     psi
+}
+
+#[test]
+fn the_observation_matrix_of_many_postures_has_the_rows_of_each() {
+    let cell = four_loads();
+    let moved = |i: usize| group1()[i % 6].iter().map(|angle| angle + 1e-3 * i as f64).collect();
+    let mut postures: Vec<Vec<f64>> = (0..600).map(moved).collect();
+    for rows in [Rows::Translations, Rows::FullPose { length: 0.5 }] {
+        let psi = observation_matrix(&cell.setup, &postures, rows).unwrap();
+        let (height, width) = observation_shape(&cell.setup, 1, rows);
+        assert_eq!(psi.shape(), (600 * height, width));
+        for (i, q) in postures.iter().enumerate() {
+            let alone = observation_matrix(&cell.setup, &[q], rows).unwrap();
+            assert_eq!(psi.rows(i * height, height), alone, "{i} {rows:?}");
+        }
+    }
+    let too_small = fill_observation_matrix(&cell.setup, &[&postures[0]], Rows::Translations, &mut [0.0; 7]);
+    assert_eq!(too_small.unwrap_err().code(), Code::Dimension);
+    postures[555][2] = f64::NAN;
+    let error = observation_matrix(&cell.setup, &postures, Rows::Translations).unwrap_err();
+    assert_eq!(error.code(), Code::NotFinite);
 }
 
 #[test]

@@ -122,7 +122,7 @@ fn what_cannot_be_split_is_said() {
 fn chosen_for_prediction_six_postures_beat_the_whole_pool() {
     let (cell, measured) = crate::common::readings::measured_robot();
     let mut options = MeasuredStudyOptions::default();
-    options.splits = 24;
+    options.splits = 12;
     options.pool = Some(30);
     options.counts = vec![6];
     let study = measured_study(&cell, &measured, &options, Control::default()).unwrap();

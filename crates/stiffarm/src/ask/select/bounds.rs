@@ -5,7 +5,9 @@ use crate::error::{Code, Result};
 use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::numerics::control::Control;
-use crate::plan::certificate::{Certificate, CertificateOptions, JointEfficiency, certify_further, joint_efficiencies};
+use crate::plan::certificate::{
+    Certificate, CertificateOptions, JointEfficiency, certify_unless_stopped, joint_efficiencies_unless_stopped,
+};
 use crate::plan::index::Index;
 
 /// Searches behind the bound of each joint: fewer than behind the one of the
@@ -48,7 +50,7 @@ impl Bounds {
         watch(Stage::Bounding { postures: postures.len() });
         let control = control.quiet();
         let options = CertificateOptions::default();
-        let certificate = certify_further(cell, index, held, postures, &options, control);
+        let certificate = certify_unless_stopped(cell, index, held, postures, &options, control);
         bounds.certificate = unless_failed(certificate, control, &mut bounds.missing);
         // The joints' bounds count neither what is measured already nor what gives way beyond the axes.
         let by_joint = index != Index::Prediction && held.is_empty();
@@ -56,7 +58,7 @@ impl Bounds {
             watch(Stage::BoundingJoints);
             let mut options = options;
             options.samples = JOINT_SEARCHES;
-            let joints = joint_efficiencies(cell, postures, &options, control);
+            let joints = joint_efficiencies_unless_stopped(cell, postures, &options, control);
             bounds.joints = unless_failed(joints, control, &mut bounds.missing);
         }
         bounds

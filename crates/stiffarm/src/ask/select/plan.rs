@@ -77,8 +77,7 @@ pub fn plan(
         Some(chosen) => chosen.applied(&cell),
         None => cell,
     };
-    // A search that was stopped keeps its order.
-    let keep = initial.is_some() || control.stopped();
+    let keep = initial.is_some();
     let accept = inputs.accept.as_ref();
     let driving = RouteOptions {
         keep_order: keep,
@@ -87,7 +86,7 @@ pub fn plan(
         step_deg: options.angle_step(),
         seed: options.seed(),
     };
-    let (group, route) = driven(&cell, &selection.group, &driving, accept)?;
+    let (group, route) = driven(&cell, &selection.group, &driving, accept, control)?;
     let selection = selection.with_group(&cell, held, group)?;
     let postures = named(&selection, initial, held);
     let bounds = if !options.no_certificate && initial.is_none() {

@@ -64,7 +64,7 @@ pub fn plan_space_filling(
         seed: options.seed(),
         ..RouteOptions::default()
     };
-    let (angles, route) = driven(&cell, &filling.postures, &driving, None)?;
+    let (angles, route) = driven(&cell, &filling.postures, &driving, None, control)?;
     let group = PostureGroup::from_angles("space-filling", angles.iter().cloned());
     let postures = group.postures;
     findings.extend(route_findings(&cell, &postures, &route)?);

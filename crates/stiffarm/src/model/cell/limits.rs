@@ -5,11 +5,11 @@
 
 use super::Slopes;
 use super::point_limit::{LimitedPoints, Measure, PointLimit, Side};
+use crate::model::kinematics::Frames;
 use crate::model::limit::{LimitKind, LimitMargin};
 use crate::model::load::Load;
 use crate::model::observation::{PostureTerms, Setup};
 use nalgebra::Vector3;
-use std::iter;
 
 /// Bounds in the base frame \[m\]; `None` leaves a limit out.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -26,14 +26,21 @@ pub struct Limits {
     pub rope_length: Option<[f64; 2]>,
 }
 
-/// Called with limit, subject, margin and a function that writes the margin's
-/// derivative with respect to θ.
-type Visitor<'a> = dyn FnMut(LimitKind, usize, f64, &dyn Fn(&mut [f64])) + 'a;
-
-/// A point that moves with the joints below `moved_by`.
-struct MovingPoint {
+/// The derivative of a margin of a point that moves with the joints below `moved_by`: what moves it `along` counts.
+struct PointSlope<'a> {
+    frames: &'a Frames,
     point: Vector3<f64>,
     moved_by: usize,
+    along: Vector3<f64>,
+}
+
+impl PointSlope<'_> {
+    /// With respect to θ.
+    fn write_to(&self, gradient: &mut [f64]) {
+        for (k, g) in gradient.iter_mut().enumerate() {
+            *g = if k < self.moved_by { self.frames.column(k, &self.point).dot(&self.along) } else { 0.0 };
+        }
+    }
 }
 
 impl Limits {
@@ -108,89 +115,95 @@ impl Limits {
     pub(crate) fn margins(&self, setup: &Setup, terms: &PostureTerms) -> Vec<LimitMargin> {
         let mut out = Vec::with_capacity(self.count(setup));
         let names = subject_names(setup);
-        self.visit(setup, terms, &mut |kind, subject, margin, _| {
+        let on_points: Vec<PointLimit> = self.on_points().collect();
+        self.visit(&on_points, setup, terms, |kind, subject, margin, _| {
             out.push(LimitMargin { kind, point: names[subject].clone(), load: None, margin });
         });
         out
     }
 
-    /// Writes the margins of one posture to `values`, and their derivatives.
-    pub(crate) fn evaluate(&self, setup: &Setup, terms: &PostureTerms, values: &mut [f64], mut slopes: Slopes<'_>) {
+    /// Writes the margins of one posture to `values`, and their derivatives; `on_points` are the limits
+    /// [on points](Self::on_points).
+    pub(crate) fn evaluate(
+        &self,
+        on_points: &[PointLimit],
+        setup: &Setup,
+        terms: &PostureTerms,
+        values: &mut [f64],
+        mut slopes: Slopes<'_>,
+    ) {
         let n = setup.robot.joint_count();
         let mut at = 0;
-        self.visit(setup, terms, &mut |_, _, margin, derivative| {
+        self.visit(on_points, setup, terms, |_, _, margin, slope| {
             values[at] = margin;
             if let Some(row) = slopes.row(at, n) {
-                derivative(row);
+                slope.write_to(row);
             }
             at += 1;
         });
     }
 
-    /// The smallest margin of one posture, infinite without limits.
-    pub(crate) fn least(&self, setup: &Setup, terms: &PostureTerms) -> f64 {
+    /// The smallest margin of one posture, infinite without limits; `on_points` are the limits
+    /// [on points](Self::on_points).
+    pub(crate) fn least(&self, on_points: &[PointLimit], setup: &Setup, terms: &PostureTerms) -> f64 {
         let mut least = f64::INFINITY;
-        self.visit(setup, terms, &mut |_, _, margin, _| least = least.min(margin));
+        self.visit(on_points, setup, terms, |_, _, margin, _| least = least.min(margin));
         least
     }
 
-    fn visit(&self, setup: &Setup, terms: &PostureTerms, each: &mut Visitor<'_>) {
+    /// Calls `each` with limit, number of the subject, margin and derivative, subject by subject.
+    fn visit(
+        &self,
+        on_points: &[PointLimit],
+        setup: &Setup,
+        terms: &PostureTerms,
+        mut each: impl FnMut(LimitKind, usize, f64, PointSlope<'_>),
+    ) {
         let n = setup.robot.joint_count();
         let frames = terms.frames();
-        let flange = frames.flange().translation.vector;
-        let points = iter::once(&terms.loading_point).chain(&terms.measuring_points);
-        let points = points.chain([&flange]);
-        let mut subjects: Vec<MovingPoint> = points.map(|p| MovingPoint { point: *p, moved_by: n }).collect();
-        let tool_points = subjects.len();
-        // The wrist centre is moved by the joints before the one whose axis carries it.
-        subjects.push(MovingPoint { point: frames.wrist_centre(), moved_by: n.saturating_sub(2) });
-        let limits: Vec<PointLimit> = self.on_points().collect();
-
-        let direction = |subject: &MovingPoint, along: Vector3<f64>| {
-            let (point, moved_by) = (subject.point, subject.moved_by);
-            move |gradient: &mut [f64]| {
-                for (k, g) in gradient.iter_mut().enumerate() {
-                    *g = if k < moved_by { frames.column(k, &point).dot(&along) } else { 0.0 };
-                }
-            }
-        };
-
-        for (s, subject) in subjects.iter().enumerate() {
-            for limit in &limits {
-                if !limit.holds_for(s < tool_points) {
+        let (axis, origin) = (frames.axes()[0], frames.origins()[0]);
+        let measuring_points = terms.measuring_points();
+        let tool_points = measuring_points.len() + 2;
+        for s in 0..=tool_points {
+            let is_tool_point = s < tool_points;
+            let point = match s {
+                0 => *terms.loading_point(),
+                s if s <= measuring_points.len() => measuring_points[s - 1],
+                _ if is_tool_point => frames.flange().translation.vector,
+                _ => frames.wrist_centre(),
+            };
+            // The wrist centre is moved by the joints before the one whose axis carries it.
+            let moved_by = if is_tool_point { n } else { n.saturating_sub(2) };
+            for limit in on_points {
+                if !limit.holds_for(is_tool_point) {
                     continue;
                 }
-                let across = || {
-                    let axis = frames.axes()[0];
-                    let offset = subject.point - frames.origins()[0];
-                    offset - axis * axis.dot(&offset)
+                let (value, along) = match limit.measure {
+                    Measure::Axis(axis) => (point[axis], Vector3::ith(axis, 1.0)),
+                    Measure::FromAxis1 => {
+                        let offset = point - origin;
+                        let across = offset - axis * axis.dot(&offset);
+                        let distance = across.norm();
+                        let along = if distance > 0.0 { across / distance } else { Vector3::zeros() };
+                        (distance, along)
+                    }
                 };
-                let value = match limit.measure {
-                    Measure::Axis(axis) => subject.point[axis],
-                    Measure::FromAxis1 => across().norm(),
+                let (margin, along) = match limit.side {
+                    Side::AtLeast => (value - limit.at, along),
+                    Side::AtMost => (limit.at - value, -along),
                 };
-                let margin = match limit.side {
-                    Side::AtLeast => value - limit.at,
-                    Side::AtMost => limit.at - value,
-                };
-                each(limit.kind, s, margin, &|gradient| {
-                    let along = match limit.measure {
-                        Measure::Axis(axis) => Vector3::ith(axis, 1.0),
-                        Measure::FromAxis1 if value > 0.0 => across() / value,
-                        Measure::FromAxis1 => Vector3::zeros(),
-                    };
-                    let along = if limit.side == Side::AtMost { -along } else { along };
-                    direction(subject, along)(gradient);
-                });
+                each(limit.kind, s, margin, PointSlope { frames, point, moved_by, along });
             }
         }
         if let (Some([shortest, longest]), Load::Rope { anchor, .. }) = (self.rope_length, &setup.load) {
-            let rope = terms.loading_point - anchor;
+            let point = *terms.loading_point();
+            let rope = point - anchor;
             let length = rope.norm();
             let unit = if length > 0.0 { rope / length } else { Vector3::zeros() };
-            let s = subjects.len();
-            each(LimitKind::RopeLength, s, length - shortest, &direction(&subjects[0], unit));
-            each(LimitKind::RopeLength, s, longest - length, &direction(&subjects[0], -unit));
+            let s = tool_points + 1;
+            let along = |along: Vector3<f64>| PointSlope { frames, point, moved_by: n, along };
+            each(LimitKind::RopeLength, s, length - shortest, along(unit));
+            each(LimitKind::RopeLength, s, longest - length, along(-unit));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! All limits of a cell at one posture: those on points and those of the scene.
 
-use super::{Cell, LimitKind, LimitMargin, Limits, MarginUnit, Slopes};
+use super::{Cell, LimitKind, LimitMargin, Limits, MarginUnit, PointLimit, Slopes};
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::scene::{Scene, Work};
 use std::borrow::Cow;
@@ -13,6 +13,8 @@ const CLEAR_VIOLATION: f64 = 1e-3;
 pub struct Margins<'a> {
     setup: Cow<'a, Setup>,
     limits: &'a Limits,
+    /// Those of the limits that are on points.
+    on_points: Vec<PointLimit>,
     scene: Cow<'a, Scene>,
     work: Work,
     point_count: usize,
@@ -52,7 +54,16 @@ impl<'a> Margins<'a> {
 
     pub(super) fn of(setup: Cow<'a, Setup>, limits: &'a Limits, scene: Cow<'a, Scene>) -> Self {
         let point_count = limits.count(&setup);
-        Margins { point_count, count: point_count + scene.count(&setup), setup, limits, scene, work: Work::default() }
+        let count = point_count + scene.count(&setup);
+        Margins {
+            point_count,
+            count,
+            setup,
+            limits,
+            on_points: limits.on_points().collect(),
+            scene,
+            work: Work::default(),
+        }
     }
 
     /// The same for a posture that moves by small steps: distances that were large are not looked at
@@ -104,7 +115,7 @@ impl<'a> Margins<'a> {
     /// the largest one; 0 or more exactly where every limit is met. Where a limit of points is violated
     /// by a millimetre or more, it is the smallest of those: shapes are not looked at.
     pub fn least(&mut self, terms: &PostureTerms) -> f64 {
-        let mut least = self.limits.least(&self.setup, terms);
+        let mut least = self.limits.least(&self.on_points, &self.setup, terms);
         if least < -CLEAR_VIOLATION {
             return least;
         }
@@ -123,7 +134,10 @@ impl<'a> Margins<'a> {
         let n = self.setup.robot.joint_count();
         let (points, rest) = values.split_at_mut(self.point_count);
         let (head, mut slopes) = slopes.split_at(self.point_count, n);
-        self.limits.evaluate(&self.setup, terms, points, head);
+        self.limits.evaluate(&self.on_points, &self.setup, terms, points, head);
+        if self.scene.is_empty() {
+            return;
+        }
         self.scene.visit(
             &self.setup,
             terms,

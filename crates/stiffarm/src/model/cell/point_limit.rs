@@ -48,6 +48,7 @@ pub enum Side {
 
 impl PointLimit {
     /// Whether it holds for the points of the tool, or else for the wrist centre.
+    #[inline]
     pub(crate) fn holds_for(&self, is_tool_point: bool) -> bool {
         match self.of {
             LimitedPoints::Tool => is_tool_point,

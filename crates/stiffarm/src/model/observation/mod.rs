@@ -6,11 +6,13 @@
 
 mod class;
 mod extra;
+mod matrix;
 mod spring;
 
 pub use class::ElasticClass;
 pub(crate) use extra::{Elements, places, row_part};
 pub use extra::{ExtraTerm, RowPart};
+pub use matrix::{Rows, fill_observation_matrix, observation_matrix, observation_shape};
 pub(crate) use spring::{link_axes, on_first_axis};
 /// What tests turn springs with.
 pub(crate) mod internals {
@@ -67,19 +69,6 @@ impl Setup {
     fn under(&self, case: &LoadCase) -> Setup {
         Setup { robot: self.robot.clone(), tool: self.tool.loaded_at(case.loading_point), load: case.load.clone() }
     }
-}
-
-/// Which rows a measuring point gives.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Rows {
-    /// Translations x, y, z \[m\]: 3 rows (the paper's choice, Section IV).
-    Translations,
-    /// Translations and rotations: 6 rows; the rotations are multiplied by
-    /// `length` \[m\] so that all rows share one unit.
-    FullPose {
-        /// Length that weighs radians against metres \[m\].
-        length: f64,
-    },
 }
 
 /// Everything of one posture that Ψ and its derivatives need.
@@ -326,48 +315,6 @@ impl PostureTerms {
         let shift = shift + turn.cross(&(at - origin));
         Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
     }
-}
-
-/// Observation matrix of several postures (controller angles, rad), stacked
-/// posture by posture: (3m · postures) × n for [`Rows::Translations`],
-/// (6m · postures) × n for [`Rows::FullPose`]; where there are load cases, the rows of a
-/// posture are as many times more, load by load.
-///
-/// # Errors
-/// As [`PostureTerms::new`]; a length that is not above zero.
-#[doc(alias = "regressor")]
-#[doc(alias = "identification Jacobian")]
-pub fn observation_matrix<Q: AsRef<[f64]>>(setup: &Setup, postures: &[Q], rows: Rows) -> Result<DMatrix<f64>> {
-    if let Rows::FullPose { length } = rows
-        && !(length.is_finite() && length > 0.0)
-    {
-        return Err(Error::invalid("The length that weighs rotations against translations must be above zero."));
-    }
-    let n = setup.robot.spring_count();
-    let m = setup.tool.point_count();
-    let per_point = match rows {
-        Rows::Translations => 3,
-        Rows::FullPose { .. } => 6,
-    };
-    let setups = setup.cases();
-    let mut psi = DMatrix::zeros(per_point * m * postures.len() * setups.len(), n);
-    let states = postures.iter().flat_map(|q| setups.iter().map(move |s| (s, q)));
-    for (s, (setup, q)) in states.enumerate() {
-        let terms = PostureTerms::new(setup, q.as_ref(), None)?;
-        let block = terms.block(&setup.robot);
-        let start = per_point * m * s;
-        match rows {
-            Rows::Translations => psi.rows_mut(start, 3 * m).copy_from(&block),
-            Rows::FullPose { length } => {
-                let turn = terms.rotation_block(&setup.robot) * length;
-                for a in 0..m {
-                    psi.rows_mut(start + 6 * a, 3).copy_from(&block.rows(3 * a, 3));
-                    psi.rows_mut(start + 6 * a + 3, 3).copy_from(&turn);
-                }
-            }
-        }
-    }
-    Ok(psi)
 }
 
 /// Checks length and finiteness of controller angles.

@@ -371,17 +371,23 @@ impl Robot {
     /// # Panics
     /// If `q` does not have n entries.
     pub fn serial_angles(&self, q: &[f64]) -> DVector<f64> {
-        DVector::from_iterator(self.joint_count(), self.each_serial_angle(q))
+        DVector::from_iterator(q.len(), self.each_serial_angle(q))
     }
 
-    /// The same, one after the other.
+    /// The same one after the other.
     ///
     /// # Panics
     /// If `q` does not have n entries.
-    pub(crate) fn each_serial_angle<'q>(&'q self, q: &'q [f64]) -> impl Iterator<Item = f64> + 'q {
+    pub(crate) fn each_serial_angle(&self, q: &[f64]) -> impl Iterator<Item = f64> {
         assert_eq!(q.len(), self.joint_count(), "one controller angle per joint");
-        let row = move |i: usize| q.iter().enumerate().map(move |(j, q)| self.coupling[(i, j)] * q);
-        self.offset.iter().enumerate().map(move |(i, offset)| row(i).fold(*offset, |sum, part| sum + part))
+        let each = self.offset.iter().enumerate();
+        each.map(move |(i, offset)| {
+            let mut theta = *offset;
+            for (j, qj) in q.iter().enumerate() {
+                theta += self.coupling[(i, j)] * qj;
+            }
+            theta
+        })
     }
 
     /// Controller angles q = C⁻¹ (θ − offset) \[rad\]; `None` where C cannot be

@@ -1,10 +1,38 @@
-//! Factorisations of one small symmetric matrix in place, for loops that must
+//! Factorisations of one small symmetric matrix in place, or of several side by side, for loops that must
 //! not allocate. Lower triangles are packed row by row; full matrices are n × n.
 
 use super::GRAM_ROUNDING;
+use std::ops::{AddAssign, Div, Mul, Neg, SubAssign};
 
 /// Sweeps of the QL iteration per eigenvalue before it counts as failed.
 const MAX_ITERATIONS: usize = 60;
+
+/// An entry of a matrix, or the same entry of several matrices.
+pub trait Entry: Copy + AddAssign + SubAssign + Neg<Output = Self> + Mul<Output = Self> + Div<Output = Self> {
+    /// The same number for all matrices.
+    fn splat(value: f64) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// True where it is above a limit in every matrix; not a number is above nothing.
+    fn is_above(self, limit: Self) -> bool;
+}
+
+impl Entry for f64 {
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn is_above(self, limit: Self) -> bool {
+        self > limit
+    }
+}
 
 /// Position of (i, j), i ≥ j, in a packed lower triangle.
 #[inline(always)]
@@ -15,23 +43,22 @@ pub fn packed(i: usize, j: usize) -> usize {
 /// Cholesky factor L of M = L Lᵀ (both packed). False where M is not positive
 /// definite beyond its rounding errors.
 #[inline(always)]
-pub fn cholesky(n: usize, m: &[f64], l: &mut [f64]) -> bool {
+pub fn cholesky<E: Entry>(n: usize, m: &[E], l: &mut [E]) -> bool {
     let size = packed(n, 0);
     let (m, l) = (&m[..size], &mut l[..size]);
+    let rounding = E::splat(n as f64 * GRAM_ROUNDING);
     for j in 0..n {
         let row = packed(j, 0);
         let mut pivot = m[row + j];
         for k in 0..j {
             pivot -= l[row + k] * l[row + k];
         }
-        let least = n as f64 * GRAM_ROUNDING * m[row + j];
-        // NaN is not above anything.
-        if pivot.partial_cmp(&least.max(0.0)) != Some(std::cmp::Ordering::Greater) {
+        if !(pivot.is_above(rounding * m[row + j]) && pivot.is_above(E::splat(0.0))) {
             return false;
         }
         let pivot = pivot.sqrt();
         l[row + j] = pivot;
-        let inverse = 1.0 / pivot;
+        let inverse = E::splat(1.0) / pivot;
         for i in j + 1..n {
             let below = packed(i, 0);
             let mut sum = m[below + j];
@@ -46,15 +73,15 @@ pub fn cholesky(n: usize, m: &[f64], l: &mut [f64]) -> bool {
 
 /// Inverse of a lower triangular matrix, packed.
 #[inline(always)]
-pub fn invert_lower(n: usize, l: &[f64], inverse: &mut [f64]) {
+pub fn invert_lower<E: Entry>(n: usize, l: &[E], inverse: &mut [E]) {
     let size = packed(n, 0);
     let (l, inverse) = (&l[..size], &mut inverse[..size]);
     for i in 0..n {
         let row = packed(i, 0);
-        let pivot = 1.0 / l[row + i];
+        let pivot = E::splat(1.0) / l[row + i];
         inverse[row + i] = pivot;
         for j in 0..i {
-            let mut sum = 0.0;
+            let mut sum = E::splat(0.0);
             for k in j..i {
                 sum += l[row + k] * inverse[packed(k, j)];
             }
@@ -65,11 +92,11 @@ pub fn invert_lower(n: usize, l: &[f64], inverse: &mut [f64]) {
 
 /// M⁻¹ = L⁻ᵀ L⁻¹, n × n, from the packed L⁻¹.
 #[inline(always)]
-pub fn inverse_from_lower(n: usize, inverse_lower: &[f64], out: &mut [f64]) {
+pub fn inverse_from_lower<E: Entry>(n: usize, inverse_lower: &[E], out: &mut [E]) {
     let (lower, out) = (&inverse_lower[..packed(n, 0)], &mut out[..n * n]);
     for i in 0..n {
         for j in 0..=i {
-            let mut sum = 0.0;
+            let mut sum = E::splat(0.0);
             for k in i..n {
                 sum += lower[packed(k, i)] * lower[packed(k, j)];
             }
@@ -81,13 +108,14 @@ pub fn inverse_from_lower(n: usize, inverse_lower: &[f64], out: &mut [f64]) {
 
 /// `out` = A·B for symmetric A and B whose product is symmetric too.
 #[inline(always)]
-pub fn symmetric_product(n: usize, a: &[f64], b: &[f64], out: &mut [f64]) {
+pub fn symmetric_product<E: Entry>(n: usize, a: &[E], b: &[E], out: &mut [E]) {
     let (a, b, out) = (&a[..n * n], &b[..n * n], &mut out[..n * n]);
     for i in 0..n {
         for j in 0..=i {
-            let mut sum = 0.0;
+            let (left, right) = (&a[i * n..][..n], &b[j * n..][..n]);
+            let mut sum = E::splat(0.0);
             for k in 0..n {
-                sum += a[i * n + k] * b[j * n + k];
+                sum += left[k] * right[k];
             }
             out[i * n + j] = sum;
             out[j * n + i] = sum;

@@ -3,9 +3,9 @@
 //! doi 10.1137/0916069). Needs no matrix of the size of the problem, so its
 //! cost grows linearly with the number of postures.
 
+use crate::numerics::control::Control;
 use basin::{BoxBounds, ConstraintSet, CostFunction, Executor, FirstOrderState, Gradient, Lbfgsb};
 use std::cell::{Cell, RefCell};
-use std::convert::Infallible;
 
 /// Budget and tolerances of one minimisation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,19 +30,26 @@ pub(crate) struct SmoothSolution {
 /// The value, and the gradient written.
 type Function<'f> = dyn FnMut(&[f64], &mut [f64]) -> f64 + 'f;
 
+/// The caller stopped it.
+struct Stopped;
+
 struct Adapter<'a, 'f> {
     function: RefCell<&'a mut Function<'f>>,
     evaluations: &'a Cell<u64>,
     lower: &'a Vec<f64>,
     upper: &'a Vec<f64>,
+    control: Control<'a>,
 }
 
 impl Adapter<'_, '_> {
-    fn call(&self, x: &[f64], gradient: &mut [f64]) -> f64 {
+    fn call(&self, x: &[f64], gradient: &mut [f64]) -> Result<f64, Stopped> {
+        if self.control.stopped() {
+            return Err(Stopped);
+        }
         self.evaluations.set(self.evaluations.get() + 1);
         let value = (self.function.borrow_mut())(x, gradient);
         // The line search backs off from a large value, not from infinity.
-        if value.is_finite() { value } else { 1e10 }
+        Ok(if value.is_finite() { value } else { 1e10 })
     }
 }
 
@@ -56,38 +63,39 @@ impl basin::Constraints for Adapter<'_, '_> {
 impl CostFunction for Adapter<'_, '_> {
     type Param = Vec<f64>;
     type Output = f64;
-    type Error = Infallible;
-    fn cost(&self, x: &Vec<f64>) -> Result<f64, Infallible> {
-        Ok(self.call(x, &mut vec![0.0; x.len()]))
+    type Error = Stopped;
+    fn cost(&self, x: &Vec<f64>) -> Result<f64, Stopped> {
+        self.call(x, &mut vec![0.0; x.len()])
     }
 }
 
 impl Gradient for Adapter<'_, '_> {
     type Gradient = Vec<f64>;
-    fn gradient(&self, x: &Vec<f64>) -> Result<Vec<f64>, Infallible> {
+    fn gradient(&self, x: &Vec<f64>) -> Result<Vec<f64>, Stopped> {
         let mut gradient = vec![0.0; x.len()];
-        self.call(x, &mut gradient);
+        self.call(x, &mut gradient)?;
         Ok(gradient)
     }
-    fn cost_and_gradient(&self, x: &Vec<f64>) -> Result<(f64, Vec<f64>), Infallible> {
+    fn cost_and_gradient(&self, x: &Vec<f64>) -> Result<(f64, Vec<f64>), Stopped> {
         let mut gradient = vec![0.0; x.len()];
-        Ok((self.call(x, &mut gradient), gradient))
+        Ok((self.call(x, &mut gradient)?, gradient))
     }
-    fn cost_and_gradient_into(&self, x: &Vec<f64>, gradient: &mut Vec<f64>) -> Result<f64, Infallible> {
-        Ok(self.call(x, gradient))
+    fn cost_and_gradient_into(&self, x: &Vec<f64>, gradient: &mut Vec<f64>) -> Result<f64, Stopped> {
+        self.call(x, gradient)
     }
 }
 
-/// Minimises `function` from `start`.
+/// Minimises `function` from `start`, where a stop leaves it.
 pub(crate) fn minimise_smooth(
     function: &mut Function<'_>,
     lower: &Vec<f64>,
     upper: &Vec<f64>,
     start: &[f64],
     options: SmoothOptions,
+    control: Control<'_>,
 ) -> SmoothSolution {
     let evaluations = Cell::new(0);
-    let adapter = Adapter { function: RefCell::new(function), evaluations: &evaluations, lower, upper };
+    let adapter = Adapter { function: RefCell::new(function), evaluations: &evaluations, lower, upper, control };
     let solver = Lbfgsb::new()
         .with_m_capacity(6)
         .with_absolute_projected_gradient_tolerance(options.optimality)

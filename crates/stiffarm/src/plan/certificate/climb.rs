@@ -36,13 +36,12 @@ impl<'a> Climb<'a> {
         Ok(Climb { cell, adjoint, scale, readings: readings.clone(), limits: ActiveLimits::new(cell, WATCH_DISTANCE)? })
     }
 
-    /// The local maximum reached from `start`, with its value: minus infinity
+    /// The local maximum reached from `start`, or where a stop leaves it, with its value: minus infinity
     /// where no posture inside the limits was met.
-    pub(super) fn run(mut self, start: &[f64]) -> Result<(Vec<f64>, f64)> {
+    pub(super) fn run(mut self, start: &[f64], control: Control<'_>) -> Result<(Vec<f64>, f64)> {
         let start: Vec<f64> = start.iter().zip(&self.cell.bounds).map(|(x, b)| x.clamp(b[0], b[1])).collect();
         let options =
             Options { max_iterations: MAX_ITERATIONS, tolerance: 1e-9, feasibility: FEASIBILITY, ..Options::default() };
-        let control = Control::default();
         let minimum = minimise_within_limits(&mut self, &start, None, WATCH_ROUNDS, |_| options, control)?;
         Ok((minimum.x, -minimum.merit * self.scale))
     }

@@ -236,6 +236,36 @@ pub fn certify_further<Q: AsRef<[f64]>>(
     options: &CertificateOptions,
     control: Control<'_>,
 ) -> Result<Certificate> {
+    bound(cell, index, measured, postures, options, control, Control::default())
+}
+
+/// The same, which a stop of `control` ends within a climb.
+///
+/// # Errors
+/// As [`certify_further`]; stopped.
+pub(crate) fn certify_unless_stopped<Q: AsRef<[f64]>>(
+    cell: &Cell,
+    index: Index,
+    measured: &[Q],
+    postures: &[Q],
+    options: &CertificateOptions,
+    control: Control<'_>,
+) -> Result<Certificate> {
+    let certificate = bound(cell, index, measured, postures, options, control, control)?;
+    control.check()?;
+    Ok(certificate)
+}
+
+/// The certificate so far where `control` stops it; none where `until` stopped a climb.
+fn bound<Q: AsRef<[f64]>>(
+    cell: &Cell,
+    index: Index,
+    measured: &[Q],
+    postures: &[Q],
+    options: &CertificateOptions,
+    control: Control<'_>,
+    until: Control<'_>,
+) -> Result<Certificate> {
     let n = cell.setup.robot.spring_count();
     if index.needs_prior() {
         index.prior_of(cell)?;
@@ -251,7 +281,7 @@ pub fn certify_further<Q: AsRef<[f64]>>(
             let criterion = Criterion::Trace(targets.tr_mul(targets));
             let options = options.narrower();
             let (samples, searches) = (options.samples, options.searches);
-            let space = PostureSpace::predicting(cell, function, samples, searches)?;
+            let space = PostureSpace::predicting(cell, function, samples, searches)?.until(until);
             let plan = Plan::of(space, measured, postures, &options)?;
             return plan.certificate(index, &criterion, measured, postures, control);
         }
@@ -263,7 +293,7 @@ pub fn certify_further<Q: AsRef<[f64]>>(
             .hint("expected_error, d, task and prediction have one"));
         }
     };
-    let plan = Plan::new(cell, measured, postures, options)?;
+    let plan = Plan::new(cell, measured, postures, options, until)?;
     plan.certificate(index, &criterion, measured, postures, control)
 }
 
@@ -301,8 +331,34 @@ pub fn joint_efficiencies<Q: AsRef<[f64]>>(
     options: &CertificateOptions,
     control: Control<'_>,
 ) -> Result<Vec<JointEfficiency>> {
+    joint_bounds(cell, postures, options, control, Control::default())
+}
+
+/// The same, which a stop of `control` ends within a climb.
+///
+/// # Errors
+/// As [`certify`]; stopped.
+pub(crate) fn joint_efficiencies_unless_stopped<Q: AsRef<[f64]>>(
+    cell: &Cell,
+    postures: &[Q],
+    options: &CertificateOptions,
+    control: Control<'_>,
+) -> Result<Vec<JointEfficiency>> {
+    let joints = joint_bounds(cell, postures, options, control, control)?;
+    control.check()?;
+    Ok(joints)
+}
+
+/// Bounds so far where `control` stops them; none where `until` stopped a climb.
+fn joint_bounds<Q: AsRef<[f64]>>(
+    cell: &Cell,
+    postures: &[Q],
+    options: &CertificateOptions,
+    control: Control<'_>,
+    until: Control<'_>,
+) -> Result<Vec<JointEfficiency>> {
     cell.require_prior()?;
-    let plan = Plan::new(cell, &[], postures, options)?;
+    let plan = Plan::new(cell, &[], postures, options, until)?;
     let values = evaluate_for(cell, "", postures, None)?.relative_standard_error;
     let names = cell.setup.robot.spring_names();
     let n = names.len();

@@ -33,8 +33,9 @@ impl<'a> Plan<'a> {
         measured: &[Q],
         postures: &[Q],
         options: &CertificateOptions,
+        until: Control<'a>,
     ) -> Result<Self> {
-        let space = PostureSpace::new(cell, options.samples, options.searches)?;
+        let space = PostureSpace::new(cell, options.samples, options.searches)?.until(until);
         Plan::of(space, measured, postures, options)
     }
 

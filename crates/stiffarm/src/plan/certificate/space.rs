@@ -8,6 +8,7 @@ use super::readings::Readings;
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::{PostureTerms, check_angles};
+use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order;
 use crate::numerics::order::{order_by_number, sort_by_number};
 use crate::numerics::streams::spread;
@@ -46,6 +47,8 @@ pub struct PostureSpace<'a> {
     samples: Vec<Sample>,
     /// Postures outside the limits to search from where too few lie inside.
     fill: Vec<Vec<f64>>,
+    /// Ends every climb where it is.
+    control: Control<'a>,
 }
 
 impl<'a> PostureSpace<'a> {
@@ -99,9 +102,21 @@ impl<'a> PostureSpace<'a> {
     }
 
     fn of(cell: &'a Cell, readings: Readings, samples: usize, searches: usize) -> Result<Self> {
-        let mut space = PostureSpace { cell, readings, searches, samples: Vec::new(), fill: Vec::new() };
+        let mut space = PostureSpace {
+            cell,
+            readings,
+            searches,
+            samples: Vec::new(),
+            fill: Vec::new(),
+            control: Control::default(),
+        };
         (space.samples, space.fill) = space.draw(samples)?;
         Ok(space)
+    }
+
+    /// The same, whose climbs a stop of `control` ends wherever they are: what they say then is no bound.
+    pub(super) fn until(self, control: Control<'a>) -> Self {
+        PostureSpace { control, ..self }
     }
 
     /// The cell.
@@ -226,7 +241,7 @@ impl DesignSpace for PostureSpace<'_> {
         let scale = self.samples.iter().map(|s| trace_of_product(adjoint, &s.information)).fold(0.0, f64::max);
         let maxima = in_order(&from, |(_, start): (usize, &Vec<f64>)| {
             let scale = if scale > 0.0 { scale } else { 1.0 };
-            Climb::new(self.cell, &self.readings, adjoint, scale)?.run(start)
+            Climb::new(self.cell, &self.readings, adjoint, scale)?.run(start, self.control)
         });
         // The load was checked when the space was made.
         let mut maxima = maxima.unwrap_or_default();

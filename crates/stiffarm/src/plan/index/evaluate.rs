@@ -209,7 +209,7 @@ pub fn evaluate<Q: AsRef<[f64]>>(cell: &Cell, name: &str, postures: &[Q]) -> Res
 ///
 /// # Errors
 /// As [`evaluate`].
-pub(crate) fn evaluate_for<Q: AsRef<[f64]>>(
+pub fn evaluate_for<Q: AsRef<[f64]>>(
     cell: &Cell,
     name: &str,
     postures: &[Q],

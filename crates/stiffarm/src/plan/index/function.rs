@@ -13,7 +13,7 @@
 
 use super::criterion::{ACCURATE_CONDITION, Criterion, Value};
 use super::inputs::{FixedPostures, Inputs, criterion, log_factor};
-use super::kernel::Kernel;
+use super::kernel::{Kernel, LeftOut};
 use super::kinds::Index;
 use super::minimax::{Minimax, Smoothed, log_sum};
 use super::prediction::PredictionFunction;
@@ -40,8 +40,10 @@ pub struct IndexFunction {
     components: Vec<f64>,
     weights: Vec<f64>,
     adjoint: Vec<f64>,
-    /// Derivatives of the drop-one components, one after the other.
+    /// Derivatives of the drop-one components of the fixed postures, one after the other.
     adjoints: Vec<f64>,
+    /// The drop-one components of the free postures; empty under another index.
+    left_out: LeftOut,
     row: Vec<f64>,
 }
 
@@ -94,7 +96,8 @@ impl IndexFunction {
         let postures = count + fixed_postures.count;
         let std = cell.noise.displacement_std();
         let log_factor = log_factor(index, std, postures as f64);
-        let drop_one = index == Index::DropOne;
+        let (fixed_count, left_out_count) =
+            if index == Index::DropOne { (fixed_postures.count, count) } else { (0, 0) };
         let mut function = IndexFunction {
             index,
             kernel,
@@ -107,7 +110,8 @@ impl IndexFunction {
             components: Vec::new(),
             weights: Vec::new(),
             adjoint: vec![0.0; n * n],
-            adjoints: vec![0.0; if drop_one { n * n * postures } else { 0 }],
+            adjoints: vec![0.0; n * n * fixed_count],
+            left_out: LeftOut::new(n, left_out_count),
             row: vec![0.0; setup.robot.joint_count() * count],
         };
         function.components = vec![0.0; function.component_count()];
@@ -211,11 +215,15 @@ impl IndexFunction {
             }
             Index::DropOne => {
                 let square = self.adjoint.len();
-                self.adjoint.fill(0.0);
                 for (c, row) in out.component_gradients.chunks_exact_mut(size).enumerate() {
-                    self.kernel.set_adjoint(None, &self.adjoints[c * square..(c + 1) * square]);
-                    if let Some(p) = c.checked_sub(self.fixed_postures.count) {
-                        self.kernel.set_adjoint(Some(p), &self.adjoint);
+                    match c.checked_sub(self.fixed_postures.count) {
+                        None => self.kernel.set_adjoint(None, &self.adjoints[c * square..(c + 1) * square]),
+                        Some(p) => {
+                            self.adjoint.iter_mut().zip(self.left_out.adjoint(p)).for_each(|(to, slope)| *to = slope);
+                            self.kernel.set_adjoint(None, &self.adjoint);
+                            self.adjoint.fill(0.0);
+                            self.kernel.set_adjoint(Some(p), &self.adjoint);
+                        }
                     }
                     self.kernel.reverse(row);
                 }
@@ -310,7 +318,6 @@ impl IndexFunction {
                 self.kernel.set_adjoint(None, &self.adjoint);
             }
             Index::DropOne => {
-                // Every posture counts in all components but its own.
                 let square = self.adjoint.len();
                 self.adjoint.fill(0.0);
                 for (weight, part) in self.weights.iter().zip(self.adjoints.chunks_exact(square)) {
@@ -318,14 +325,8 @@ impl IndexFunction {
                         *sum += weight * v;
                     }
                 }
-                for p in 0..self.kernel.posture_count() {
-                    let c = p + self.fixed_postures.count;
-                    let posture_adjoint = &mut self.adjoints[c * square..(c + 1) * square];
-                    for (slope, sum) in posture_adjoint.iter_mut().zip(&self.adjoint) {
-                        *slope = sum - self.weights[c] * *slope;
-                    }
-                    self.kernel.set_adjoint(Some(p), posture_adjoint);
-                }
+                let weights = &self.weights[self.fixed_postures.count..];
+                self.kernel.set_left_out_adjoints(&self.left_out, &mut self.adjoint, weights);
             }
             _ => self.kernel.set_adjoint(None, &self.criterion.adjoint),
         }
@@ -369,20 +370,10 @@ impl IndexFunction {
             }
             Index::DropOne => {
                 let square = self.adjoint.len();
-                for c in 0..self.components.len() {
+                for (c, information) in self.fixed_postures.each.chunks_exact(size).enumerate() {
                     self.rest.copy_from_slice(&self.total);
-                    match c.checked_sub(self.fixed_postures.count) {
-                        None => {
-                            let information = &self.fixed_postures.each[c * size..(c + 1) * size];
-                            for (rest, v) in self.rest.iter_mut().zip(information) {
-                                *rest -= v;
-                            }
-                        }
-                        Some(p) => {
-                            for (rest, v) in self.rest.iter_mut().zip(self.kernel.information(p)) {
-                                *rest -= v;
-                            }
-                        }
+                    for (rest, v) in self.rest.iter_mut().zip(information) {
+                        *rest -= v;
                     }
                     let value = self.criterion.evaluate(&self.rest);
                     if !value.exact.is_finite() {
@@ -390,6 +381,16 @@ impl IndexFunction {
                     }
                     self.components[c] = value.exact;
                     self.adjoints[c * square..(c + 1) * square].copy_from_slice(&self.criterion.adjoint);
+                }
+                if !self.kernel.leave_each_out(&self.total, &mut self.left_out) {
+                    return Value::INFINITE;
+                }
+                for p in 0..count {
+                    let log_error = self.left_out.log_error(p);
+                    if !log_error.is_finite() {
+                        return Value::INFINITE;
+                    }
+                    self.components[self.fixed_postures.count + p] = log_error;
                 }
                 constant
             }

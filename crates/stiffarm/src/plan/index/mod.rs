@@ -21,3 +21,8 @@ pub use function::IndexFunction;
 pub use groups::evaluate_groups;
 pub use kinds::{Index, Origin};
 pub use minimax::Smoothed;
+
+/// What tests judge many groups with.
+pub(crate) mod internals {
+    pub use super::evaluate::evaluate_for;
+}

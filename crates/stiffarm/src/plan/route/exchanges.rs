@@ -15,12 +15,17 @@ const OTHERS: usize = 3;
 /// An order under exchanges. Stops are counted from 1; stop 0 and the one behind the last are the start, or nowhere.
 pub(super) struct Exchanges<'p> {
     places: &'p Places,
+    /// Place of each stop; behind all places counts the start, or nowhere.
     order: Vec<usize>,
+    /// Cost from place to place, row by row; the last row and column are of the start, or nowhere.
+    cost: Vec<f64>,
     /// Stop of each posture.
     at: Vec<usize>,
     /// Postures whose neighbours have changed.
     waiting: VecDeque<usize>,
     waits: Vec<bool>,
+    /// Room for [`Exchanges::best`]: cost from each stop to the next.
+    gaps: Vec<f64>,
     /// Places of each posture.
     equivalents: Vec<Vec<usize>>,
     /// Room for [`Exchanges::take_equivalents`]: least cost up to a place, and the place before it.
@@ -39,12 +44,16 @@ enum Exchange {
 
 impl<'p> Exchanges<'p> {
     pub fn new(places: &'p Places) -> Self {
+        let ends: Vec<f64> = (0..places.posture.len()).map(|place| places.end(place)).collect();
+        let rows = places.cost.iter().zip(&ends).flat_map(|(row, end)| row.iter().chain([end]));
         Exchanges {
             places,
             order: Vec::new(),
+            cost: rows.chain(&ends).chain([&0.0]).copied().collect(),
             at: vec![0; places.count],
             waiting: VecDeque::new(),
             waits: vec![false; places.count],
+            gaps: Vec::new(),
             equivalents: places.of_postures(),
             least: vec![0.0; places.posture.len()],
             before: vec![0; places.posture.len()],
@@ -53,19 +62,37 @@ impl<'p> Exchanges<'p> {
 
     /// The order after all exchanges that shorten it, and its length.
     pub fn improved(&mut self, order: Vec<usize>, control: Control<'_>) -> (Vec<usize>, f64) {
-        self.order = order;
-        self.number(1, self.order.len());
-        self.look_again(0, self.order.len() + 1);
+        self.begin_with(&order);
+        self.look_again(0, order.len() + 1);
         self.exchange(control);
-        (self.order.clone(), self.places.length(&self.order))
+        (self.stops().to_vec(), self.places.length(self.stops()))
     }
 
     /// The order with its best equivalents.
     pub fn with_equivalents(&mut self, order: Vec<usize>) -> Vec<usize> {
-        self.order = order;
-        self.number(1, self.order.len());
+        self.begin_with(&order);
         self.take_equivalents();
-        std::mem::take(&mut self.order)
+        self.stops().to_vec()
+    }
+
+    /// Sets the places of the stops.
+    fn begin_with(&mut self, order: &[usize]) {
+        let end = self.places.posture.len();
+        self.order.clear();
+        self.order.push(end);
+        self.order.extend_from_slice(order);
+        self.order.push(end);
+        self.number(1, order.len());
+    }
+
+    /// Places of the stops, without both ends.
+    fn stops(&self) -> &[usize] {
+        &self.order[1..=self.count()]
+    }
+
+    /// Number of stops.
+    fn count(&self) -> usize {
+        self.order.len() - 2
     }
 
     /// A shorter order, where one is found from `best` with two neighbouring stretches exchanged, which no single
@@ -77,15 +104,14 @@ impl<'p> Exchanges<'p> {
         rng: &mut impl RngExt,
         control: Control<'_>,
     ) -> Option<(Vec<usize>, f64)> {
-        self.order.clear();
-        self.order.extend_from_slice(best);
+        self.begin_with(best);
         let count = best.len();
         let span = SPAN.min(count);
         let first = rng.random_range(0..=count - span);
         let mut cuts = [0; 3].map(|_: usize| first + rng.random_range(0..=span));
         cuts.sort_unstable();
         let [a, b, c] = cuts;
-        self.order[a..c].rotate_left(b - a);
+        self.order[a + 1..=c].rotate_left(b - a);
         self.number(1, count);
         let middle = a + (c - b);
         for cut in [a, middle, c] {
@@ -95,13 +121,13 @@ impl<'p> Exchanges<'p> {
             for _ in 0..OTHERS {
                 let place = rng.random_range(0..self.places.posture.len());
                 let stop = self.at[self.places.posture[place]];
-                self.order[stop - 1] = place;
+                self.order[stop] = place;
                 self.look_again(stop - 1, stop + 1);
             }
         }
         self.exchange(control);
-        let other = self.places.length(&self.order);
-        (other < length - LEAST_GAIN).then(|| (self.order.clone(), other))
+        let other = self.places.length(self.stops());
+        (other < length - LEAST_GAIN).then(|| (self.stops().to_vec(), other))
     }
 
     /// Exchanges while one shortens the order.
@@ -128,10 +154,10 @@ impl<'p> Exchanges<'p> {
             return false;
         }
         let equivalents = |place: usize| &self.equivalents[self.places.posture[place]];
-        for place in equivalents(self.order[0]) {
+        for place in equivalents(self.order[1]) {
             self.least[*place] = self.places.end(*place);
         }
-        for pair in self.order.windows(2) {
+        for pair in self.order[1..=self.count()].windows(2) {
             for place in equivalents(pair[1]) {
                 let mut least = (f64::INFINITY, 0);
                 for before in equivalents(pair[0]) {
@@ -144,17 +170,17 @@ impl<'p> Exchanges<'p> {
             }
         }
         let total = |place: &usize| self.least[*place] + self.places.end(*place);
-        let last = equivalents(self.order[self.order.len() - 1]).iter();
+        let last = equivalents(self.order[self.count()]).iter();
         let Some(last) = last.copied().min_by(|a, b| total(a).total_cmp(&total(b))) else {
             return false;
         };
-        if total(&last) >= self.places.length(&self.order) - LEAST_GAIN {
+        if total(&last) >= self.places.length(self.stops()) - LEAST_GAIN {
             return false;
         }
         let mut place = last;
-        for stop in (1..=self.order.len()).rev() {
-            if self.order[stop - 1] != place {
-                self.order[stop - 1] = place;
+        for stop in (1..=self.count()).rev() {
+            if self.order[stop] != place {
+                self.order[stop] = place;
                 self.look_again(stop - 1, stop + 1);
             }
             place = self.before[place];
@@ -163,18 +189,30 @@ impl<'p> Exchanges<'p> {
     }
 
     /// The exchange that shortens the order most, of those at a stop.
-    fn best(&self, stop: usize) -> Option<Exchange> {
-        let count = self.order.len();
+    fn best(&mut self, stop: usize) -> Option<Exchange> {
+        let mut gaps = std::mem::take(&mut self.gaps);
+        gaps.clear();
+        gaps.extend((0..=self.count()).map(|other| self.step(other, other + 1)));
+        let best = self.best_across(stop, &gaps);
+        self.gaps = gaps;
+        best
+    }
+
+    /// The same with the cost from each stop to the next.
+    fn best_across(&self, stop: usize, gaps: &[f64]) -> Option<Exchange> {
+        let count = self.count();
         let mut most = LEAST_GAIN;
         let mut best = None;
+        // The place of each stop with that of the next.
+        let neighbours = || self.order.iter().zip(&self.order[1..]);
         for link in [stop - 1, stop] {
-            let joined = self.step(link, link + 1);
-            for other in 0..=count {
-                let (low, high) = (link.min(other), link.max(other));
-                let now = joined + self.step(other, other + 1);
-                let then = self.step(low, high) + self.step(low + 1, high + 1);
-                if low < high && now - then > most {
-                    (most, best) = (now - then, Some(Exchange::Turn(low, high)));
+            let joined = gaps[link];
+            let [ahead, behind] = [link, link + 1].map(|stop| self.row(stop));
+            for (other, ((place, next), gap)) in neighbours().zip(gaps).enumerate() {
+                let now = joined + gap;
+                let then = ahead[*place] + behind[*next];
+                if now - then > most && link != other {
+                    (most, best) = (now - then, Some(Exchange::Turn(link.min(other), link.max(other))));
                 }
             }
         }
@@ -185,17 +223,17 @@ impl<'p> Exchanges<'p> {
                 if from == 0 || to > count {
                     continue;
                 }
-                let freed = self.step(from - 1, from) + self.step(to, to + 1) - self.step(from - 1, to + 1);
+                let freed = gaps[from - 1] + gaps[to] - self.step(from - 1, to + 1);
                 if freed <= most {
                     continue;
                 }
-                let elsewhere = (0..from - 1).chain(to + 1..=count);
-                for behind in elsewhere {
-                    let gap = self.step(behind, behind + 1);
-                    let along = self.step(behind, from) + self.step(to, behind + 1);
-                    let back = self.step(behind, to) + self.step(from, behind + 1);
+                let [first, last] = [from, to].map(|stop| self.row(stop));
+                for (behind, ((place, next), gap)) in neighbours().zip(gaps).enumerate() {
+                    let along = first[*place] + last[*next];
+                    let back = last[*place] + first[*next];
                     let gain = freed + gap - along.min(back);
-                    if gain > most {
+                    let elsewhere = behind + 1 < from || behind > to;
+                    if gain > most && elsewhere {
                         most = gain;
                         let reversed = back < along;
                         best = Some(Exchange::Move { from, to, behind, reversed });
@@ -209,7 +247,7 @@ impl<'p> Exchanges<'p> {
     fn make(&mut self, exchange: Exchange) {
         match exchange {
             Exchange::Turn(low, high) => {
-                self.order[low..high].reverse();
+                self.order[low + 1..=high].reverse();
                 self.number(low + 1, high);
                 self.look_again(low, low + 1);
                 self.look_again(high, high + 1);
@@ -217,14 +255,14 @@ impl<'p> Exchanges<'p> {
             Exchange::Move { from, to, behind, reversed } => {
                 let length = to - from + 1;
                 let (first, low, high) = if behind > to {
-                    self.order[from - 1..behind].rotate_left(length);
+                    self.order[from..=behind].rotate_left(length);
                     (behind - length + 1, from, behind)
                 } else {
-                    self.order[behind..to].rotate_right(length);
+                    self.order[behind + 1..=to].rotate_right(length);
                     (behind + 1, behind + 1, to)
                 };
                 if reversed {
-                    self.order[first - 1..first - 1 + length].reverse();
+                    self.order[first..first + length].reverse();
                 }
                 self.number(low, high);
                 self.look_again(first - 1, first);
@@ -238,14 +276,14 @@ impl<'p> Exchanges<'p> {
     /// Numbers the stops from one to another.
     fn number(&mut self, from: usize, to: usize) {
         for stop in from..=to {
-            self.at[self.places.posture[self.order[stop - 1]]] = stop;
+            self.at[self.places.posture[self.order[stop]]] = stop;
         }
     }
 
     /// The postures of these stops have new neighbours.
     fn look_again(&mut self, from: usize, to: usize) {
-        for stop in from.max(1)..=to.min(self.order.len()) {
-            let posture = self.places.posture[self.order[stop - 1]];
+        for stop in from.max(1)..=to.min(self.count()) {
+            let posture = self.places.posture[self.order[stop]];
             if !std::mem::replace(&mut self.waits[posture], true) {
                 self.waiting.push_back(posture);
             }
@@ -255,11 +293,13 @@ impl<'p> Exchanges<'p> {
     /// Cost of a move between two stops.
     #[inline]
     fn step(&self, from: usize, to: usize) -> f64 {
-        let place = |stop: usize| self.order.get(stop.wrapping_sub(1));
-        match (place(from), place(to)) {
-            (Some(a), Some(b)) => self.places.cost[*a][*b],
-            (Some(place), None) | (None, Some(place)) => self.places.end(*place),
-            (None, None) => 0.0,
-        }
+        self.row(from)[self.order[to]]
+    }
+
+    /// Cost from a stop to each place, and back.
+    #[inline]
+    fn row(&self, stop: usize) -> &[f64] {
+        let width = self.places.posture.len() + 1;
+        &self.cost[self.order[stop] * width..][..width]
     }
 }

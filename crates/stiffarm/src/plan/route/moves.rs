@@ -143,34 +143,41 @@ impl<'a> Moves<'a> {
     /// Farthest that any point may move from one posture to another \[m\].
     pub fn travel(&self, from: &[f64], to: &[f64]) -> f64 {
         let robot = &self.cell.setup.robot;
-        let (a, b) = (robot.serial_angles(from), robot.serial_angles(to));
-        let turns = a.iter().zip(&b).zip(&self.reach);
+        let turns = robot.each_serial_angle(from).zip(robot.each_serial_angle(to)).zip(&self.reach);
         turns.map(|((a, b), reach)| (a - b).abs() * reach).sum()
     }
 
     /// Whether the joint move touches nothing.
     pub fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool> {
+        self.are_free(&[[from, to]])
+    }
+
+    /// Whether none of these joint moves touches anything.
+    pub fn are_free(&mut self, moves: &[[&[f64]; 2]]) -> Result<bool> {
         if self.nothing_to_touch() {
             return Ok(true);
         }
-        let travel = self.travel(from, to);
-        let mut open = VecDeque::from([(0.0_f64, 1.0_f64)]);
-        let mut looks = 0;
-        // Wide stretches first: a move that touches something mostly does so in the middle of one.
-        while let Some((first, last)) = open.pop_front() {
-            looks += 1;
-            if looks > MOST_LOOKS {
+        let travels: Vec<f64> = moves.iter().map(|[from, to]| self.travel(from, to)).collect();
+        let mut looks = vec![0; moves.len()];
+        let mut open: VecDeque<(usize, f64, f64)> = (0..moves.len()).map(|number| (number, 0.0, 1.0)).collect();
+        let mut q = vec![0.0; self.cell.bounds.len()];
+        // Wide stretches first, of all moves: one that touches something mostly does so in the middle of one.
+        while let Some((number, first, last)) = open.pop_front() {
+            looks[number] += 1;
+            if looks[number] > MOST_LOOKS {
                 return Ok(false);
             }
+            let [from, to] = moves[number];
             let middle = 0.5 * (first + last);
-            let half = 0.5 * travel * (last - first);
-            let room = self.room(&between(from, to, middle), half)?;
+            let half = 0.5 * travels[number] * (last - first);
+            q.iter_mut().zip(each_between(from, to, middle)).for_each(|(q, angle)| *q = angle);
+            let room = self.room(&q, half)?;
             if room < 0.0 {
                 return Ok(false);
             }
             if room < half && half > FINEST {
-                open.push_back((first, middle));
-                open.push_back((middle, last));
+                open.push_back((number, first, middle));
+                open.push_back((number, middle, last));
             }
         }
         Ok(true)
@@ -179,6 +186,11 @@ impl<'a> Moves<'a> {
 
 /// The posture at a share of a joint move.
 pub(super) fn between(from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
+    each_between(from, to, share).collect()
+}
+
+/// Its angles, one after the other.
+fn each_between(from: &[f64], to: &[f64], share: f64) -> impl Iterator<Item = f64> {
     let joints = from.iter().zip(to);
-    joints.map(|(a, b)| a + (b - a) * share).collect()
+    joints.map(move |(a, b)| a + (b - a) * share)
 }

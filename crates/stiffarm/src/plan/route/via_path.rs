@@ -70,7 +70,7 @@ impl Moves<'_> {
         for (_, via) in timed {
             // Typed like every other posture.
             let via = nearest(&via, VIA_STEP_DEG);
-            if self.is_clear(&via)? && self.is_free(from, &via)? && self.is_free(&via, to)? {
+            if self.is_clear(&via)? && self.are_free(&[[from, &via], [&via, to]])? {
                 return Ok(Some(self.along(from, to, vec![via])));
             }
         }

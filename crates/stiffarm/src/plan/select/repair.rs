@@ -2,6 +2,7 @@
 
 use crate::error::Result;
 use crate::model::cell::Cell;
+use crate::numerics::control::Control;
 use crate::numerics::optimise::smooth::{SmoothOptions, minimise_smooth};
 use crate::plan::index::kernel::{Kernel, KernelOutputs};
 
@@ -30,6 +31,7 @@ pub(super) fn repair(cell: &Cell, angles: &[f64]) -> Result<Vec<f64>> {
             &upper,
             q,
             options,
+            Control::default(),
         );
         kernel.forward(&solution.x);
         if kernel.violation() <= 0.0 {

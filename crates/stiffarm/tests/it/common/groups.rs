@@ -1,14 +1,15 @@
 //! Groups judged by hand: value and limits.
 
 use nalgebra::Vector3;
+use stiffarm::internals::evaluate_for;
 use stiffarm::model::cell::{Cell, Limits};
 use stiffarm::model::load::Load;
 use stiffarm::model::observation::PostureTerms;
-use stiffarm::plan::index::{Index, evaluate};
+use stiffarm::plan::index::Index;
 
 /// ln of an index that is to be minimised; infinite where it does not exist.
 pub fn ln_index(cell: &Cell, index: Index, group: &[Vec<f64>]) -> f64 {
-    match evaluate(cell, "", group).unwrap().indices.get(index) {
+    match evaluate_for(cell, "", group, Some(index)).unwrap().indices.get(index) {
         Some(value) if index.larger_is_better() => -value.ln(),
         Some(value) => value.ln(),
         None => f64::INFINITY,

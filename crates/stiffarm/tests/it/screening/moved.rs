@@ -118,7 +118,8 @@ fn moves_are_found_on_real_arms() {
         ("FANUC", fanuc(), carried(), 0.97),
         ("UR10", ur10(), carried(), 0.97),
     ] {
-        let (count, whole) = (runs(30), 300);
+        // As many as there are lengths of a day, so that each is moved once.
+        let (count, whole) = (runs(15), 300);
         let missed: Vec<String> = (0..count)
             .into_par_iter()
             .flat_map(|seed| {

@@ -66,10 +66,10 @@ fn frames(model: &Model, batch: &mut Batch, n: usize) {
 #[inline(always)]
 fn points_and_load(model: &Model, batch: &mut Batch, n: usize) {
     let rotation = batch.rotation;
-    let at = |p: &[f64; 3]| add(batch.position, rotate(&rotation, p));
-    batch.loading_point = at(&model.loading_point);
-    batch.centroid = at(&model.centroid);
-    batch.tcp = at(&model.measuring_points[0]);
+    let position = batch.position;
+    batch.loading_point = add(position, rotate(&rotation, &model.loading_point));
+    batch.centroid = add(position, rotate(&rotation, &model.centroid));
+    batch.tcp = add(position, rotate(&rotation, &model.measuring_points[0]));
     match &model.load {
         KernelLoad::Rope { anchor, magnitude } => {
             // F = G (P2 − P1)/‖P2 − P1‖, Section IV.A.

@@ -2,6 +2,7 @@
 //! compiler turns into vector instructions; every lane does the same sums in
 //! the same order on every machine, so results do not depend on them.
 
+use crate::numerics::information::small::Entry;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// Lanes per batch.
@@ -30,6 +31,14 @@ macro_rules! six {
 }
 pub(crate) use {entries, six, three};
 
+/// Each lane by its number, written out: where a loop over lanes is not unrolled, its single numbers have to reach
+/// memory before the vector that they make can be loaded.
+macro_rules! four {
+    (|$i:ident| $entry:expr) => {
+        Lanes(entries!([0, 1, 2, 3], $i, $entry))
+    };
+}
+
 /// One number per lane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(32))]
@@ -55,31 +64,19 @@ impl Lanes {
     /// Square roots.
     #[inline(always)]
     pub fn sqrt(self) -> Self {
-        let mut out = self;
-        for lane in &mut out.0 {
-            *lane = lane.sqrt();
-        }
-        out
+        four!(|i| self.0[i].sqrt())
     }
 
     /// The larger of each lane and 0; 0 for a lane that is not a number.
     #[inline(always)]
     pub fn positive_part(self) -> Self {
-        let mut out = self;
-        for lane in &mut out.0 {
-            *lane = if *lane > 0.0 { *lane } else { 0.0 };
-        }
-        out
+        self.max(ZERO)
     }
 
-    /// The larger of both, lane by lane.
+    /// The larger of both, lane by lane; the other where this is not a number.
     #[inline(always)]
     pub fn max(self, other: Self) -> Self {
-        let mut out = self;
-        for (lane, other) in out.0.iter_mut().zip(other.0) {
-            *lane = if *lane > other { *lane } else { other };
-        }
-        out
+        four!(|i| if self.0[i] > other.0[i] { self.0[i] } else { other.0[i] })
     }
 }
 
@@ -89,11 +86,7 @@ macro_rules! by_lane {
             type Output = Lanes;
             #[inline(always)]
             fn $method(self, other: Lanes) -> Lanes {
-                let mut out = self;
-                for i in 0..WIDTH {
-                    out.0[i] = self.0[i] $op other.0[i];
-                }
-                out
+                four!(|i| self.0[i] $op other.0[i])
             }
         }
     };
@@ -115,11 +108,7 @@ impl Neg for Lanes {
     type Output = Lanes;
     #[inline(always)]
     fn neg(self) -> Lanes {
-        let mut out = self;
-        for lane in &mut out.0 {
-            *lane = -*lane;
-        }
-        out
+        four!(|i| -self.0[i])
     }
 }
 
@@ -134,6 +123,25 @@ impl SubAssign for Lanes {
     #[inline(always)]
     fn sub_assign(&mut self, other: Lanes) {
         *self = *self - other;
+    }
+}
+
+impl Entry for Lanes {
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Lanes::splat(value)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Lanes::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn is_above(self, limit: Self) -> bool {
+        let [a, b, c, d] = entries!([0, 1, 2, 3], i, self.0[i] > limit.0[i]);
+        // Without a way out in the middle it is one comparison.
+        a & b & c & d
     }
 }
 

@@ -4,9 +4,9 @@
 //! Order of the margins: as in [`crate::model::cell::Limits::margins`].
 
 use super::batch::Batch;
-use super::lanes::{Lanes, Vec3, WIDTH, ZERO, ZERO3, add, cross, dot, rotate, scale, sub};
+use super::lanes::{Lanes, Vec3, WIDTH, ZERO, ZERO3, add, cross, dot, rotate, scale, sub, three};
 use super::model::{KernelLoad, Model};
-use crate::model::cell::{Measure, Side};
+use crate::model::cell::{Measure, PointLimit, Side};
 
 /// One lane's share of Σ [(max(0, λ − μ·margin))² − λ²]/(2μ) and where it pushes.
 struct Penalty<'a> {
@@ -31,6 +31,16 @@ impl Penalty<'_> {
         let active = (multiplier - inside * self.weight).positive_part();
         self.value += (active * active - multiplier * multiplier) * (0.5 / self.weight);
         -active
+    }
+
+    /// The same of a limit; returns the derivative by what it bounds.
+    #[inline(always)]
+    fn slope_of(&mut self, limit: &PointLimit, bounded: Lanes) -> Lanes {
+        let at = Lanes::splat(limit.at);
+        match limit.side {
+            Side::AtLeast => self.slope(bounded - at),
+            Side::AtMost => -self.slope(at - bounded),
+        }
     }
 }
 
@@ -66,21 +76,18 @@ pub(super) fn forward(model: &Model, batch: &mut Batch) {
             _ => (wrist, false),
         };
         let mut push = ZERO3;
-        let point_limits = model.point_limits.iter();
-        for limit in point_limits.filter(|limit| limit.holds_for(is_tool_point)) {
+        for limit in if is_tool_point { &model.tool_limits } else { &model.wrist_limits } {
             // As in `Limits::visit`, which shows what this searches by.
-            let at = Lanes::splat(limit.at);
-            let mut slope_at = |value: Lanes| match limit.side {
-                Side::AtLeast => penalty.slope(value - at),
-                Side::AtMost => -penalty.slope(at - value),
-            };
             match limit.measure {
-                Measure::Axis(axis) => push[axis] += slope_at(point[axis]),
+                Measure::Axis(axis) => {
+                    let slope = penalty.slope_of(limit, point[axis]);
+                    push = three!(|i| if i == axis { push[i] + slope } else { push[i] });
+                }
                 Measure::FromAxis1 => {
                     let offset = sub(point, first_origin);
                     let across = sub(offset, scale(first_axis, dot(&first_axis, &offset)));
                     let distance = dot(&across, &across).sqrt();
-                    let inverse = slope_at(distance) / distance.max(Lanes::splat(f64::MIN_POSITIVE));
+                    let inverse = penalty.slope_of(limit, distance) / distance.max(Lanes::splat(f64::MIN_POSITIVE));
                     push = add(push, scale(across, inverse));
                 }
             }

@@ -15,11 +15,13 @@ mod batch;
 mod dexterity;
 mod forward;
 pub(crate) mod lanes;
+mod left_out;
 mod limits;
 mod model;
 mod reverse;
 mod scene;
 
+pub(crate) use left_out::LeftOut;
 pub use model::KernelOutputs;
 
 use crate::error::Result;
@@ -296,7 +298,7 @@ impl LoadKernel {
                     batch.q[j].0[lane] = q[p * n + j];
                 }
             }
-            sweep_forward(&self.model, batch);
+            run(Forward(&self.model, batch));
             if self.model.limit_count == 0 {
                 batch.penalty = Lanes::splat(0.0);
                 batch.violation = Lanes::splat(0.0);
@@ -312,7 +314,7 @@ impl LoadKernel {
     fn reverse(&mut self, gradient: &mut [f64], count: usize) {
         let n = self.model.joints;
         for (b, batch) in self.batches.iter_mut().enumerate() {
-            sweep_reverse(&self.model, batch);
+            run(Reverse(&self.model, batch));
             if self.scene.is_some() {
                 batch.add_scene();
             }
@@ -328,53 +330,51 @@ impl LoadKernel {
     }
 }
 
-fn sweep_forward(model: &Model, batch: &mut Batch) {
-    #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        // SAFETY: the processor has what the function asks for.
-        #[allow(unsafe_code)]
-        return unsafe { forward_avx2(model, batch) };
-    }
-    forward_any(model, batch);
+/// Work on four postures at a time.
+trait Sweep {
+    /// To be inlined always, so that it has the instructions of the function that it is called from.
+    fn run(self);
 }
 
-fn sweep_reverse(model: &Model, batch: &mut Batch) {
-    #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        // SAFETY: the processor has what the function asks for.
-        #[allow(unsafe_code)]
-        return unsafe { reverse_avx2(model, batch) };
-    }
-    reverse_any(model, batch);
-}
-
-/// With four-wide instructions: the same sums in the same order (no fused
+/// Runs a sweep with four-wide instructions where the processor has them: the same sums in the same order (no fused
 /// multiply-add), so the same bytes.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn forward_avx2(model: &Model, batch: &mut Batch) {
-    forward_any(model, batch);
+fn run(sweep: impl Sweep) {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the processor has what the function asks for.
+        #[allow(unsafe_code)]
+        return unsafe { run_avx2(sweep) };
+    }
+    sweep.run();
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn reverse_avx2(model: &Model, batch: &mut Batch) {
-    reverse_any(model, batch);
+fn run_avx2(sweep: impl Sweep) {
+    sweep.run();
 }
 
-#[inline(always)]
-fn forward_any(model: &Model, batch: &mut Batch) {
-    // With a constant number of joints the compiler unrolls.
-    match model.joints {
-        6 => forward::forward(model, batch, 6),
-        n => forward::forward(model, batch, n),
+struct Forward<'a>(&'a Model, &'a mut Batch);
+
+impl Sweep for Forward<'_> {
+    #[inline(always)]
+    fn run(self) {
+        // With a constant number of joints the compiler unrolls.
+        match self.0.joints {
+            6 => forward::forward(self.0, self.1, 6),
+            n => forward::forward(self.0, self.1, n),
+        }
     }
 }
 
-#[inline(always)]
-fn reverse_any(model: &Model, batch: &mut Batch) {
-    match model.joints {
-        6 => reverse::reverse(model, batch, 6),
-        n => reverse::reverse(model, batch, n),
+struct Reverse<'a>(&'a Model, &'a mut Batch);
+
+impl Sweep for Reverse<'_> {
+    #[inline(always)]
+    fn run(self) {
+        match self.0.joints {
+            6 => reverse::reverse(self.0, self.1, 6),
+            n => reverse::reverse(self.0, self.1, n),
+        }
     }
 }

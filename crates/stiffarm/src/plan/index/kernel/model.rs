@@ -72,7 +72,9 @@ pub(super) struct Model {
     /// 1/L of Eq. (20).
     pub inverse_length: Option<f64>,
     pub has_information: bool,
-    pub point_limits: Vec<PointLimit>,
+    /// Limits on the points of the tool, and on the wrist centre.
+    pub tool_limits: Vec<PointLimit>,
+    pub wrist_limits: Vec<PointLimit>,
     pub rope_length: Option<[f64; 2]>,
     pub limit_count: usize,
 }
@@ -141,7 +143,8 @@ impl Model {
             inverse_length: outputs.dexterity.map(|length| 1.0 / length),
             has_information: outputs.information.is_some(),
             limit_count: limits.count(setup),
-            point_limits: limits.on_points().collect(),
+            tool_limits: limits.on_points().filter(|limit| limit.holds_for(true)).collect(),
+            wrist_limits: limits.on_points().filter(|limit| limit.holds_for(false)).collect(),
             rope_length: limits.rope_length,
         })
     }

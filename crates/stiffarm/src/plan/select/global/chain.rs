@@ -122,7 +122,7 @@ impl Chain {
             };
             let plan = match self.predicting {
                 Some(_) => self.each_in_turn(start, control),
-                None => self.together(start),
+                None => self.together(start, control),
             };
             if !plan.value.is_finite() {
                 self.idle += 1;
@@ -138,8 +138,8 @@ impl Chain {
             } else {
                 self.idle += 1;
             }
-            // A sweep that was stopped cannot be reproduced.
-            if self.predicting.is_some() && control.stopped() {
+            // A search that was stopped cannot be reproduced.
+            if control.stopped() {
                 return false;
             }
         }
@@ -147,11 +147,15 @@ impl Chain {
     }
 
     /// The local minimum near `start` over all postures.
-    fn together(&mut self, start: Vec<f64>) -> Plan {
-        let plan = self.local.improve(start, Effort::Rough);
+    fn together(&mut self, start: Vec<f64>, control: Control<'_>) -> Plan {
+        let plan = self.local.improve(start, Effort::Rough, control);
         // Compare the end of the valley, not where a rough search stops.
         let near = |old: &Option<Plan>| old.as_ref().is_none_or(|old| plan.value < old.value + NEAR_INCUMBENT);
-        if plan.value.is_finite() && near(&self.current) { self.local.refine(plan, Effort::Fine) } else { plan }
+        if plan.value.is_finite() && near(&self.current) {
+            self.local.refine(plan, Effort::Fine, control)
+        } else {
+            plan
+        }
     }
 
     /// Where no posture of a group near `start` can be moved alone to make the index prediction better: beside the
@@ -174,7 +178,7 @@ impl Chain {
                 let held_postures = self.local.held_postures().iter().map(Vec::as_slice);
                 let held_postures: Vec<&[f64]> = others.into_iter().chain(held_postures).collect();
                 predicting.single.hold([&predicting.base_rows, &rows], &held_postures);
-                let improved = predicting.single.improve(plan.x[p * n..(p + 1) * n].to_vec(), Effort::Rough);
+                let improved = predicting.single.improve(plan.x[p * n..(p + 1) * n].to_vec(), Effort::Rough, control);
                 let mut x = plan.x.clone();
                 x[p * n..(p + 1) * n].copy_from_slice(&improved.x);
                 let next = self.local.judge(x);

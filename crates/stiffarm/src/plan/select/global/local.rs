@@ -5,6 +5,7 @@
 use super::plan::Plan;
 use crate::error::Result;
 use crate::model::cell::Cell;
+use crate::numerics::control::Control;
 use crate::numerics::optimise::smooth::{SmoothOptions, minimise_smooth};
 use crate::plan::index::inputs::FixedPostures;
 use crate::plan::index::prediction::PredictionFunction;
@@ -179,36 +180,36 @@ impl Local {
         }
     }
 
-    /// The local minimum near `start`, or `start` itself where that is better.
-    pub fn improve(&mut self, start: Vec<f64>, effort: Effort) -> Plan {
+    /// The local minimum near `start`, or `start` itself where that is better or a stop of `control` ends the search.
+    pub fn improve(&mut self, start: Vec<f64>, effort: Effort, control: Control<'_>) -> Plan {
         self.searches += 1;
         let begin = self.judge(start);
         if self.has_limits {
             self.weight = FIRST_WEIGHT;
             self.function.kernel_mut().reset_penalty(FIRST_WEIGHT, GUARD);
         }
-        self.descend(begin, 0, effort)
+        self.descend(begin, 0, effort, control)
     }
 
     /// Goes on from the plan that [`improve`](Self::improve) returned last.
-    pub fn refine(&mut self, plan: Plan, effort: Effort) -> Plan {
-        self.descend(plan, self.stages.len() - 1, effort)
+    pub fn refine(&mut self, plan: Plan, effort: Effort, control: Control<'_>) -> Plan {
+        self.descend(plan, self.stages.len() - 1, effort, control)
     }
 
     /// The stages from `first` on, and then more until the limits are met.
-    fn descend(&mut self, begin: Plan, first: usize, effort: Effort) -> Plan {
+    fn descend(&mut self, begin: Plan, first: usize, effort: Effort, control: Control<'_>) -> Plan {
         let mut x = begin.x.clone();
         let mut best = begin;
         let last = self.stages.len() - 1;
         for stage in first..self.stages.len() + LIMIT_STAGES {
-            let end = self.minimise(x, self.stages[stage.min(last)], effort);
+            let end = self.minimise(x, self.stages[stage.min(last)], effort, control);
             let end = self.judge(end);
             x = end.x.clone();
             if end.value < best.value {
                 best = end;
             }
             let met = !self.has_limits || self.function.kernel().violation() <= 0.0;
-            if stage >= last && met {
+            if stage >= last && met || control.stopped() {
                 break;
             }
             if self.has_limits {
@@ -221,7 +222,7 @@ impl Local {
         best
     }
 
-    fn minimise(&mut self, x: Vec<f64>, sharpness: f64, effort: Effort) -> Vec<f64> {
+    fn minimise(&mut self, x: Vec<f64>, sharpness: f64, effort: Effort, control: Control<'_>) -> Vec<f64> {
         let Local { function, design, angles, .. } = self;
         let angles = *angles;
         let solution = minimise_smooth(
@@ -237,6 +238,7 @@ impl Local {
             &self.upper,
             &x,
             effort.options(),
+            control,
         );
         self.evaluations += solution.evaluations;
         solution.x

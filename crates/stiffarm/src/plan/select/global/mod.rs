@@ -140,7 +140,7 @@ pub fn select_watched(
     let prepared = options.load.prepare(cell)?;
     let mut search = Global::new(&prepared, index, count, options)?;
     let termination = search.rounds(control, watch)?;
-    search.finish(termination)
+    search.finish(termination, control)
 }
 
 struct Global<'a> {
@@ -315,7 +315,7 @@ impl<'a> Global<'a> {
     }
 
     /// The best plan searched to the end, with everything that is to be said of it.
-    fn finish(mut self, termination: Termination) -> Result<Selection> {
+    fn finish(mut self, termination: Termination, control: Control<'_>) -> Result<Selection> {
         let fixed_postures = &self.options.given;
         let n = self.cell.setup.robot.joint_count();
         let Some(best) = self.best.take() else {
@@ -327,7 +327,9 @@ impl<'a> Global<'a> {
         let mut plan = if is_done {
             best
         } else {
-            let plan = local.improve(best.x.clone(), Effort::Full);
+            // Part of what the completed rounds give; without any a stop ends it, too.
+            let control = if self.completed == 0 { control } else { Control::default() };
+            let plan = local.improve(best.x.clone(), Effort::Full, control);
             if best.value < plan.value { best } else { plan }
         };
         let mut iterations = 0;
