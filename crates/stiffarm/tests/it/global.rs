@@ -122,9 +122,12 @@ fn a_time_limit_is_reproduced_by_its_rounds() {
     assert_eq!(cut.evaluations, again.evaluations);
     assert_eq!(again.termination, Termination::IterationLimit);
 
-    // Stopped by the user within a round: that round does not count.
+    // Stopped by the user within a round, some looks after two of them: that round does not count.
     let looks = AtomicUsize::new(0);
-    let stop = || looks.fetch_add(1, Ordering::Relaxed) > 200;
+    let never = || looks.fetch_add(1, Ordering::Relaxed) == usize::MAX;
+    select(&cell, Index::ExpectedError, 6, &rounds(1, 2), stopped_by(&never)).unwrap();
+    let after = looks.swap(0, Ordering::Relaxed) + 200;
+    let stop = || looks.fetch_add(1, Ordering::Relaxed) > after;
     let control = stopped_by(&stop);
     let options = rounds(1, 1_000);
     let cut = select(&cell, Index::ExpectedError, 6, &options, control).unwrap();
