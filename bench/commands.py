@@ -76,17 +76,11 @@ def measured(binary, row, out, threads=None):
     """Time, processor time [s] and peak memory [MB]; what it writes goes to `out`."""
     words = [out if word == "OUT" else word for word in ROWS[row]]
     environment = dict(os.environ, **({"RAYON_NUM_THREADS": str(threads)} if threads else {}))
-    begin = time.monotonic()
     with open(os.devnull if "OUT" in ROWS[row] else out, "w") as screen:
-        child = subprocess.Popen([binary, *words, "-q"], stdout=screen, stderr=subprocess.PIPE, env=environment)
-        errors = child.stderr.read().decode()
-        _, status, usage = os.wait4(child.pid, 0)
-    wall = time.monotonic() - begin
-    code = os.waitstatus_to_exitcode(status)
-    child.returncode = code
+        *used, code = growth.measured([binary, *words, "-q"], screen, environment)
     if code not in (0, 1):
-        sys.exit(f"exit code {code}: {binary} {' '.join(words)}\n{errors}")
-    return wall, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
+        sys.exit(f"exit code {code}: {binary} {' '.join(words)}")
+    return used
 
 
 def difference(one, other, path=""):

@@ -156,10 +156,10 @@ k_ae_n_per_mm = 0
 """
 
 
-def measured(command):
-    """Wall and processor seconds, peak memory [MB] and exit code of a command."""
+def measured(command, screen=subprocess.DEVNULL, environment=None):
+    """Wall and processor seconds, peak memory [MB] and exit code of a command whose standard output goes to `screen`."""
     begin = time.monotonic()
-    child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    child = subprocess.Popen(command, stdout=screen, stderr=subprocess.PIPE, env=environment)
     _, status, usage = os.wait4(child.pid, 0)
     wall = time.monotonic() - begin
     code = os.waitstatus_to_exitcode(status)

@@ -6,7 +6,7 @@ use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::numerics::control::Control;
 use crate::plan::certificate::{
-    Certificate, CertificateOptions, JointEfficiency, certify_unless_stopped, joint_efficiencies_unless_stopped,
+    Certificate, CertificateOptions, JointEfficiency, certify_until, joint_efficiencies_until,
 };
 use crate::plan::index::Index;
 
@@ -50,7 +50,7 @@ impl Bounds {
         watch(Stage::Bounding { postures: postures.len() });
         let control = control.quiet();
         let options = CertificateOptions::default();
-        let certificate = certify_unless_stopped(cell, index, held, postures, &options, control);
+        let certificate = certify_until(cell, index, held, postures, &options, control, control);
         bounds.certificate = unless_failed(certificate, control, &mut bounds.missing);
         // The joints' bounds count neither what is measured already nor what gives way beyond the axes.
         let by_joint = index != Index::Prediction && held.is_empty();
@@ -58,7 +58,7 @@ impl Bounds {
             watch(Stage::BoundingJoints);
             let mut options = options;
             options.samples = JOINT_SEARCHES;
-            let joints = joint_efficiencies_unless_stopped(cell, postures, &options, control);
+            let joints = joint_efficiencies_until(cell, postures, &options, control, control);
             bounds.joints = unless_failed(joints, control, &mut bounds.missing);
         }
         bounds

@@ -30,10 +30,7 @@ struct SharedRows {
 #[derive(Clone)]
 pub(super) struct Rows {
     shared: Arc<SharedRows>,
-    /// Units of the columns, 1 for fixed effects; one more column, the displacements, has none.
-    scales: Vec<f64>,
-    /// Columns that share a mean.
-    means: Vec<Range<usize>>,
+    units: Units,
     prior: PriorRows,
     /// Number of fixed effects.
     pub(super) fixed: usize,
@@ -45,6 +42,28 @@ pub(super) struct Rows {
     whole: DMatrix<f64>,
     /// All directions by their sizes; none where that would be more than the directions themselves.
     groups: Vec<EqualDirections>,
+}
+
+/// What makes columns of shared rows those of a model.
+#[derive(Clone)]
+struct Units {
+    /// Units of the columns, 1 for fixed effects; one more column, the displacements, has none.
+    scales: Vec<f64>,
+    /// Columns that share a mean.
+    means: Vec<Range<usize>>,
+}
+
+impl Units {
+    fn of_columns(&self, mut columns: DMatrix<f64>) -> DMatrix<f64> {
+        scale_columns(&mut columns, self.scales.iter().copied());
+        gathered(&mut columns, &self.means);
+        columns
+    }
+
+    /// The same of rows and columns.
+    fn of_both(&self, sum: &DMatrix<f64>) -> DMatrix<f64> {
+        self.of_columns(self.of_columns(sum.clone()).transpose())
+    }
 }
 
 /// What is known of random effects beside the readings: rows for them and what was read there, as sure as a
@@ -103,8 +122,7 @@ impl Rows {
         let seen = if seen.is_empty() { DMatrix::zeros(count, 0) } else { DMatrix::from_columns(&seen) };
         let start = whitened.factor().solve(white);
         Rows {
-            scales: vec![1.0; count - 1],
-            means: Vec::new(),
+            units: Units { scales: vec![1.0; count - 1], means: Vec::new() },
             prior: PriorRows::nothing(random.ncols()),
             fixed,
             idle: idle.to_vec(),
@@ -124,15 +142,21 @@ impl Rows {
         prior: PriorRows,
     ) -> Self {
         let fixed = self.fixed;
-        let mut out = Rows {
+        let units = Units {
             scales: std::iter::repeat_n(1.0, fixed).chain(scales).collect(),
             means: means.iter().map(|mean| fixed + mean.start..fixed + mean.end).collect(),
-            prior,
-            ..self.clone()
         };
-        let both = |sum: &DMatrix<f64>| out.in_units(out.in_units(sum.clone()).transpose());
-        let (whole, groups) = (both(&self.whole), self.groups.iter().map(|group| group.with_gram(both(&group.gram))));
-        (out.groups, out.whole) = (groups.collect(), whole);
+        let groups = self.groups.iter().map(|group| group.with_gram(units.of_both(&group.gram)));
+        let mut out = Rows {
+            shared: self.shared.clone(),
+            prior,
+            fixed,
+            idle: self.idle.clone(),
+            classes: self.classes.clone(),
+            whole: units.of_both(&self.whole),
+            groups: groups.collect(),
+            units,
+        };
         if !out.prior.read.is_empty() {
             let mut below = DMatrix::zeros(out.prior.read.len(), out.whole.ncols());
             below.columns_mut(fixed, out.prior.rows.ncols()).copy_from(&out.prior.rows);
@@ -141,13 +165,6 @@ impl Rows {
             out.whole += below.tr_mul(&below);
         }
         out
-    }
-
-    /// Columns of effects in the units of this model, for columns in units of their own.
-    fn in_units(&self, mut columns: DMatrix<f64>) -> DMatrix<f64> {
-        scale_columns(&mut columns, self.scales.iter().copied());
-        gathered(&mut columns, &self.means);
-        columns
     }
 
     /// Variance ratio of the last class, where it is not told by the data.
@@ -178,7 +195,7 @@ impl Rows {
 
     /// White columns of the random effects, without shifts.
     pub(super) fn random_columns(&self) -> DMatrix<f64> {
-        self.in_units(self.shared.all.clone()).columns(self.fixed, self.random()).into_owned()
+        self.units.of_columns(self.shared.all.clone()).columns(self.fixed, self.random()).into_owned()
     }
 
     /// What is known of the random effects beside the readings.
@@ -188,7 +205,7 @@ impl Rows {
 
     /// Number of random effects.
     pub(super) fn random(&self) -> usize {
-        self.scales.len() - self.fixed
+        self.units.scales.len() - self.fixed
     }
 
     /// Mean square of a row that effects of variance 1 in class `class` give.
@@ -203,7 +220,7 @@ impl Rows {
         let (mut gram, mut count) = (self.whole.clone(), self.prior.read.len() + self.shared.all.nrows());
         for &b in left_out {
             let rows = &self.shared.postures[b];
-            let block = self.in_units(self.shared.all.rows(rows.start, rows.len()).into_owned());
+            let block = self.units.of_columns(self.shared.all.rows(rows.start, rows.len()).into_owned());
             gram.gemm(-1.0, &block.transpose(), &block, 1.0);
             count -= rows.len();
         }
@@ -216,7 +233,7 @@ impl Rows {
         let of = |is_chosen: &dyn Fn(&usize) -> bool| {
             let chosen = directions.iter().enumerate().filter(|(_, (posture, _))| is_chosen(posture));
             let (numbers, sizes): (Vec<usize>, Vec<f64>) = chosen.map(|(k, (_, size))| (k, *size)).unzip();
-            let columns = self.in_units(seen.select_columns(&numbers).transpose()).transpose();
+            let columns = self.units.of_columns(seen.select_columns(&numbers).transpose()).transpose();
             SizedColumns { columns, sizes }
         };
         let is_out = |posture: &usize| left_out.binary_search(posture).is_ok();
@@ -224,7 +241,7 @@ impl Rows {
         let groups: Vec<EqualDirections> = self.groups.iter().map(|group| group.without(&left)).collect();
         // With fewer directions than unknowns their own columns are less work.
         let count = directions.len() - left.sizes.len();
-        let few = count <= groups.len() * self.scales.len();
+        let few = count <= groups.len() * self.units.scales.len();
         let columns = (groups.is_empty() || few).then(|| of(&|posture| !is_out(posture)));
         Directions { groups, columns }
     }

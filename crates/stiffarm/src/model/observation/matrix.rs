@@ -1,6 +1,6 @@
 //! Ψ of many postures.
 
-use super::{PostureTerms, Setup, check_angles};
+use super::{PostureTerms, Setup};
 use crate::error::{Code, Error, Result};
 use crate::numerics::jobs;
 use nalgebra::{DMatrix, Vector3};
@@ -91,17 +91,10 @@ struct Part<'a> {
 /// Fills in the rows of a part under each load, in the terms of one place in memory.
 fn fill(setups: &[Setup], rows: Rows, part: Part<'_>) -> Result<()> {
     let Part { postures, mut columns } = part;
-    let mut last: Option<PostureTerms> = None;
+    let mut terms = PostureTerms::memory(&setups[0]);
     let states = postures.iter().flat_map(|q| setups.iter().map(move |setup| (setup, *q)));
     for (state, (setup, q)) in states.enumerate() {
-        let terms = match &mut last {
-            None => last.insert(PostureTerms::new(setup, q, None)?),
-            Some(terms) => {
-                check_angles(&setup.robot, q)?;
-                terms.update(setup, q)?;
-                terms
-            }
-        };
+        terms.move_to(setup, q, None)?;
         let (n, m) = (terms.torque.len(), terms.measuring_points.len());
         if setup.robot.spring_mixing().is_none() {
             // Ψ_ij = J^m_ij Γ_j, Eq. (11).

@@ -236,28 +236,14 @@ pub fn certify_further<Q: AsRef<[f64]>>(
     options: &CertificateOptions,
     control: Control<'_>,
 ) -> Result<Certificate> {
-    bound(cell, index, measured, postures, options, control, Control::default())
+    certify_until(cell, index, measured, postures, options, control, Control::default())
 }
 
-/// The same, which a stop of `control` ends within a climb.
+/// The same, where a stop of `until` ends each climb as well: what is bounded then holds nothing.
 ///
 /// # Errors
-/// As [`certify_further`]; stopped.
-pub(crate) fn certify_unless_stopped<Q: AsRef<[f64]>>(
-    cell: &Cell,
-    index: Index,
-    measured: &[Q],
-    postures: &[Q],
-    options: &CertificateOptions,
-    control: Control<'_>,
-) -> Result<Certificate> {
-    let certificate = bound(cell, index, measured, postures, options, control, control)?;
-    control.check()?;
-    Ok(certificate)
-}
-
-/// The certificate so far where `control` stops it; none where `until` stopped a climb.
-fn bound<Q: AsRef<[f64]>>(
+/// As [`certify_further`].
+pub(crate) fn certify_until<Q: AsRef<[f64]>>(
     cell: &Cell,
     index: Index,
     measured: &[Q],
@@ -331,26 +317,14 @@ pub fn joint_efficiencies<Q: AsRef<[f64]>>(
     options: &CertificateOptions,
     control: Control<'_>,
 ) -> Result<Vec<JointEfficiency>> {
-    joint_bounds(cell, postures, options, control, Control::default())
+    joint_efficiencies_until(cell, postures, options, control, Control::default())
 }
 
-/// The same, which a stop of `control` ends within a climb.
+/// The same, where a stop of `until` ends each climb as well: what is bounded then holds nothing.
 ///
 /// # Errors
-/// As [`certify`]; stopped.
-pub(crate) fn joint_efficiencies_unless_stopped<Q: AsRef<[f64]>>(
-    cell: &Cell,
-    postures: &[Q],
-    options: &CertificateOptions,
-    control: Control<'_>,
-) -> Result<Vec<JointEfficiency>> {
-    let joints = joint_bounds(cell, postures, options, control, control)?;
-    control.check()?;
-    Ok(joints)
-}
-
-/// Bounds so far where `control` stops them; none where `until` stopped a climb.
-fn joint_bounds<Q: AsRef<[f64]>>(
+/// As [`certify`].
+pub(crate) fn joint_efficiencies_until<Q: AsRef<[f64]>>(
     cell: &Cell,
     postures: &[Q],
     options: &CertificateOptions,

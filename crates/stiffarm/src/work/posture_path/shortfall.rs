@@ -35,8 +35,8 @@ impl Search<'_> {
         if self.keeps { self.missing(q) } else { Ok(0.0) }
     }
 
-    /// What limits and shapes lack along a way, whose postures stand one after the other in `q`, by so many of its points as can be looked at for each of
-    /// several ways; 0 where the search does not keep them.
+    /// What limits and shapes lack along a way, whose postures stand one after the other in `q`, by so many of its
+    /// points as can be looked at for each of several ways; 0 where the search does not keep them.
     pub(super) fn lacks_room_along(&self, q: &[f64]) -> Result<f64> {
         if !self.keeps {
             return Ok(0.0);

@@ -162,51 +162,45 @@ pub(super) fn postures(
         starts.sort_by(|a, b| far(&a[0]).total_cmp(&far(&b[0])));
         near_enough = far(&starts[0][0]).max(FRAC_PI_2);
     }
-    let through = |turns: &[Vec<f64>], has_other: bool| {
-        Through::of(search, poses, branches, turns, (near_enough, has_other), control)
-    };
-    let mut through_all = Through::default();
-    // One after the other: what each holds is large where the path is long.
+    let mut through = Through { search, poses, branches, near_enough, control, best: None, broken: None };
     for turns in &starts {
-        through_all.add(through(turns, through_all.best.is_some())?);
-        let is_free = through_all.best.as_ref().is_some_and(|(_, (missing, _))| *missing == 0.0);
+        through.follow_each(turns)?;
+        let is_free = through.best.as_ref().is_some_and(|(_, (missing, _))| *missing == 0.0);
         if search.options.start.is_some() && is_free {
             break;
         }
     }
-    match through_all {
-        Through { best: Some((q, _)), .. } => Ok(search.each(&q)),
-        Through { broken: Some(broken), .. } => Err(broken.why),
-        Through { .. } => Err(Error::new(Code::Internal, "There was no branch to follow.")),
+    match (through.best, through.broken) {
+        (Some((q, _)), _) => Ok(search.each(&q)),
+        (None, Some(broken)) => Err(broken.why),
+        (None, None) => Err(Error::new(Code::Internal, "There was no branch to follow.")),
     }
 }
 
-/// What following a branch, or several, leads to.
-#[derive(Default)]
-struct Through {
+/// What following one branch after the other leads to.
+struct Through<'a> {
+    search: &'a Search<'a>,
+    poses: &'a [Isometry3<f64>],
+    branches: &'a Branches,
+    /// How far from the wanted start a way may begin, where there is another \[rad\].
+    near_enough: f64,
+    control: Control<'a>,
     /// Posture after posture of the best way; what bounds, limits and shapes lack along it, then its RMS deflection \[m\].
     best: Option<(Vec<f64>, (f64, f64))>,
     /// The branch that leads farthest of those that break off.
     broken: Option<BrokenBranch>,
 }
 
-impl Through {
+impl Through<'_> {
     /// Follows a branch from its full `turns`; from those that are far from the wanted start only where there is no other
-    /// way, of another branch or of this one.
-    fn of(
-        search: &Search<'_>,
-        poses: &[Isometry3<f64>],
-        branches: &Branches,
-        turns: &[Vec<f64>],
-        (near_enough, has_other): (f64, bool),
-        control: Control<'_>,
-    ) -> Result<Self> {
-        let mut through = Through::default();
+    /// way.
+    fn follow_each(&mut self, turns: &[Vec<f64>]) -> Result<()> {
+        let Through { search, poses, branches, near_enough, control, .. } = *self;
         // Full turns leave every link where it is: what a way lacks of room, and what it costs.
         let mut of_branch: Option<(f64, f64)> = None;
         for start in turns {
             let is_far = search.options.start.as_ref().is_some_and(|near| change(near, start).1 > near_enough);
-            if is_far && (has_other || through.best.is_some()) {
+            if is_far && self.best.is_some() {
                 continue;
             }
             control.check()?;
@@ -218,46 +212,38 @@ impl Through {
                     };
                     of_branch = Some((lacking, cost));
                     let beyond = search.beyond_bounds_along(&q, control)?;
-                    through.add(Through { best: Some((q, (lacking + beyond, cost))), broken: None });
+                    let missing = lacking + beyond;
+                    // Flipped wrists bend alike: rounding does not choose between them.
+                    let is_better = |than: (f64, f64)| (missing, cost) < (than.0, than.1 * (1.0 - 1e-9));
+                    if self.best.as_ref().is_none_or(|(_, rank)| is_better(*rank)) {
+                        self.best = Some((q, (missing, cost)));
+                    }
                     // Other turns of the same branch bend alike.
                     if beyond == 0.0 {
                         break;
                     }
                 }
                 Err(broken) if broken.why.code() == Code::Interrupted => return Err(broken.why),
-                Err(broken) => through.add(Through { best: None, broken: Some(broken) }),
+                Err(broken) => {
+                    if self.broken.as_ref().is_none_or(|than| broken.length > than.length) {
+                        self.broken = Some(broken);
+                    }
+                }
             }
         }
-        Ok(through)
-    }
-
-    /// Keeps the better of both.
-    fn add(&mut self, other: Through) {
-        // Flipped wrists bend alike: rounding does not choose between them.
-        let is_better =
-            |(missing, cost): (f64, f64), than: (f64, f64)| (missing, cost) < (than.0, than.1 * (1.0 - 1e-9));
-        if let Some(best) = other.best
-            && self.best.as_ref().is_none_or(|than| is_better(best.1, than.1))
-        {
-            self.best = Some(best);
-        }
-        if let Some(broken) = other.broken
-            && self.broken.as_ref().is_none_or(|than| broken.length > than.length)
-        {
-            self.broken = Some(broken);
-        }
+        Ok(())
     }
 }
 
 impl Branches {
     /// RMS deflection along `q` \[m\]; `squares` is the sum of the squares behind the first point in closed form.
     fn cost(&self, search: &Search<'_>, q: &[f64], squares: f64, control: Control<'_>) -> Result<f64> {
-        let q = search.each(q);
         if self.layers.is_none() {
-            return Ok(rms(&search.deflections(&q, &self.wrenches, control)?));
+            return Ok(rms(&search.deflections(&search.each(q), &self.wrenches, control)?));
         }
-        let first = search.deflection(&q[0], &self.wrenches[0])?;
-        Ok(((first.powi(2) + squares) / q.len() as f64).sqrt())
+        let joints = search.arm.robot().joint_count();
+        let first = search.deflection(&q[..joints], &self.wrenches[0])?;
+        Ok(((first.powi(2) + squares) / (q.len() / joints) as f64).sqrt())
     }
 }
 

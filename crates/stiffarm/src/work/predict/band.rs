@@ -17,7 +17,7 @@ use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::model::path::LoadedPosture;
 use crate::numerics::control::Control;
 use crate::numerics::half_width::Level;
-use crate::numerics::jobs::each_in_order;
+use crate::numerics::jobs::in_blocks;
 use nalgebra::{DMatrix, DMatrixView, Matrix3, Matrix3xX, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -105,8 +105,8 @@ impl Common {
 /// Points whose bands are found together.
 const TOGETHER: usize = 8;
 
-/// What `run` finds at each of the postures, in memory for the terms of `arm`; `place` is the shift of the tip of `arm` (m) in it, and where the band of
-/// that shift goes.
+/// What `run` finds at each of the postures, in memory for the terms of `arm`; `place` is the shift of the tip of `arm`
+/// (m) in it, and where the band of that shift goes.
 ///
 /// # Errors
 /// The first of `run`, by order; stopped.
@@ -117,27 +117,24 @@ pub(crate) fn with_bands<T: Send>(
     run: impl Fn(&LoadedPosture, &mut PostureTerms) -> Result<T> + Sync + Send,
     place: fn(&mut T) -> ([f64; 3], &mut Option<TipBand>),
 ) -> Result<Vec<T>> {
-    let together: Vec<&[LoadedPosture]> = postures.chunks(TOGETHER).collect();
-    let some = |(_, postures): (usize, &&[LoadedPosture])| {
+    in_blocks(postures, what, control, |_, block| {
         let mut terms = arm.memory();
-        let mut points: Vec<T> = postures.iter().map(|posture| run(posture, &mut terms)).collect::<Result<_>>()?;
+        let mut points: Vec<T> = block.iter().map(|posture| run(posture, &mut terms)).collect::<Result<_>>()?;
         let Some(bands) = bands else {
             return Ok(points);
         };
-        let shifts = points.iter_mut().zip(*postures).map(|(point, posture)| {
-            let terms = arm.terms(&posture.q, &posture.wrench)?;
-            Ok((place(point).0.into(), terms))
-        });
-        let bands = bands.of(arm, &shifts.collect::<Result<Vec<_>>>()?);
-        for (point, band) in points.iter_mut().zip(bands) {
-            *place(point).1 = Some(band);
+        for (points, postures) in points.chunks_mut(TOGETHER).zip(block.chunks(TOGETHER)) {
+            let shifts = points.iter_mut().zip(postures).map(|(point, posture)| {
+                let terms = arm.terms(&posture.q, &posture.wrench)?;
+                Ok((place(point).0.into(), terms))
+            });
+            let bands = bands.of(arm, &shifts.collect::<Result<Vec<_>>>()?);
+            for (point, band) in points.iter_mut().zip(bands) {
+                *place(point).1 = Some(band);
+            }
         }
         Ok(points)
-    };
-    let mut out = Vec::with_capacity(postures.len());
-    let take = |points| out.extend::<Vec<T>>(points);
-    each_in_order(&together, what, control, some, take)?;
-    Ok(out)
+    })
 }
 
 impl Bands {
